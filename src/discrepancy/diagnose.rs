@@ -2,7 +2,6 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::averaged::averaged;
-use super::case_errors::{ASKED, CaseErrors, SHORT};
 use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
@@ -10,12 +9,14 @@ use super::diagnosis::{
 use super::findings::{faults_of_marks, findings, rival_fit, without};
 use super::fit::{Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest};
+use super::frame::motions;
 use super::gain_check::GainCheck;
 use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
+use super::rig_errors::{ASKED, RigErrors, SHORT};
 use super::search::Search;
 use super::sought::{Begun, Sought, as_it_is, probability};
 use super::stiffness::{CorrectedStiffness, corrected};
@@ -93,8 +94,13 @@ pub fn diagnose_watched<'a>(
     let mut unfitted = Subject::new(problem, held_out);
     unfitted.watched_by(progress);
     let mut searched = Searched::new(&unfitted, is_blind, progress).ok_or_else(no_cases)?;
-    let mut open = vec![CaseErrors::Loads, CaseErrors::Frame];
-    open.retain(|errors| errors.are_open(&unfitted));
+    let mut open = vec![
+        RigErrors::Loads,
+        RigErrors::Frame,
+        RigErrors::Alignment,
+        RigErrors::Mount,
+    ];
+    open.retain(|errors| !errors.open(&unfitted).is_empty());
     while let Some(at) = searched.asked(&open) {
         let errors = open.remove(at);
         if let Some((added, again)) = searched.with(errors, &unfitted, is_blind, progress) {
@@ -292,14 +298,13 @@ impl<'a> Searched<'a> {
         })
     }
 
-    /// Which errors of single cases the search is to be made again with: those that promise most, if that is enough. A force of an unknown
+    /// Which errors of the rig the search is to be made again with: those that promise most, if that is enough. A force of an unknown
     /// law may have taken those of loads up.
-    fn asked(&self, open: &[CaseErrors]) -> Option<usize> {
-        let promised = |errors: &CaseErrors| errors.promised(&self.subject, &self.sought.leading);
-        let each = open.iter().map(promised).enumerate();
+    fn asked(&self, open: &[RigErrors]) -> Option<usize> {
+        let each = open.iter().map(|errors| self.promised(*errors)).enumerate();
         let best = each.max_by(|a, b| a.1.total_cmp(&b.1));
         let best = best.filter(|(_, promised)| *promised >= ASKED);
-        let hidden = || open.iter().position(|errors| *errors == CaseErrors::Loads);
+        let hidden = || open.iter().position(|errors| *errors == RigErrors::Loads);
         match best {
             Some((at, _)) => Some(at),
             None if !self.is_plain() => hidden(),
@@ -307,22 +312,39 @@ impl<'a> Searched<'a> {
         }
     }
 
-    /// The same with errors of single cases among the tolerances, where that makes the readings more probable.
+    /// By how many nats they would make the readings more probable: beside the leading model, or, within twice what is asked, in the place of
+    /// one of its causes.
+    fn promised(&self, errors: RigErrors) -> f64 {
+        let (found, leading) = (&self.sought.found, &self.sought.leading);
+        let beside = errors.promised(&self.subject, leading);
+        if beside >= ASKED || !errors.is_steady() {
+            return beside;
+        }
+        let instead = |at: usize| {
+            let rest = without(found, leading, at);
+            let own = rest.ln_posterior() - leading.ln_posterior();
+            own + errors.promised(&self.subject, &rest) + 2.0 * ASKED
+        };
+        (0..leading.chosen.len())
+            .map(instead)
+            .fold(beside, f64::max)
+    }
+
+    /// The same with errors of the rig among the tolerances, where that makes the readings more probable.
     fn with(
         &self,
-        errors: CaseErrors,
+        errors: RigErrors,
         unfitted: &Subject<'a>,
         is_blind: bool,
         progress: &Progress,
     ) -> Option<(Subject<'a>, Self)> {
-        let leading = &self.sought.leading;
-        let scattered = errors.added(unfitted);
+        let scattered = unfitted.with_groups(errors.open(unfitted));
         progress.renew();
         if scattered.is_spent() {
             return None;
         }
-        // Without a promise they are seldom there: the search of all cases alone tells.
-        let is_promised = errors.promised(&self.subject, leading) >= ASKED;
+        // Without a promise beside the leading model they are seldom there: the search of all cases alone tells.
+        let is_promised = errors.promised(&self.subject, &self.sought.leading) >= ASKED;
         if !is_promised && !self.gives_way(errors, &Self::of_all_cases(&scattered)?) {
             return None;
         }
@@ -344,16 +366,18 @@ impl<'a> Searched<'a> {
         })
     }
 
-    /// True if what was found with errors of single cases makes the readings more probable, and would not without them.
-    fn gives_way(&self, errors: CaseErrors, again: &Self) -> bool {
+    /// True if what was found with errors of the rig makes the readings more probable, and would not without them.
+    fn gives_way(&self, errors: RigErrors, again: &Self) -> bool {
         let (leading, other) = (&self.sought.leading, &again.sought.leading);
-        if errors.carried(&again.subject, other) < ASKED {
+        if errors.carried(&self.subject, other) < ASKED {
             return false;
         }
         if self.subject.tails == again.subject.tails {
             let is_named = leading.chosen.iter().all(Hypothesis::is_named);
             let least = if again.is_plain() && !is_named {
                 -SHORT
+            } else if other.chosen.len() < leading.chosen.len() {
+                0.0
             } else {
                 ASKED
             };
@@ -382,10 +406,9 @@ pub(super) fn tolerances(
     let length = subject.millimetre();
     let present = |group: Group| {
         group == Group::Marks && fitted.layout.marks.is_some()
-            || matches!(
-                group,
-                Group::FrameShifts | Group::FrameTurns | Group::FrameDrifts
-            ) && fitted.layout.frames.is_some()
+            || matches!(group, Group::FrameShifts | Group::FrameTurns)
+                && fitted.layout.frames.is_some()
+            || motions(subject, &[]).iter().any(|(of, _)| *of == group)
             || subject
                 .layer
                 .members

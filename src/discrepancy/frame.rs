@@ -1,17 +1,20 @@
-//! The measuring frame of a case: what a shift and a turn of it do to the readings of marks.
+//! The measuring frame: what a shift and a turn of it do to the readings of marks, and how it moves through the cases.
 
 use std::f64::consts::PI;
 
+use super::subject::Subject;
+use crate::backend::LoadProgramme;
 use crate::identify::global::Row;
 use crate::mechanics::Vec3;
+use crate::tolerance::Group;
 
 /// Rows of marks by a shift of the frame of case `of` along each axis and a turn about each, through the centroid of the marks; `places` are
-/// those of its readings. One unit of a row is `unit` long.
+/// those of its readings. One unit of a row is `unit` long, one of a turn is `turn` radians.
 pub(super) fn by_frame(
     rows: &[Row],
     of: usize,
     places: &[Vec3],
-    unit: f64,
+    (unit, turn): (f64, f64),
 ) -> [Vec<(usize, f64)>; 6] {
     let mut columns: [Vec<(usize, f64)>; 6] = Default::default();
     let centre = centroid(places);
@@ -27,7 +30,7 @@ pub(super) fn by_frame(
         if case != of {
             continue;
         }
-        let by = at_point(&(places[reading] - centre));
+        let by = at_point(&(places[reading] - centre), turn);
         for (k, column) in columns.iter_mut().enumerate() {
             if by[k][axis] != 0.0 {
                 column.push((at, by[k][axis] / unit));
@@ -37,11 +40,11 @@ pub(super) fn by_frame(
     columns
 }
 
-/// What three shifts and three turns do at a point, `lever` away from the centre of the turns.
-pub(super) fn at_point(lever: &Vec3) -> [Vec3; 6] {
+/// What three shifts and three turns, of `turn` radians, do at a point, `lever` away from the centre of the turns.
+pub(super) fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
     std::array::from_fn(|k| match k.checked_sub(3) {
         None => Vec3::ith(k, 1.0),
-        Some(k) => Vec3::ith(k, 1.0).cross(lever),
+        Some(k) => Vec3::ith(k, turn).cross(lever),
     })
 }
 
@@ -50,12 +53,63 @@ pub(super) fn centroid(places: &[Vec3]) -> Vec3 {
     places.iter().sum::<Vec3>() / places.len().max(1) as f64
 }
 
+/// A motion of the frame through the cases: its group, and its factor in each of them.
+pub(super) type Motion = (Group, Vec<f64>);
+
+/// The motions that are among the tolerances of a study, through its cases and then through further ones with these loads.
+pub(super) fn motions(subject: &Subject<'_>, further: &[&[f64]]) -> Vec<Motion> {
+    let has = |group: Group| subject.compares_marks() && subject.sizes.group(group).is_some();
+    let programme = subject.problem.programme;
+    let count = programme.cases.len();
+    let mut out = Vec::new();
+    if has(Group::FrameAlignment) {
+        out.push((Group::FrameAlignment, vec![1.0; count + further.len()]));
+    }
+    if has(Group::FrameDrifts) {
+        // Where the frame will have gone in a further case nobody knows.
+        let of = |case: usize| {
+            if case < count {
+                drifts(case, count)
+            } else {
+                [0.0; DRIFTS]
+            }
+        };
+        let all: Vec<[f64; DRIFTS]> = (0..count + further.len()).map(of).collect();
+        let one = |k: usize| all.iter().map(|of| of[k]).collect();
+        out.extend((0..DRIFTS).map(|k| (Group::FrameDrifts, one(k))));
+    }
+    if has(Group::MountYield) {
+        for (load, largest) in varying(programme) {
+            let known = programme.cases.iter().map(|case| case.values[load]);
+            let values = known.chain(further.iter().map(|values| values[load]));
+            out.push((
+                Group::MountYield,
+                values.map(|value| value / largest).collect(),
+            ));
+        }
+    }
+    out
+}
+
+/// Loads that differ between cases, with the largest value of each.
+pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
+    let of = |load: usize| {
+        let values = || programme.cases.iter().map(|case| case.values[load]);
+        let largest = values().map(f64::abs).fold(0.0, f64::max);
+        let first = values().next()?;
+        values()
+            .any(|value| value != first)
+            .then_some((load, largest))
+    };
+    (0..programme.loads.len()).filter_map(of).collect()
+}
+
 /// A frame that goes on from case to case is followed by so many functions of their order.
-pub(super) const DRIFTS: usize = 6;
+const DRIFTS: usize = 6;
 
 /// The leading functions of a random walk over `count` cases whose steps have a variance of one, in case `of`: Karhunen and Loeve's
 /// `sqrt(2 n) sin(w t / n) / w`, `w = (k - 1/2) pi`.
-pub(super) fn drifts(of: usize, count: usize) -> [f64; DRIFTS] {
+fn drifts(of: usize, count: usize) -> [f64; DRIFTS] {
     let n = count as f64;
     std::array::from_fn(|k| {
         let w = (k as f64 + 0.5) * PI;

@@ -5,13 +5,12 @@
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
 //! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`case_errors` beside it), and what shows its outcome.
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`rig_errors` beside it), and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod aim;
 mod averaged;
 mod candidate;
-mod case_errors;
 mod cause;
 mod causes;
 mod channel_miss;
@@ -42,6 +41,7 @@ mod plan;
 mod progress;
 mod prospect;
 mod remainder;
+mod rig_errors;
 mod rivals;
 mod scan;
 mod search;

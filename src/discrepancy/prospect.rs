@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::candidate::{Candidate, Candidates, New, sigma_of_a_cell, sigma_of_a_mark};
 use super::fit::Fitted;
 use super::forecast::{Asked, Forecast};
-use super::frame::{at_point, by_frame, centroid, drifts};
+use super::frame::{at_point, by_frame, centroid, motions};
 use super::subject::Subject;
 use super::wheel_place::WheelPlace;
 use crate::identify::global::{CaseChange, CasePrediction, NuisanceLayout, Observations, Row};
@@ -14,7 +14,7 @@ use crate::model::PartIx;
 use crate::rig::wheel::WheelReading;
 use crate::rig::{Case, MarkReading, Measurement};
 use crate::text::Span;
-use crate::tolerance::{Group, MarkBlock, Size, Whitening};
+use crate::tolerance::{Group, MarkBlock, Whitening};
 
 /// What one candidate would read.
 #[derive(Clone, Debug)]
@@ -222,11 +222,16 @@ impl<'a, 'b> Prospect<'a, 'b> {
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];
-        // Where the frame will be in a further case nobody knows.
-        let layout = NuisanceLayout {
+        // Where the frame will be set up in a further case nobody knows.
+        let mut layout = NuisanceLayout {
             frames: None,
             ..fitted.layout.clone()
         };
+        if let Some(own) = &mut layout.motions {
+            let loads: Vec<&[f64]> = candidate.sequence().iter().map(Vec::as_slice).collect();
+            let through = motions(subject, &loads).into_iter();
+            own.factors = through.map(|(_, factors)| factors).collect();
+        }
         let found = observations.evaluate(&prediction, &layout, x, x.len())?;
         let seen = |case: usize, reading: usize| {
             let read = measurement.cases[case].marks[reading];
@@ -245,7 +250,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
                 let readings = 0..measurement.cases[*case].marks.len();
                 let places: Vec<Vec3> = readings.map(|k| seen(*case, k)).collect();
                 jacobian = jacobian.resize_horizontally(first + 6, 0.0);
-                let by = by_frame(&observations.rows, *case, &places, subject.sigma);
+                let by = by_frame(&observations.rows, *case, &places, (subject.sigma, 1.0));
                 for (k, column) in by.iter().enumerate() {
                     for (row, value) in column {
                         jacobian[(*row, first + k)] = *value;
@@ -274,8 +279,6 @@ impl<'a, 'b> Prospect<'a, 'b> {
         let own = subject.problem.measurement;
         let marked = own.parts.iter().position(|marked| marked.part == part);
         let n = fitted.x.len();
-        let inner = fitted.unknowns.len() + fitted.layout.sd.len();
-        let turn = Size::turn_by_shift(subject.millimetre());
         let (mut jacobian, mut value, mut precision) = (Vec::new(), Vec::new(), Vec::new());
         let mut blocks = [Vec::new(), Vec::new()];
         let usual = subject.usual_precision();
@@ -316,7 +319,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
             block.levers.push(point);
             let arm = pose.R * place;
             let places: Vec<Vec3> = own.cases[*case].marks.iter().map(|mark| mark.x).collect();
-            let by_frame = at_point(&(point - centroid(&places)));
+            let by_frame = at_point(&(point - centroid(&places)), 1.0);
             for axis in 0..3 {
                 let mut row = vec![0.0; n];
                 for (to, change) in row.iter_mut().zip(predicted.by_unknown.iter()) {
@@ -327,13 +330,12 @@ impl<'a, 'b> Prospect<'a, 'b> {
                     for (to, by) in row[at..at + 6].iter_mut().zip(&by_frame) {
                         *to = by[axis] / sigma;
                     }
-                    let drifts = drifts(*case, own.cases.len()).into_iter();
-                    let followed = subject.frame_drifts().len() / 6;
-                    for (j, drift) in drifts.take(followed).enumerate() {
-                        let at = inner + 6 * j;
-                        for (k, to) in row[at..at + 6].iter_mut().enumerate() {
-                            let factor = if k < 3 { drift } else { drift * turn };
-                            *to = factor * by_frame[k][axis] / sigma;
+                }
+                if let Some(motions) = &fitted.layout.motions {
+                    let by = at_point(&(point - motions.centre), motions.turn);
+                    for (first, factor) in motions.of(*case) {
+                        for (to, by) in row[first..first + 6].iter_mut().zip(&by) {
+                            *to = factor * by[axis] / sigma;
                         }
                     }
                 }

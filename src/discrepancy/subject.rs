@@ -2,7 +2,6 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::DVector;
 
-use super::frame::{DRIFTS, by_frame, drifts};
 use super::progress::Progress;
 use crate::identify::Problem;
 use crate::identify::global::{Observations, Row};
@@ -11,8 +10,7 @@ use crate::rig::settings::Loss;
 use crate::rig::{Measurement, Stated, ToleranceSettings};
 use crate::syntax::Address;
 use crate::tolerance::{
-    Group, Layer, LayerOf, MarkBlock, Noise, Scale, Size, Sizes, Tails, Whitening, scattering,
-    spread,
+    Group, Layer, LayerOf, MarkBlock, Noise, Scale, Size, Sizes, Tails, Whitening, spread,
 };
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
@@ -20,8 +18,6 @@ const HUBER: f64 = 1.345;
 /// A reading is far out from so many standard deviations on; few are less than this part.
 const FAR: f64 = 4.0;
 const FEW: f64 = 0.03;
-/// Errors of single cases are looked for where they are no more than so many.
-const CASE_ERRORS: usize = 400;
 
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
@@ -40,7 +36,6 @@ pub struct Subject<'a> {
     pub layer: Arc<Layer>,
     /// Their sizes before anything was fitted.
     pub sizes: Sizes,
-    frame_drifts: Arc<Vec<Vec<(usize, f64)>>>,
     /// Precision of each row in its own unit; zero where it is not used.
     pub precision: Vec<f64>,
     blocks: Vec<MarkBlock>,
@@ -68,6 +63,13 @@ impl<'a> Subject<'a> {
         let frames = [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
         let of_marks = (measurement.sigma_on_parts, frames);
         let mut sizes = Sizes::new(problem.tolerances, of_marks, millimetre);
+        let alignment = problem.tolerances.alignment;
+        if alignment != Stated::Estimate
+            && !measurement.parts.is_empty()
+            && let Some((group, size)) = Size::of_alignment(alignment, millimetre)
+        {
+            sizes = sizes.with_group(group, size);
+        }
         if noise.estimated.is_none() && !measurement.parts.is_empty() {
             sizes.add_scale(Scale::Marks, !measurement.sigma_estimated);
         }
@@ -86,7 +88,6 @@ impl<'a> Subject<'a> {
             whitenings: Default::default(),
             tails: None,
             layer: Arc::new(layer),
-            frame_drifts: Arc::default(),
             progress: Progress::default(),
             rows,
             sigma,
@@ -101,72 +102,19 @@ impl<'a> Subject<'a> {
         new
     }
 
-    /// True if errors of each load in each case by itself can be looked for: the study does not state their size, forces are applied, and
-    /// they are not too many.
-    pub fn lacks_load_errors(&self) -> bool {
-        let problem = &self.problem;
-        let is_open = problem.tolerances.load_repeatability == Stated::Estimate
-            && self.sizes.group(Group::LoadRepeatability).is_none();
-        let loads = scattering(problem.model, problem.programme).len();
-        let count = loads * problem.programme.cases.len();
-        is_open && count > 0 && count <= CASE_ERRORS
-    }
-
-    /// The same with them.
+    /// The same with further groups of tolerances.
     #[must_use]
-    pub fn with_load_errors(&self) -> Self {
-        let mut new = self.with_groups(Size::of_load_errors());
-        new.layer = Arc::new(layer_of(&self.problem, true));
-        new
-    }
-
-    /// True if a shift and a turn of the measuring frame in each case can be looked for: the study does not state their size, there are
-    /// marks, and they are not too many.
-    pub fn lacks_frames(&self) -> bool {
-        let count = 6 * self.problem.measurement.cases.len();
-        !self.has_frames() && self.compares_marks() && count <= CASE_ERRORS
-    }
-
-    /// The same with them, and with a frame that goes on from case to case.
-    #[must_use]
-    pub fn with_frames(&self) -> Self {
-        self.with_groups(Size::of_frames(self.millimetre()))
-            .followed()
-    }
-
-    fn with_groups(&self, groups: impl IntoIterator<Item = (Group, Size)>) -> Self {
+    pub fn with_groups(&self, groups: impl IntoIterator<Item = (Group, Size)>) -> Self {
         let mut new = self.clone();
         for (group, size) in groups {
             new.sizes = new.sizes.with_group(group, size);
         }
+        let has_load_errors = new.sizes.group(Group::LoadRepeatability).is_some();
+        if has_load_errors != self.sizes.group(Group::LoadRepeatability).is_some() {
+            new.layer = Arc::new(layer_of(&new.problem, has_load_errors));
+        }
         new.whitenings = Default::default();
         new
-    }
-
-    /// With the rows by a frame that goes on from case to case.
-    fn followed(mut self) -> Self {
-        let measurement = self.problem.measurement;
-        let count = measurement.cases.len();
-        let turn = Size::turn_by_shift(self.millimetre());
-        let mut columns = vec![Vec::new(); 6 * DRIFTS];
-        for (case, read) in measurement.cases.iter().enumerate() {
-            let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-            let by = by_frame(&self.rows, case, &places, self.sigma);
-            for (j, drift) in drifts(case, count).into_iter().enumerate() {
-                for (k, column) in by.iter().enumerate() {
-                    let factor = if k < 3 { drift } else { drift * turn };
-                    let own = column.iter().map(|(row, value)| (*row, factor * value));
-                    columns[6 * j + k].extend(own);
-                }
-            }
-        }
-        self.frame_drifts = Arc::new(columns);
-        self
-    }
-
-    /// Rows by six numbers for each function that the frame may follow over the cases; none where it stays.
-    pub fn frame_drifts(&self) -> &[Vec<(usize, f64)>] {
-        &self.frame_drifts
     }
 
     /// True if the measuring frame has a place of its own in each case.

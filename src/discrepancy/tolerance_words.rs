@@ -2,6 +2,7 @@
 
 use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
+use crate::mechanics::Vec3;
 use crate::tolerance::{Group, Misplaced};
 
 /// A size whose logarithm moves by less says nothing.
@@ -43,13 +44,37 @@ impl Outcome<'_> {
             ));
         }
         let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
-        if let Some(shifts) = of(Group::FrameShifts) {
-            let drift = of(Group::FrameDrifts).map_or_else(String::new, |drifts| {
-                format!(", and drifts by {:.3} {} per case", drifts.sd, drifts.unit)
-            });
+        if let Some(found) = of(Group::FrameAlignment)
+            && found.sd > found.usual
+            && let Some(own) = &self.extended.layout.motions
+        {
+            let six = &self.extended.x[own.first..own.first + 6];
+            let [shift, turn] = [0, 3].map(|k| Vec3::from_column_slice(&six[k..k + 3]).norm());
             out.push(format!(
-                "The measuring frame differs from case to case by {:.3} {}, the same for all marks{drift}.",
-                shifts.sd, shifts.unit
+                "The measuring frame seems to sit {:.2} {} from the deck's, turned by {:.3} deg, the same in all cases.",
+                shift / self.subject.millimetre(),
+                found.unit,
+                (own.turn * turn).to_degrees()
+            ));
+        }
+        if let Some(found) = of(Group::MountYield) {
+            out.push(format!(
+                "What the axle is mounted on yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
+                found.sd, found.unit
+            ));
+        }
+        let frame = [
+            (Group::FrameShifts, "differs from case to case by", ""),
+            (Group::FrameDrifts, "drifts by", " per case"),
+        ];
+        let frame = frame.into_iter().filter_map(|(group, what, per)| {
+            of(group).map(|found| format!("{what} {:.3} {}{per}", found.sd, found.unit))
+        });
+        let frame: Vec<String> = frame.collect();
+        if !frame.is_empty() {
+            out.push(format!(
+                "The measuring frame {}, the same for all marks.",
+                frame.join(" and ")
             ));
         }
         out

@@ -1,15 +1,18 @@
 //! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, frames and places of marks, and what acts on rows
 //! alone.
 
+use super::frame::{centroid, motions};
 use super::hypothesis::{Column, Hypothesis, Unknown};
 use super::subject::Subject;
 use crate::identify::Problem;
 use crate::identify::global::{
-    Component, FitUnknown, FitUnknowns, Meaning, Memory, NuisanceLayout, Prepared, fit_unknowns,
+    Component, FitUnknown, FitUnknowns, FrameMotions, Meaning, Memory, NuisanceLayout, Prepared,
+    fit_unknowns,
 };
+use crate::mechanics::Vec3;
 use crate::syntax::Address;
 use crate::system::{Parameters, Slot};
-use crate::tolerance::{self, Effect, Group};
+use crate::tolerance::{self, Effect, Group, Size};
 
 /// What another fit found.
 #[derive(Clone, Copy)]
@@ -107,8 +110,7 @@ impl Unknowns {
             Some(known) => known.x[..members].to_vec(),
             None => list.iter().map(|unknown| unknown.start).collect(),
         };
-        let drifts = subject.frame_drifts();
-        let mut rows: Vec<RowColumn> = drifts.iter().cloned().map(RowColumn::Fixed).collect();
+        let mut rows: Vec<RowColumn> = Vec::new();
         let mut row_starts = Vec::new();
         let (mut memories, mut places) = (Vec::new(), Vec::new());
         for (hypothesis, guesses) in chosen {
@@ -226,7 +228,7 @@ impl Unknowns {
         let (layout, groups) = of_the_measurement(subject, list.len());
         let first_mark = list.len();
         start.extend(
-            (0..layout.sd.len() + drifts.len())
+            (0..layout.sd.len())
                 .map(|k| known.map_or(0.0, |known| known.x[known.unknowns.len() + k])),
         );
         priors.extend(groups.into_iter().map(tolerance::Unknown::member));
@@ -239,9 +241,7 @@ impl Unknowns {
             *at = first_row + (usize::MAX - *at);
         }
         start.extend(row_starts);
-        let drifting = tolerance::Unknown::member(Group::FrameDrifts);
-        priors.extend(drifts.iter().map(|_| drifting));
-        priors.extend(rows[drifts.len()..].iter().map(|_| own(0.0, 1.0)));
+        priors.extend(rows.iter().map(|_| own(0.0, 1.0)));
         Some(Self {
             deck: system.parameters(),
             list,
@@ -294,6 +294,19 @@ fn of_the_measurement(subject: &Subject<'_>, first: usize) -> (NuisanceLayout, V
     if subject.sizes.group(Group::Marks).is_some() && count > 0 {
         layout.marks = Some(first + groups.len());
         groups.extend(std::iter::repeat_n(Group::Marks, 3 * count));
+    }
+    let through = motions(subject, &[]);
+    if !through.is_empty() && count > 0 {
+        let marks = measurement.cases.iter().flat_map(|case| &case.marks);
+        let places: Vec<Vec3> = marks.map(|mark| mark.x).collect();
+        let first = first + groups.len();
+        groups.extend(through.iter().flat_map(|(group, _)| [*group; 6]));
+        layout.motions = Some(FrameMotions {
+            first,
+            centre: centroid(&places),
+            turn: Size::turn_by_shift(subject.millimetre()),
+            factors: through.into_iter().map(|(_, factors)| factors).collect(),
+        });
     }
     layout.sd = vec![1.0; groups.len()];
     (layout, groups)

@@ -6,6 +6,7 @@
 mod check;
 pub mod deflection;
 pub mod effect;
+mod frame_motion;
 mod kc_curves;
 mod kc_readings;
 mod kc_starter;

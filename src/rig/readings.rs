@@ -1,6 +1,7 @@
 //! What the instruments of a virtual rig read: poses become marks, wheel and channels, with noise and with faults.
 
 use super::effect::{ReadingFault, Reality};
+use super::frame_motion::FrameMotion;
 use super::measurement::{MarkedPart, Measurement};
 use super::noise::Noise;
 use super::rest::{Rest, place};
@@ -36,6 +37,8 @@ impl Readings {
         let mut second_session = Noise::new(seed, "marks measured");
         let mut of_poses = Noise::new(seed, "poses");
         let mut of_frames = Noise::new(seed, "frames");
+        let motion = FrameMotion::new(tolerances, seed, &reality.programme);
+        let mut centre: Option<Vec3> = None;
         let mut at_wheel = Noise::new(seed, "wheel");
         let mut sensors = Noise::new(seed, "readings");
         let on_parts = measured.sigma_on_parts * on;
@@ -61,6 +64,15 @@ impl Readings {
                     &mut of_poses,
                     (tolerances.pose, tolerances.pose_deg),
                 );
+            }
+            if let Some(motion) = &motion {
+                let (shift, turn) = motion.under(&reality.programme.cases[case].values);
+                let count = seen.iter().flatten().count().max(1) as f64;
+                let of_all = || seen.iter().flatten().sum::<Vec3>() / count;
+                let centre = *centre.get_or_insert_with(of_all);
+                for x in seen.iter_mut().flatten() {
+                    *x = centre + shift + turn * (*x - centre);
+                }
             }
             moved(
                 seen.iter_mut().flatten().collect(),

@@ -26,6 +26,10 @@ pub struct ToleranceSettings {
     pub load_direction_deg: Stated,
     /// Places of marks on their parts, mm.
     pub marks_on_parts: Stated,
+    /// Where the measuring frame sits, the same in all cases, mm; over half a metre also its turn.
+    pub alignment: Stated,
+    /// How far all marks move with each load at its largest value, mm; over half a metre also their turn.
+    pub mount: Stated,
     /// Rigid error of a part's pose in one case, mm; over a tenth of a metre also its turn.
     pub pose: Stated,
 }
@@ -52,6 +56,8 @@ impl ToleranceSettings {
             load_repeatability: stated("load_repeatability"),
             load_direction_deg: stated("load_direction_deg"),
             marks_on_parts: stated("marks_on_parts"),
+            alignment: stated("alignment"),
+            mount: stated("mount"),
             pose: stated("pose"),
         }
     }

@@ -33,6 +33,14 @@ pub struct Tolerances {
     pub pose: f64,
     /// Of the turn of each part in each case about each axis, through the mean of its marks, degrees.
     pub pose_deg: f64,
+    /// Of each coordinate of the place of the measuring frame, the same in all cases, in the deck's length unit.
+    pub alignment: f64,
+    /// Of its turn about each axis, through the mean of all marks of the first case, degrees.
+    pub alignment_deg: f64,
+    /// Of each coordinate of how far the axle's mount moves with each load at its largest value, in the deck's length unit.
+    pub mount: f64,
+    /// Of its turn about each axis, through the mean of all marks of the first case, degrees.
+    pub mount_deg: f64,
     /// Of each coordinate of the measuring frame in each case, the same for all marks, in the deck's length unit.
     pub frame: f64,
     /// Of the turn of the measuring frame in each case about each axis, through the mean of all marks, degrees.
@@ -61,7 +69,7 @@ impl Tolerances {
     }
 
     /// Every size with its name.
-    fn named(&mut self) -> [(&'static str, &mut f64); 13] {
+    fn named(&mut self) -> [(&'static str, &mut f64); 17] {
         [
             ("hardpoints", &mut self.hardpoints),
             ("parts", &mut self.parts),
@@ -74,6 +82,10 @@ impl Tolerances {
             ("marks_on_parts", &mut self.marks_on_parts),
             ("pose", &mut self.pose),
             ("pose_deg", &mut self.pose_deg),
+            ("alignment", &mut self.alignment),
+            ("alignment_deg", &mut self.alignment_deg),
+            ("mount", &mut self.mount),
+            ("mount_deg", &mut self.mount_deg),
             ("frame", &mut self.frame),
             ("frame_deg", &mut self.frame_deg),
         ]

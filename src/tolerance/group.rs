@@ -23,12 +23,16 @@ pub enum Group {
     LoadDirections,
     /// Places of marks on their parts.
     Marks,
+    /// Where the measuring frame sits, the same in all cases: a shift, and a turn that goes with it.
+    FrameAlignment,
     /// Shifts of the measuring frame in each case, the same for all marks.
     FrameShifts,
     /// Turns of it about the centroid of the marks.
     FrameTurns,
     /// How it goes on from case to case: a random walk, whose step from a case to the next this is.
     FrameDrifts,
+    /// How far the axle's mount on the rig moves with each load at its largest value.
+    MountYield,
     /// Forces of springs at design.
     Preloads,
     /// Rates of springs.
@@ -71,11 +75,15 @@ const STATED: f64 = 0.25;
 const REPEATED: f64 = 0.001;
 const MOST: f64 = 0.01;
 const IDLE: f64 = 0.3;
+/// What is usually left of the measuring frame's place when it was aligned with the axle, mm.
+const ALIGNED: f64 = 0.05;
 /// The usual shift of the measuring frame in a case, mm, and turn, radians, and the most they may be.
 const SHIFTED: f64 = 0.005;
 const MOST_SHIFTED: f64 = 0.2;
 const TURNED: f64 = 1e-5;
 const MOST_TURNED: f64 = 5e-4;
+/// What an axle's mount usually yields at the largest value of a load, mm.
+const YIELDED: f64 = 0.02;
 /// Standard deviation of the logarithm of a size that differs much from rig to rig.
 const LOOSE: f64 = 1.0;
 
@@ -87,6 +95,21 @@ impl Size {
             ln_sd,
             bounds: (middle - 4.0 * ln_sd, middle + 2.5 * ln_sd),
         }
+    }
+
+    /// A size that may be stated: zero switches its group off.
+    fn of(stated: Stated, unit: f64, usual: Self) -> Option<Self> {
+        match stated {
+            Stated::Estimate => Some(usual),
+            Stated::Size(size) if size > 0.0 => Some(Self::new(size * unit, STATED)),
+            Stated::Size(_) => None,
+        }
+    }
+
+    /// What is left of a measuring frame's place when it was aligned with the axle.
+    pub(crate) fn of_alignment(stated: Stated, millimetre: f64) -> Option<(Group, Self)> {
+        let usual = Self::new(ALIGNED * millimetre, 0.7);
+        Self::of(stated, millimetre, usual).map(|size| (Group::FrameAlignment, size))
     }
 
     /// What load cells and their control leave from case to case; and where a load is zero.
@@ -114,6 +137,11 @@ impl Size {
             ),
             (Group::FrameDrifts, shift),
         ]
+    }
+
+    /// How far the mount of an axle usually yields at the largest value of a load.
+    pub(crate) fn of_a_mount(millimetre: f64) -> [(Group, Self); 1] {
+        [(Group::MountYield, Self::new(YIELDED * millimetre, LOOSE))]
     }
 
     /// The turn of a frame that goes with a shift, per length.
@@ -154,21 +182,19 @@ impl Sizes {
     ) -> Self {
         let degree = 1f64.to_radians();
         let mm = millimetre;
-        let of = |stated: Stated, unit: f64, usual: Size| match stated {
-            Stated::Estimate => Some(usual),
-            Stated::Size(size) if size > 0.0 => Some(Size::new(size * unit, STATED)),
-            Stated::Size(_) => None,
-        };
+        let of = Size::of;
         let marks = if sigma_on_parts > 0.0 {
             Size::new(sigma_on_parts, STATED)
         } else {
             Size::new(0.01 * mm, 0.7)
         };
         let s = settings;
-        let stated = match s.load_repeatability {
+        let known_to_be = |stated: Stated| match stated {
             Stated::Size(size) if size > 0.0 => Some(size),
             _ => None,
         };
+        let stated = known_to_be(s.load_repeatability);
+        let mount = known_to_be(s.mount).map(|size| Size::new(size * mm, STATED));
         // One that is stated to be zero is next to nothing where the other is not.
         let has_frames = frames.iter().any(|size| *size > 0.0);
         let known = |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED));
@@ -202,6 +228,7 @@ impl Sizes {
             (Group::Marks, of(s.marks_on_parts, mm, marks)),
             (Group::FrameShifts, known(frames[0], 1e-6 * mm)),
             (Group::FrameTurns, known(frames[1], 1e-9)),
+            (Group::MountYield, mount),
             (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
             (
                 Group::SpringRates,
@@ -303,9 +330,11 @@ impl Group {
             Self::IdleLoads => "idle-loads",
             Self::LoadDirections => "load-directions",
             Self::Marks => "marks-on-parts",
+            Self::FrameAlignment => "frame-alignment",
             Self::FrameShifts => "frame-shifts",
             Self::FrameTurns => "frame-turns",
             Self::FrameDrifts => "frame-drifts",
+            Self::MountYield => "mount-yield",
             Self::Preloads => "spring-preloads",
             Self::SpringRates => "spring-rates",
             Self::KnownStiffnesses => "known-stiffnesses",

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use admire::identify::global::gauss_newton::{LeastSquares, Tolerances, minimise};
 use admire::identify::global::{
-    GlobalFit, Observations, Options, Prepared, Row, fit_study, fit_unknowns, global_problem,
+    FrameMotions, GlobalFit, Observations, Options, Prepared, Row, fit_study, fit_unknowns,
+    global_problem,
 };
 use admire::identify::{LoadedStudy, Status};
 use admire::mechanics::Vec3;
@@ -221,6 +222,18 @@ fn marks_wheel_and_sensors_are_differentiated_exactly() {
         .native(&problem, observations.observed.clone())
         .unwrap();
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
+    // A frame that sits elsewhere, and one that goes on from case to case.
+    let count = problem.measurement.cases.len();
+    global.layout.motions = Some(FrameMotions {
+        first: global.start().len(),
+        centre: Vec3::new(0.0, -500.0, 200.0),
+        turn: 1.0,
+        factors: vec![
+            vec![1.0; count],
+            (0..count).map(|case| case as f64 / 12.0).collect(),
+        ],
+    });
+    global.layout.sd.extend([1e-3; 12]);
     let mut x = global.start();
     for (k, value) in x.iter_mut().enumerate().skip(12) {
         *value += 1e-3 * (k as f64).sin();

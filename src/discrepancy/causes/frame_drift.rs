@@ -19,7 +19,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             continue;
         }
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-        let columns = by_frame(survey.rows(), case, &places, survey.sigma());
+        let columns = by_frame(survey.rows(), case, &places, (survey.sigma(), 1.0));
         let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
             let sd = if k < 3 {
                 SD.0 * survey.millimetre()

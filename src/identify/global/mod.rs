@@ -28,7 +28,7 @@ pub(crate) use memory::Carries;
 pub use memory::Memory;
 pub(crate) use native::NativePredictor;
 pub(crate) use observation::{Evaluation, NuisanceLayout};
-pub use observation::{Observations, Row};
+pub use observation::{FrameMotions, Observations, Row};
 pub(crate) use predictor::{
     CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor,
 };

@@ -1,7 +1,7 @@
 //! Readings against predictions: whitened residuals and their derivatives.
 //!
-//! Besides the deck's unknowns it knows those of the measurement itself: a shift of the measuring frame in each case, and errors of
-//! the marks' places on their parts. Knows no solver.
+//! Besides the deck's unknowns it knows those of the measurement itself: a shift of the measuring frame in each case, how it moves through
+//! all cases, and errors of the marks' places on their parts. Knows no solver.
 
 use nalgebra::{DMatrix, DVector, Dyn, U1};
 
@@ -51,11 +51,34 @@ impl Row {
     }
 }
 
+/// How the measuring frame moves through the cases: a sum of motions, each with six unknowns and a factor in each case.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FrameMotions {
+    /// First of six unknowns of each motion: shift, rotation vector.
+    pub first: usize,
+    /// What it turns about.
+    pub centre: Vec3,
+    /// Radians of one unit of a rotation vector.
+    pub turn: f64,
+    /// By motion and case.
+    pub factors: Vec<Vec<f64>>,
+}
+
+impl FrameMotions {
+    /// The first unknown of each motion of a case, and its factor.
+    pub(crate) fn of(&self, case: usize) -> impl Iterator<Item = (usize, f64)> {
+        let each = self.factors.iter().enumerate();
+        each.map(move |(k, factors)| (self.first + 6 * k, factors[case]))
+    }
+}
+
 /// Unknowns of the measurement itself, after those of the deck.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct NuisanceLayout {
     /// First of six per case: translation, rotation vector about the centroid of the case's marks; `None` if off.
     pub frames: Option<usize>,
+    /// Those that go through all cases; `None` if off.
+    pub motions: Option<FrameMotions>,
     /// First of three per mark of every part; `None` if off.
     pub marks: Option<usize>,
     /// First mark of each marked part in that list.
@@ -319,6 +342,16 @@ impl<'a> Observations<'a> {
         }
         let arm = pose.R * local;
         let mut point = pose.p + arm;
+        let mut turned = Vec3::zeros();
+        let around = layout.motions.as_ref().map(|motions| {
+            let lever = point - motions.centre;
+            for (k, factor) in motions.of(case) {
+                point += factor * Vec3::new(x[k], x[k + 1], x[k + 2]);
+                turned += factor * motions.turn * Vec3::new(x[k + 3], x[k + 4], x[k + 5]);
+            }
+            point += turned.cross(&lever);
+            (motions, lever)
+        });
         let frame = layout.frames.map(|first| first + 6 * case);
         let lever = reading.x - self.centroid(case);
         if let Some(k) = frame {
@@ -342,15 +375,24 @@ impl<'a> Observations<'a> {
             }
         };
         for (k, change) in predicted.by_unknown.iter().enumerate() {
-            put(k, moved(&change.parts[place], &arm));
+            let change = moved(&change.parts[place], &arm);
+            put(k, change + turned.cross(&change));
         }
         for k in 0..3 {
             if let Some(first) = error {
-                put(first + k, pose.R.column(k).into());
+                let along: Vec3 = pose.R.column(k).into();
+                put(first + k, along + turned.cross(&along));
             }
             if let Some(first) = frame {
                 put(first + k, Vec3::ith(k, 1.0));
                 put(first + 3 + k, Vec3::ith(k, 1.0).cross(&lever));
+            }
+            if let Some((motions, lever)) = &around {
+                let by_turn = Vec3::ith(k, motions.turn).cross(lever);
+                for (first, factor) in motions.of(case) {
+                    put(first + k, Vec3::ith(k, factor));
+                    put(first + 3 + k, factor * by_turn);
+                }
             }
         }
     }

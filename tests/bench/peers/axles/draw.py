@@ -35,6 +35,8 @@ CONDITIONS = {
     "heavy-tails": ((), {}, dict(tails=3.0)),
     "outliers": ((), {}, dict(outliers=6)),
     "loads": ((), {}, dict(loads=0.003)),
+    "alignment": ((), {}, dict(alignment=0.25)),
+    "mount": ((), {}, dict(mount=0.03)),
     "frame": ((), {}, dict(frame=0.03)),
     "frame-walk": ((), {}, dict(frame_walk=0.02)),
     "mark-place": ((), {}, dict(misplaced=0.8)),
@@ -243,9 +245,18 @@ def measure(world, poses, rng, how, sigma):
     return marks, wrong
 
 
-def moved(world, poses, marks, rng, how):
-    """Moves all marks of each case together, by itself or on from the case before, and one mark on its part. Tells what is a cause."""
+def moved(world, poses, marks, cases, rng, how):
+    """Moves all marks together: of all cases alike, of each by itself, or on from the case before; and one mark on its part. Tells what is a cause."""
     count = len(marks)
+    if size := how.get("mount"):
+        # Along each load and about the axis that follows, by so much per 1000 N.
+        for load, values in zip(world.axle.loads, np.asarray(cases).T / 1000.0):
+            along = size * values[:, None, None, None] * np.asarray(load.direction)
+            about = size / 700.0 * values[:, None, None, None] * np.roll(load.direction, 1)
+            marks += along + np.cross(np.broadcast_to(about, marks.shape), marks - marks.mean((0, 1, 2)))
+    if size := how.get("alignment"):
+        shift, turn = size * rng.normal(size=(2, 3)) / np.array([1.0, 700.0])[:, None]
+        marks += shift + np.cross(turn, marks - marks.mean((0, 1, 2)))
     for size, followed in ((how.get("frame", 0.0), False), (how.get("frame_walk", 0.0), True)):
         if size:
             steps = size * rng.normal(size=(2, count, 1, 1, 3)) / np.array([1.0, 700.0])[:, None, None, None, None]
@@ -319,7 +330,7 @@ def drawn(path, kind, axle_name, seed, instruments, streams, with_bound, cases):
     exact = nominal.marks(design)
     off = without.marks(without.sweep()) if sizes else exact
     marks, wrong = measure(world, poses, of_noise, how, sigma)
-    truth += moved(world, poses, marks, np.random.default_rng([seed, 6]), how)
+    truth += moved(world, poses, marks, cases, np.random.default_rng([seed, 6]), how)
     truth += [dict(cause="mark-outlier", addresses=[address]) for address in wrong]
     declared = how.get("declared", 1.0)
     measured = dict(sigma=sigma * declared, sigma_wheel=SIGMA_WHEEL)

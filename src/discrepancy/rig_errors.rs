@@ -1,17 +1,18 @@
-//! Loads that are not held exactly, and a measuring frame that does not stay: each has an error in each case by itself. Where the readings
+//! What a rig may do besides: hold loads not exactly, measure from a frame that does not stay, yield under the loads. Where the readings
 //! ask for these errors, the search is made again with them among the tolerances.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fitted;
-use super::frame::by_frame;
+use super::frame::{by_frame, motions, varying};
 use super::subject::Subject;
 use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 use crate::mechanics::eigen::symmetric_eigen;
+use crate::rig::Stated;
 use crate::tolerance::{Group, Posterior, Size, Sizes, scattering, transposed};
 
-/// Errors of single cases have to make the readings more probable by so many nats.
+/// They have to make the readings more probable by so many nats.
 pub(super) const ASKED: f64 = 5.0;
 /// They may stand in the place of a force of an unknown law that makes the readings more probable by so many nats: it needs fewer numbers,
 /// but nothing at an element changes at random from case to case.
@@ -20,51 +21,86 @@ pub(super) const SHORT: f64 = 50.0;
 /// Sizes at which the evidence is looked at, between their bounds.
 const SIZES: usize = 40;
 
-/// What has an error of its own in each case.
+/// Loads in single cases are looked at where they are no more than so many, places of the frame likewise.
+const CASE_ERRORS: usize = 400;
+/// A mount is looked at under so many loads at most.
+const LOADS: usize = 12;
+
+/// What a rig may do besides.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum CaseErrors {
-    /// Each load.
+pub(super) enum RigErrors {
+    /// Each load has an error of its own in each case.
     Loads,
-    /// The place of the measuring frame.
+    /// The measuring frame is set up anew in each case, or goes on from case to case.
     Frame,
+    /// The measuring frame sits elsewhere than the deck's, the same in all cases.
+    Alignment,
+    /// What the axle is mounted on yields to the loads.
+    Mount,
 }
 
-impl CaseErrors {
-    /// The groups of tolerances that hold them, with their usual sizes.
-    fn groups(self, subject: &Subject<'_>) -> Vec<(Group, Size)> {
-        match self {
-            Self::Loads => Size::of_load_errors().to_vec(),
-            Self::Frame => Size::of_frames(subject.millimetre()).to_vec(),
-        }
+impl RigErrors {
+    /// The groups of tolerances that hold them and that a study lacks, with their usual sizes; none where they cannot be looked for.
+    pub(super) fn open(self, subject: &Subject<'_>) -> Vec<(Group, Size)> {
+        let problem = &subject.problem;
+        let cases = problem.programme.cases.len();
+        let millimetre = subject.millimetre();
+        let mut groups = match self {
+            Self::Loads => {
+                let count = cases * scattering(problem.model, problem.programme).len();
+                let is_open = problem.tolerances.load_repeatability == Stated::Estimate;
+                if !is_open || count == 0 || count > CASE_ERRORS {
+                    return Vec::new();
+                }
+                Size::of_load_errors().to_vec()
+            }
+            Self::Frame if subject.compares_marks() => {
+                let mut groups = Size::of_frames(millimetre).to_vec();
+                let is_few = 6 * cases <= CASE_ERRORS;
+                groups.retain(|(group, _)| is_few || *group == Group::FrameDrifts);
+                groups
+            }
+            Self::Alignment if subject.compares_marks() => {
+                let stated = problem.tolerances.alignment;
+                if stated != Stated::Estimate {
+                    return Vec::new();
+                }
+                Size::of_alignment(stated, millimetre).into_iter().collect()
+            }
+            Self::Mount if subject.compares_marks() => {
+                let count = varying(problem.programme).len();
+                let is_open = problem.tolerances.mount == Stated::Estimate;
+                if !is_open || count == 0 || count > LOADS {
+                    return Vec::new();
+                }
+                Size::of_a_mount(millimetre).to_vec()
+            }
+            Self::Frame | Self::Alignment | Self::Mount => Vec::new(),
+        };
+        groups.retain(|(group, _)| subject.sizes.group(*group).is_none());
+        groups
     }
 
-    /// True where they are not known, and can be looked for.
-    pub(super) fn are_open(self, subject: &Subject<'_>) -> bool {
-        match self {
-            Self::Loads => subject.lacks_load_errors(),
-            Self::Frame => subject.lacks_frames(),
-        }
-    }
-
-    /// The same study with them among its tolerances.
-    pub(super) fn added<'a>(self, subject: &Subject<'a>) -> Subject<'a> {
-        match self {
-            Self::Loads => subject.with_load_errors(),
-            Self::Frame => subject.with_frames(),
-        }
+    /// True for what is the same in all cases, or follows the loads: a cause of the axle may stand in its place.
+    pub(super) const fn is_steady(self) -> bool {
+        matches!(self, Self::Alignment | Self::Mount)
     }
 
     /// By how many nats they would make the readings more probable beside a fit, in its linear model: with its sizes of tolerances or with
     /// usual ones, where other tolerances may have taken these errors up.
     pub(super) fn promised(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
-        let columns = match self {
-            Self::Loads => of_loads(subject, fitted),
-            Self::Frame => of_frames(subject),
+        let groups = self.open(subject);
+        let Some(&(group, size)) = groups.first() else {
+            return 0.0;
+        };
+        let columns = match group {
+            Group::LoadRepeatability => of_loads(subject, fitted),
+            Group::FrameShifts => of_frames(subject),
+            _ => of_motions(&subject.with_groups(groups), group),
         };
         if columns.ncols() == 0 {
             return 0.0;
         }
-        let size = self.groups(subject)[0].1;
         let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
         let usual = fitted.linear.posterior(&modest);
         let options = [
@@ -78,11 +114,12 @@ impl CaseErrors {
         options.into_iter().flatten().map(of).fold(0.0, f64::max)
     }
 
-    /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out.
+    /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out. `subject` is the
+    /// study without them.
     pub(super) fn carried(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
         let mut without = fitted.sizes.clone();
         let mut of_priors = 0.0;
-        for (group, _) in self.groups(subject) {
+        for (group, _) in self.open(subject) {
             if let Some(at) = without.group(group) {
                 let size = without.groups[at].1;
                 let least = size.bounds.0;
@@ -104,12 +141,26 @@ fn of_frames(subject: &Subject<'_>) -> DMatrix<f64> {
     let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
     for (case, read) in measurement.cases.iter().enumerate() {
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-        let columns = by_frame(&subject.rows, case, &places, subject.sigma);
+        let columns = by_frame(&subject.rows, case, &places, (subject.sigma, turn));
         for (k, column) in columns.into_iter().enumerate() {
-            let factor = if k < 3 { 1.0 } else { turn };
             for (row, value) in column {
-                out[(row, 6 * case + k)] = factor * value;
+                out[(row, 6 * case + k)] = value;
             }
+        }
+    }
+    out
+}
+
+/// Derivatives of all rows by the motions of a group that the frame makes through the cases.
+fn of_motions(subject: &Subject<'_>, of: Group) -> DMatrix<f64> {
+    let mut through = motions(subject, &[]);
+    through.retain(|(group, _)| *group == of);
+    let own = of_frames(subject);
+    let mut out = DMatrix::zeros(own.nrows(), 6 * through.len());
+    for (at, (_, factors)) in through.iter().enumerate() {
+        for (case, factor) in factors.iter().enumerate() {
+            let mut six = out.columns_mut(6 * at, 6);
+            six += own.columns(6 * case, 6) * *factor;
         }
     }
     out

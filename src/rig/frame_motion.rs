@@ -1,0 +1,52 @@
+//! How all marks of a virtual rig move together: a measuring frame that was aligned badly, and a mount that yields to the loads.
+
+use super::noise::Noise;
+use super::tolerances::Tolerances;
+use crate::backend::LoadProgramme;
+use crate::mechanics::{Mat3, Vec3, exp};
+
+/// Shifts and rotation vectors: of the frame, and of the mount by each load.
+pub(super) struct FrameMotion {
+    alignment: (Vec3, Vec3),
+    /// With the largest value of the load.
+    mount: Vec<(f64, Vec3, Vec3)>,
+}
+
+impl FrameMotion {
+    /// `None` where nothing moves.
+    pub(super) fn new(
+        tolerances: &Tolerances,
+        seed: u64,
+        programme: &LoadProgramme,
+    ) -> Option<Self> {
+        let t = tolerances;
+        if [t.alignment, t.alignment_deg, t.mount, t.mount_deg] == [0.0; 4] {
+            return None;
+        }
+        let drawn = |noise: &mut Noise, length: f64, degrees: f64| {
+            (noise.vector(length), noise.vector(degrees.to_radians()))
+        };
+        let mut noise = Noise::new(seed, "alignment");
+        let alignment = drawn(&mut noise, t.alignment, t.alignment_deg);
+        let mut noise = Noise::new(seed, "mount");
+        let of = |load: usize| {
+            let values = programme.cases.iter().map(|case| case.values[load].abs());
+            let (shift, turn) = drawn(&mut noise, t.mount, t.mount_deg);
+            (values.fold(f64::MIN_POSITIVE, f64::max), shift, turn)
+        };
+        Some(Self {
+            alignment,
+            mount: (0..programme.loads.len()).map(of).collect(),
+        })
+    }
+
+    /// Under these loads.
+    pub(super) fn under(&self, loads: &[f64]) -> (Vec3, Mat3) {
+        let (mut shift, mut turn) = self.alignment;
+        for ((largest, by, about), load) in self.mount.iter().zip(loads) {
+            shift += by * (load / largest);
+            turn += about * (load / largest);
+        }
+        (shift, exp(&turn))
+    }
+}
