@@ -45,7 +45,6 @@ impl Outcome<'_> {
         }
         let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
         if let Some(found) = of(Group::FrameAlignment)
-            && found.sd > found.usual
             && let Some(own) = &self.extended.layout.motions
         {
             let six = &self.extended.x[own.first..own.first + 6];
