@@ -317,7 +317,7 @@ impl<'a> Searched<'a> {
     fn promised(&self, errors: RigErrors) -> f64 {
         let (found, leading) = (&self.sought.found, &self.sought.leading);
         let beside = errors.promised(&self.subject, leading);
-        if beside >= ASKED || !errors.is_steady() {
+        if !errors.is_steady() {
             return beside;
         }
         let instead = |at: usize| {
@@ -325,9 +325,32 @@ impl<'a> Searched<'a> {
             let own = rest.ln_posterior() - leading.ln_posterior();
             own + errors.promised(&self.subject, &rest) + 2.0 * ASKED
         };
-        (0..leading.chosen.len())
+        let most = (0..leading.chosen.len())
             .map(instead)
-            .fold(beside, f64::max)
+            .fold(beside, f64::max);
+        if self.unseen_agrees(errors) {
+            most
+        } else {
+            0.0
+        }
+    }
+
+    /// True if the search without the held-out cases asks for them, too, so that those cases do not choose the tolerances that predict them.
+    fn unseen_agrees(&self, errors: RigErrors) -> bool {
+        let Some(unseen) = &self.unseen else {
+            return true;
+        };
+        let chosen = &unseen.chosen;
+        let asks = |fit: &Arc<Fitted>| {
+            let behind = chosen.ln_posterior() - fit.ln_posterior();
+            let within = if Arc::ptr_eq(fit, chosen) {
+                0.0
+            } else {
+                2.0 * ASKED
+            };
+            errors.promised(&self.subject, fit) + within >= behind + ASKED
+        };
+        asks(chosen) || unseen.fits().iter().any(asks)
     }
 
     /// The same with errors of the rig among the tolerances, where that makes the readings more probable.
