@@ -313,7 +313,7 @@ impl<'a> Searched<'a> {
     }
 
     /// By how many nats they would make the readings more probable: beside the leading model, or, within twice what is asked, in the place of
-    /// one of its causes.
+    /// one of its causes. Steady ones that the search without the held-out cases does not ask for promise nothing.
     fn promised(&self, errors: RigErrors) -> f64 {
         let (found, leading) = (&self.sought.found, &self.sought.leading);
         let beside = errors.promised(&self.subject, leading);

@@ -162,6 +162,7 @@ fn every_cause_can_be_planted() {
         "frame-drift@case 7:x=0.2,az_deg=0.01",
         "frame-drift@case 7:x=0.2,creep=1",
         "mark-outlier@case 7 KNUCKLE 3:x=0.5",
+        "mark-place@KNUCKLE 3:x=0.5",
         "mark-place@KNUCKLE 3:y=0.5,from=8",
     ];
     for text in specs {
