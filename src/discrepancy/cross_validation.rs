@@ -277,7 +277,7 @@ impl<'a> Folds<'a> {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);
             let begun = Begun::without_held_out(&subject)?;
-            let unseen = Unseen::new(begun, progress).filter(|found| !found.is_cut_short())?;
+            let unseen = Unseen::new(begun, &[], progress).filter(|found| !found.is_cut_short())?;
             let chosen = Hypothesis::causes(&unseen.chosen.chosen);
             Some(Predicted {
                 causes: chosen.map(ToString::to_string).collect(),

@@ -16,9 +16,8 @@ use super::limits::{cause_limits, detection_limits};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
-use super::rig_errors::{ASKED, RigErrors, SHORT};
-use super::search::Search;
-use super::sought::{Begun, Sought, as_it_is, probability};
+use super::searched::Searched;
+use super::sought::{Sought, probability};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, is_significant, is_structured, least, structure};
 use super::subject::{Data, Subject};
@@ -93,20 +92,8 @@ pub fn diagnose_watched<'a>(
     let is_blind = check != GainCheck::Quick;
     let mut unfitted = Subject::new(problem, held_out);
     unfitted.watched_by(progress);
-    let mut searched = Searched::new(&unfitted, is_blind, progress).ok_or_else(no_cases)?;
-    let mut open = vec![
-        RigErrors::Loads,
-        RigErrors::Frame,
-        RigErrors::Alignment,
-        RigErrors::Mount,
-    ];
-    open.retain(|errors| !errors.open(&unfitted).is_empty());
-    while let Some(at) = searched.asked(&open) {
-        let errors = open.remove(at);
-        if let Some((added, again)) = searched.with(errors, &unfitted, is_blind, progress) {
-            (unfitted, searched) = (added, again);
-        }
-    }
+    let searched = Searched::to_the_end(unfitted, is_blind, progress);
+    let (unfitted, searched) = searched.ok_or_else(no_cases)?;
     let Searched {
         subject,
         sought,
@@ -232,191 +219,6 @@ pub fn diagnose_watched<'a>(
         extended: leading,
         subject,
     })
-}
-
-/// A search of all cases, and one without those held out.
-struct Searched<'a> {
-    /// The study, its readings weighed.
-    subject: Subject<'a>,
-    /// What the search of all cases ended with.
-    sought: Sought,
-    /// Tests of structure in what its leading model leaves.
-    tested: Vec<StructureTest>,
-    /// What the other one chose and predicts.
-    unseen: Option<Unseen>,
-}
-
-impl<'a> Searched<'a> {
-    /// `None` where the deck cannot be solved.
-    fn new(unfitted: &Subject<'a>, is_blind: bool, progress: &Progress) -> Option<Self> {
-        let mut subject = unfitted.clone();
-        progress.begin("fitting the model as it is");
-        // That without the held-out cases comes first: the fit to all of them begins where it ends, and it owes them nothing.
-        let mut begun = Begun::without_held_out(unfitted);
-        let known = begun.as_ref().map(|begun| &*begun.none);
-        let none = as_it_is(&mut subject, known, Data::All)?;
-        progress.begin("searching causes");
-        let mut search = Search::new(&subject, Arc::new(none), Data::All);
-        // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
-        let mut unseen = (is_blind && search.is_sure())
-            .then(|| Unseen::new(begun.take()?, progress))
-            .flatten();
-        let is_first = unseen.is_some();
-        if is_first {
-            progress.renew();
-            progress.begin("searching causes");
-        }
-        // Beside a law that was met badly it would begin with what that law leaves.
-        let is_plain = |unseen: &&Unseen| unseen.chosen.chosen.iter().all(Hypothesis::is_plain);
-        let start = unseen.as_ref().filter(is_plain);
-        let is_second = start.is_none();
-        let mut sought = Sought::new(match start {
-            Some(start) => search.ended_from(&start.chosen, start.fits()),
-            None => search.ended(),
-        });
-        progress.begin("testing what was found");
-        let mut tested = structure(&subject, &sought.leading);
-        let is_explained = !unexplained(&tested).structured;
-        if !is_first && (!is_explained || (is_blind && !sought.leading.chosen.is_empty())) {
-            unseen = begun.and_then(|begun| Unseen::new(begun, progress));
-        }
-        // Where this search did not begin there, that one gives a second start.
-        if is_second
-            && let Some(unseen) = &unseen
-            && sought.resume(&subject, unseen.models(), Data::All)
-        {
-            tested = structure(&subject, &sought.leading);
-        }
-        if unexplained(&tested).structured && sought.with_tails(&mut subject) {
-            tested = structure(&subject, &sought.leading);
-        }
-        Some(Self {
-            subject,
-            sought,
-            tested,
-            unseen,
-        })
-    }
-
-    /// Which errors of the rig the search is to be made again with: those that promise most, if that is enough. A force of an unknown
-    /// law may have taken those of loads up.
-    fn asked(&self, open: &[RigErrors]) -> Option<usize> {
-        let each = open.iter().map(|errors| self.promised(*errors)).enumerate();
-        let best = each.max_by(|a, b| a.1.total_cmp(&b.1));
-        let best = best.filter(|(_, promised)| *promised >= ASKED);
-        let hidden = || open.iter().position(|errors| *errors == RigErrors::Loads);
-        match best {
-            Some((at, _)) => Some(at),
-            None if !self.is_plain() => hidden(),
-            None => None,
-        }
-    }
-
-    /// By how many nats they would make the readings more probable: beside the leading model, or, within twice what is asked, in the place of
-    /// one of its causes. Steady ones that the search without the held-out cases does not ask for promise nothing.
-    fn promised(&self, errors: RigErrors) -> f64 {
-        let (found, leading) = (&self.sought.found, &self.sought.leading);
-        let beside = errors.promised(&self.subject, leading);
-        if !errors.is_steady() {
-            return beside;
-        }
-        let instead = |at: usize| {
-            let rest = without(found, leading, at);
-            let own = rest.ln_posterior() - leading.ln_posterior();
-            own + errors.promised(&self.subject, &rest) + 2.0 * ASKED
-        };
-        let most = (0..leading.chosen.len())
-            .map(instead)
-            .fold(beside, f64::max);
-        if self.unseen_agrees(errors) {
-            most
-        } else {
-            0.0
-        }
-    }
-
-    /// True if the search without the held-out cases asks for them, too, so that those cases do not choose the tolerances that predict them.
-    fn unseen_agrees(&self, errors: RigErrors) -> bool {
-        let Some(unseen) = &self.unseen else {
-            return true;
-        };
-        let chosen = &unseen.chosen;
-        let asks = |fit: &Arc<Fitted>| {
-            let behind = chosen.ln_posterior() - fit.ln_posterior();
-            let within = if Arc::ptr_eq(fit, chosen) {
-                0.0
-            } else {
-                2.0 * ASKED
-            };
-            errors.promised(&self.subject, fit) + within >= behind + ASKED
-        };
-        asks(chosen) || unseen.fits().iter().any(asks)
-    }
-
-    /// The same with errors of the rig among the tolerances, where that makes the readings more probable.
-    fn with(
-        &self,
-        errors: RigErrors,
-        unfitted: &Subject<'a>,
-        is_blind: bool,
-        progress: &Progress,
-    ) -> Option<(Subject<'a>, Self)> {
-        let scattered = unfitted.with_groups(errors.open(unfitted));
-        progress.renew();
-        if scattered.is_spent() {
-            return None;
-        }
-        // Without a promise beside the leading model they are seldom there: the search of all cases alone tells.
-        let is_promised = errors.promised(&self.subject, &self.sought.leading) >= ASKED;
-        if !is_promised && !self.gives_way(errors, &Self::of_all_cases(&scattered)?) {
-            return None;
-        }
-        let again = Self::new(&scattered, is_blind, progress)?;
-        self.gives_way(errors, &again).then_some((scattered, again))
-    }
-
-    /// The search of all cases, nothing else. `None` where the deck cannot be solved.
-    fn of_all_cases(unfitted: &Subject<'a>) -> Option<Self> {
-        let mut subject = unfitted.clone();
-        let none = as_it_is(&mut subject, None, Data::All)?;
-        let search = Search::new(&subject, Arc::new(none), Data::All);
-        let sought = Sought::new(search.ended());
-        Some(Self {
-            tested: structure(&subject, &sought.leading),
-            subject,
-            sought,
-            unseen: None,
-        })
-    }
-
-    /// True if what was found with errors of the rig makes the readings more probable, and would not without them.
-    fn gives_way(&self, errors: RigErrors, again: &Self) -> bool {
-        let (leading, other) = (&self.sought.leading, &again.sought.leading);
-        if errors.carried(&self.subject, other) < ASKED {
-            return false;
-        }
-        if self.subject.tails == again.subject.tails {
-            let is_named = leading.chosen.iter().all(Hypothesis::is_named);
-            let least = if again.is_plain() && !is_named {
-                -SHORT
-            } else if other.chosen.len() < leading.chosen.len() {
-                0.0
-            } else {
-                ASKED
-            };
-            other.ln_posterior() - leading.ln_posterior() > least
-        } else {
-            // Readings are weighed differently: evidence does not tell.
-            again.is_plain()
-                && !unexplained(&again.tested).structured
-                && other.chosen.len() <= leading.chosen.len()
-        }
-    }
-
-    /// True if no force of an unknown law is in the leading model.
-    fn is_plain(&self) -> bool {
-        self.sought.leading.chosen.iter().all(Hypothesis::is_plain)
-    }
 }
 
 /// Sizes of tolerances as the report states them.

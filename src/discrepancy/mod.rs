@@ -4,8 +4,8 @@
 //! the virtual rig are not known here.
 //!
 //! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
-//! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `diagnose` (`rig_errors` beside it), and what shows its outcome.
+//! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it; `rig_errors` may end it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
+//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `searched` <- `diagnose`, and what shows its outcome.
 //! What could be measured next goes beside: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
 
 mod aim;
@@ -45,6 +45,7 @@ mod rig_errors;
 mod rivals;
 mod scan;
 mod search;
+mod searched;
 mod settle;
 mod solver_difference;
 mod sought;

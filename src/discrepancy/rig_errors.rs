@@ -1,6 +1,8 @@
 //! What a rig may do besides: hold loads not exactly, measure from a frame that does not stay, yield under the loads. Where the readings
 //! ask for these errors, the search is made again with them among the tolerances.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::Fitted;
@@ -17,6 +19,10 @@ pub(super) const ASKED: f64 = 5.0;
 /// They may stand in the place of a force of an unknown law that makes the readings more probable by so many nats: it needs fewer numbers,
 /// but nothing at an element changes at random from case to case.
 pub(super) const SHORT: f64 = 50.0;
+
+/// A search of causes gives way to one with them where they promise so many nats, and so many times what the best cause promises: what they
+/// do is in all cases, and no other cause would be the last one.
+const FOREMOST: (f64, f64) = (20.0, 2.0);
 
 /// Sizes at which the evidence is looked at, between their bounds.
 const SIZES: usize = 40;
@@ -40,6 +46,9 @@ pub(super) enum RigErrors {
 }
 
 impl RigErrors {
+    /// All of them.
+    pub(super) const ALL: [Self; 4] = [Self::Loads, Self::Frame, Self::Alignment, Self::Mount];
+
     /// The groups of tolerances that hold them and that a study lacks, with their usual sizes; none where they cannot be looked for.
     pub(super) fn open(self, subject: &Subject<'_>) -> Vec<(Group, Size)> {
         let problem = &subject.problem;
@@ -89,29 +98,48 @@ impl RigErrors {
     /// By how many nats they would make the readings more probable beside a fit, in its linear model: with its sizes of tolerances or with
     /// usual ones, where other tolerances may have taken these errors up.
     pub(super) fn promised(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+        self.promised_beyond(0.0, (subject, fitted)).unwrap_or(0.0)
+    }
+
+    /// The same; `None` where it is no more than `least`, and that is seen at once: nothing promises more than all that is left over.
+    fn promised_beyond(
+        self,
+        least: f64,
+        (subject, fitted): (&Subject<'_>, &Fitted),
+    ) -> Option<f64> {
         let groups = self.open(subject);
-        let Some(&(group, size)) = groups.first() else {
-            return 0.0;
-        };
+        let &(group, size) = groups.first()?;
+        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
+        let usual = fitted.linear.posterior(&modest);
+        let own = Some((&fitted.sizes, &fitted.posterior));
+        let options = own.into_iter().chain(usual.as_ref().map(|p| (&modest, p)));
+        let whitened = options.map(|(sizes, posterior)| {
+            let behind = posterior.ln_z - fitted.posterior.ln_z;
+            (
+                behind,
+                sizes,
+                posterior,
+                fitted.whitened_at(sizes, posterior),
+            )
+        });
+        let mut whitened: Vec<_> = whitened.collect();
+        whitened
+            .retain(|(behind, .., (residual, _))| behind + 0.5 * residual.norm_squared() > least);
+        if whitened.is_empty() {
+            return None;
+        }
         let columns = match group {
             Group::LoadRepeatability => of_loads(subject, fitted),
             Group::FrameShifts => of_frames(subject),
             _ => of_motions(&subject.with_groups(groups), group),
         };
         if columns.ncols() == 0 {
-            return 0.0;
+            return None;
         }
-        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
-        let usual = fitted.linear.posterior(&modest);
-        let options = [
-            Some((&fitted.sizes, &fitted.posterior)),
-            usual.as_ref().map(|posterior| (&modest, posterior)),
-        ];
-        let of = |(sizes, posterior): (&Sizes, &Posterior)| {
-            let gained = gained(fitted, (sizes, posterior), (&columns, size));
-            posterior.ln_z - fitted.posterior.ln_z + gained
+        let of = |(behind, sizes, posterior, whitened): &(f64, &Sizes, &Posterior, _)| {
+            behind + gained(fitted, (sizes, posterior), whitened, (&columns, size))
         };
-        options.into_iter().flatten().map(of).fold(0.0, f64::max)
+        Some(whitened.iter().map(of).fold(0.0, f64::max))
     }
 
     /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out. `subject` is the
@@ -132,6 +160,56 @@ impl RigErrors {
             fitted.posterior.ln_z - reached.ln_z - of_priors
         })
     }
+}
+
+/// What errors of the rig promise beside fits that were looked at.
+#[derive(Debug, Default)]
+pub(super) struct Promises(Vec<(RigErrors, Arc<Fitted>, f64)>);
+
+impl Promises {
+    /// As [`RigErrors::promised`].
+    pub(super) fn of(&self, errors: RigErrors, subject: &Subject<'_>, fitted: &Arc<Fitted>) -> f64 {
+        let same =
+            |(of, beside, _): &&(RigErrors, _, _)| *of == errors && Arc::ptr_eq(beside, fitted);
+        match self.0.iter().find(same) {
+            Some((.., promised)) => *promised,
+            None => errors.promised(subject, fitted),
+        }
+    }
+
+    /// Of the errors in `open` those that promise most beside a fit, where that is far more than `promised`, what the best cause promises.
+    pub(super) fn foremost(
+        &mut self,
+        open: &[RigErrors],
+        (subject, fitted): (&Subject<'_>, &Arc<Fitted>),
+        promised: f64,
+    ) -> Option<GaveWay> {
+        let (least, times) = FOREMOST;
+        let asked = least.max(times * promised);
+        let mut best: Option<(RigErrors, f64)> = None;
+        for errors in open {
+            let Some(own) = errors.promised_beyond(asked, (subject, fitted)) else {
+                continue;
+            };
+            self.0.push((*errors, Arc::clone(fitted), own));
+            if own >= asked && best.is_none_or(|(_, most)| own > most) {
+                best = Some((*errors, own));
+            }
+        }
+        best.map(|(errors, _)| GaveWay {
+            errors,
+            least: fitted.ln_posterior() + asked,
+        })
+    }
+}
+
+/// What a search of causes gave way to before its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GaveWay {
+    /// A search is to be made with these errors.
+    pub errors: RigErrors,
+    /// In nats, prior included, what that has to come to: else the search that gave way has to be ended.
+    pub least: f64,
 }
 
 /// Derivatives of all rows by each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
@@ -202,18 +280,18 @@ fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> DMatrix<f64> {
 fn gained(
     fitted: &Fitted,
     (sizes, posterior): (&Sizes, &Posterior),
+    (residual, J): &(DVector<f64>, DMatrix<f64>),
     (columns, size): (&DMatrix<f64>, Size),
 ) -> f64 {
-    let (residual, J) = fitted.whitened_at(sizes, posterior);
     let mut U = fitted.whitening.apply(columns);
     let weights = fitted.whitening.weights(&sizes.ln);
     for (mut row, weight) in U.row_iter_mut().zip(weights.iter()) {
         row *= *weight;
     }
-    let JU = transposed(&J, &U);
+    let JU = transposed(J, &U);
     let G = transposed(&U, &U) - transposed(&JU, &(&posterior.covariance * &JU));
     let eigen = symmetric_eigen(G);
-    let b = eigen.eigenvectors.tr_mul(&U.tr_mul(&residual));
+    let b = eigen.eigenvectors.tr_mul(&U.tr_mul(residual));
     let (low, high) = size.bounds;
     let at = |k: usize| {
         let ln = low + (high - low) * k as f64 / SIZES as f64;

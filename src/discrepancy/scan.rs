@@ -1,5 +1,6 @@
 //! What each hypothesis would gain, by projection: all from one matrix product, without any refit.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -10,7 +11,13 @@ use super::fit::Fitted;
 use super::hypothesis::{BY_DIRECTION, Column, Hypothesis, Number};
 use super::subject::Subject;
 use super::survey::Survey;
+use super::visited::distinct;
 use crate::tolerance::{ByClass, Further, Posterior, Sizes, Unknown, transposed};
+
+/// From each scan so many places may be weighed with sizes of their own.
+const WEIGHED: usize = 7;
+/// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
+pub(super) const FORMS: usize = 3;
 
 /// Every hypothesis at a fit, with what each does to the turned rows.
 pub(super) struct Catalogue {
@@ -29,6 +36,13 @@ pub(super) struct Promise {
     pub at: usize,
     /// Logarithm of evidence and prior with it, of all that is in the model.
     pub ln_posterior: f64,
+}
+
+/// What some cause promises, and the sizes at which that is most.
+pub(super) type AtSizes = (Promise, Sizes);
+
+pub(super) fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
+    b.0.ln_posterior.total_cmp(&a.0.ln_posterior)
 }
 
 impl Catalogue {
@@ -77,6 +91,37 @@ impl Catalogue {
             ranges,
             further,
         }
+    }
+
+    /// The causes at the places that promise most at one of these sizes.
+    pub(super) fn promised(&self, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtSizes> {
+        let mut union: Vec<AtSizes> = Vec::new();
+        for sizes in sizes {
+            let mut places: Vec<&Hypothesis> = Vec::new();
+            let mut is_full = false;
+            for promise in self.scan(base, sizes) {
+                let at = promise.at;
+                if let Some((known, at)) = union.iter_mut().find(|(known, _)| known.at == at)
+                    && known.ln_posterior < promise.ln_posterior
+                {
+                    (*known, *at) = (promise.clone(), sizes.clone());
+                }
+                let h = &self.hypotheses[at];
+                let forms = places.iter().filter(|other| other.same_part(h)).count();
+                // Forms of one place differ little, but for laws that are known in kind only.
+                let most = if h.has_rough_law() { FORMS } else { 1 };
+                let is_elsewhere = !places.iter().any(|other| other.same_place(h));
+                is_full |= is_elsewhere && distinct(&places) == WEIGHED;
+                if is_full || forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
+                    continue;
+                }
+                places.push(h);
+                if !union.iter().any(|(known, _)| known.at == at) {
+                    union.push((promise, sizes.clone()));
+                }
+            }
+        }
+        union
     }
 
     /// What all of them promise at these sizes, best first.

@@ -5,16 +5,15 @@ use std::sync::Arc;
 
 use super::fit::{Fit, Fitted, Target, aimed, unguessed};
 use super::hypothesis::Hypothesis;
-use super::scan::{Catalogue, Promise, Weighed};
+use super::rig_errors::{GaveWay, Promises, RigErrors};
+use super::scan::{Catalogue, FORMS, Weighed, by_promise};
 use super::stand_in::{StandIns, left_by_friction, loosened};
 use super::subject::{Data, Subject};
 use super::tried::{BETTER, Tried};
 use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
 use crate::tolerance::Sizes;
 
-/// From each scan so many places are weighed with sizes of their own,
-const WEIGHED: usize = 7;
-/// if they promise no less than what would be refitted by so many nats,
+/// What was promised is weighed with sizes of its own if that is no less than what would be refitted by so many nats,
 const ASIDE: f64 = 300.0;
 /// and of those so many places are refitted,
 const REFITTED: usize = 3;
@@ -27,8 +26,6 @@ const FAR: (f64, f64) = (1000.0, 0.9);
 const HOPELESS: (f64, f64) = (-2.0, -6.0);
 /// Causes at most: a search that goes on further explains noise.
 const MOST: usize = 12;
-/// Forms of one cause at one place that are looked at; laws of different shape are all fitted.
-const FORMS: usize = 3;
 /// Further forms of a place whose first form ended so many nats behind are not fitted.
 const BEHIND: f64 = 50.0;
 /// A model has to be better by so many nats to be another place than the one a fit of the same causes came to.
@@ -93,44 +90,6 @@ fn better(known: Option<Arc<Fitted>>, other: Arc<Fitted>) -> Arc<Fitted> {
 /// One more cause for a model, as the linear model weighs it.
 type Candidate = (Hypothesis, Weighed);
 
-/// What some cause promises, and the sizes at which that is most.
-type AtSizes = (Promise, Sizes);
-
-fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
-    b.0.ln_posterior.total_cmp(&a.0.ln_posterior)
-}
-
-/// The causes at the places that promise most at one of these sizes.
-fn promised(catalogue: &Catalogue, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtSizes> {
-    let mut union: Vec<AtSizes> = Vec::new();
-    for sizes in sizes {
-        let mut places: Vec<&Hypothesis> = Vec::new();
-        let mut is_full = false;
-        for promise in catalogue.scan(base, sizes) {
-            let at = promise.at;
-            if let Some((known, at)) = union.iter_mut().find(|(known, _)| known.at == at)
-                && known.ln_posterior < promise.ln_posterior
-            {
-                (*known, *at) = (promise.clone(), sizes.clone());
-            }
-            let h = &catalogue.hypotheses[at];
-            let forms = places.iter().filter(|other| other.same_part(h)).count();
-            // Forms of one place differ little, but for laws that are known in kind only.
-            let most = if h.has_rough_law() { FORMS } else { 1 };
-            let is_elsewhere = !places.iter().any(|other| other.same_place(h));
-            is_full |= is_elsewhere && distinct(&places) == WEIGHED;
-            if is_full || forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
-                continue;
-            }
-            places.push(h);
-            if !union.iter().any(|(known, _)| known.at == at) {
-                union.push((promise, sizes.clone()));
-            }
-        }
-    }
-    union
-}
-
 /// A search on some of the cases.
 pub(super) struct Search<'a, 'b> {
     /// The model without any cause.
@@ -140,6 +99,10 @@ pub(super) struct Search<'a, 'b> {
     /// Models, what was weighed beside each, and what that had to come near to.
     weighed: Vec<(Arc<Fitted>, Arc<Vec<Candidate>>, f64)>,
     places: usize,
+    /// Errors of the rig to which it gives way, what they promise, and those it gave way to.
+    open: Vec<RigErrors>,
+    promises: Promises,
+    gave_way: Option<GaveWay>,
 }
 
 impl<'a, 'b> Search<'a, 'b> {
@@ -153,7 +116,16 @@ impl<'a, 'b> Search<'a, 'b> {
             stand_ins: StandIns::default(),
             weighed: Vec::new(),
             places: 0,
+            open: Vec::new(),
+            promises: Promises::default(),
+            gave_way: None,
         }
+    }
+
+    /// Ends where one of these errors of the rig promises far more than any cause does.
+    pub(super) fn giving_way_to(mut self, open: &[RigErrors]) -> Self {
+        self.open = open.to_vec();
+        self
     }
 
     /// True where some cause acts for sure.
@@ -178,7 +150,8 @@ impl<'a, 'b> Search<'a, 'b> {
     fn held_against_none(&mut self, best: Arc<Fitted>) -> Arc<Fitted> {
         let known = &self.none;
         let gained = best.ln_posterior() - known.ln_posterior();
-        if best.chosen.is_empty() || gained > MODEST || self.tried.subject.is_spent() {
+        let is_open = self.gave_way.is_none() && !self.tried.subject.is_spent();
+        if best.chosen.is_empty() || gained > MODEST || !is_open {
             return best;
         }
         let from = Some((&*best, best.x.as_slice()));
@@ -221,7 +194,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 .first()
                 .is_none_or(|(first, _)| end.chosen.iter().any(|h| h.same_place(first)))
         };
-        if !ends.iter().any(is_held) {
+        if self.gave_way.is_none() && !ends.iter().any(is_held) {
             ends.push(self.climbed(Arc::clone(&none)));
         }
         let best = ends.into_iter().max_by(by_evidence).unwrap_or(none);
@@ -239,6 +212,9 @@ impl<'a, 'b> Search<'a, 'b> {
                 if let Some(next) = left_by_friction(&mut self.tried, &best, first) {
                     best = self.pruned(next, 1);
                     continue;
+                }
+                if self.gives_way(&best, first - best.ln_posterior()) {
+                    return best;
                 }
                 let Some(next) = self.grown(&best) else {
                     break;
@@ -262,6 +238,24 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
+    /// True where errors of the rig promise far more than the best cause does, `promised`. A search with them has to come to what a force of an
+    /// unknown law does, too.
+    fn gives_way(&mut self, best: &Arc<Fitted>, promised: f64) -> bool {
+        let beside = (self.tried.subject, best);
+        let foremost = self.promises.foremost(&self.open, beside, promised);
+        let Some(mut gave_way) = foremost else {
+            return false;
+        };
+        if self.tried.data == Data::All {
+            let causes = best.chosen.clone();
+            let force = self.stand_ins.beside(&mut self.tried, best, causes);
+            let worth = force.map_or(f64::NEG_INFINITY, |force| force.ln_posterior());
+            gave_way.least = gave_way.least.max(worth);
+        }
+        self.gave_way = Some(gave_way);
+        true
+    }
+
     fn into_found(self, best: Arc<Fitted>) -> Found {
         Found {
             none: self.none,
@@ -269,6 +263,8 @@ impl<'a, 'b> Search<'a, 'b> {
             models: probabilities(&self.tried.visited),
             places: self.places,
             cut_short: self.tried.subject.is_spent(),
+            gave_way: self.gave_way,
+            promises: self.promises,
         }
     }
 
@@ -282,7 +278,7 @@ impl<'a, 'b> Search<'a, 'b> {
         let catalogue = Catalogue::new(self.tried.subject, base);
         self.places = self.places.max(catalogue.hypotheses.len());
         let modest = base.sizes.at(base.sizes.modest(0.0));
-        let mut union = promised(&catalogue, base, [&base.sizes, &modest]);
+        let mut union = catalogue.promised(base, [&base.sizes, &modest]);
         union.sort_by(by_promise);
         let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
         let mut out: Vec<Candidate> = Vec::new();

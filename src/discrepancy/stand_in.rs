@@ -56,7 +56,7 @@ impl StandIns {
     }
 
     /// The best model of one such force and some of the causes of a fit; `None` where no force stands out beside them.
-    fn beside(
+    pub(super) fn beside(
         &mut self,
         tried: &mut Tried<'_, '_>,
         current: &Arc<Fitted>,

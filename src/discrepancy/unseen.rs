@@ -10,6 +10,7 @@ use super::folds::{Blind, HeldOutTest, compared};
 use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, fall};
 use super::progress::Progress;
+use super::rig_errors::RigErrors;
 use super::search::Search;
 use super::sought::{Begun, Sought};
 use super::subject::{Data, Subject};
@@ -32,6 +33,8 @@ pub struct Unseen {
     cut_short: bool,
     /// All models that it fitted.
     fits: Vec<Arc<Fitted>>,
+    /// Errors of the rig that its search gave way to before its end.
+    gave_way: Option<RigErrors>,
 }
 
 /// What it says, for `diagnosis.json`.
@@ -61,19 +64,21 @@ pub struct HoldOut {
 }
 
 impl Unseen {
-    /// Of a model fitted without the cases held out; `None` where the search may not begin.
-    pub(super) fn new(begun: Begun<'_>, progress: &Progress) -> Option<Self> {
+    /// Of a model fitted without the cases held out, its search giving way to errors of the rig in `open`; `None` where it may not begin.
+    pub(super) fn new(begun: Begun<'_>, open: &[RigErrors], progress: &Progress) -> Option<Self> {
         if !progress.extend() {
             return None;
         }
         progress.begin("searching causes without the cases held out");
         let Begun { subject, none } = begun;
-        let sought = Sought::new(Search::new(&subject, none, Data::Fitted).ended());
+        let search = Search::new(&subject, none, Data::Fitted).giving_way_to(open);
+        let sought = Sought::new(search.ended());
         let found = sought.found;
         let models = [found.none, sought.leading];
         let new = Self::of(&subject, models, (true, found.cut_short))?;
         let fits = found.models.into_iter();
         Some(Self {
+            gave_way: found.gave_way.map(|way| way.errors),
             fits: fits.filter_map(|(model, _)| model.fitted).collect(),
             ..new
         })
@@ -105,6 +110,7 @@ impl Unseen {
             searched,
             cut_short,
             fits: Vec::new(),
+            gave_way: None,
         })
     }
 
@@ -130,6 +136,11 @@ impl Unseen {
     /// All models that its search fitted.
     pub(super) fn fits(&self) -> &[Arc<Fitted>] {
         &self.fits
+    }
+
+    /// Errors of the rig that its search gave way to before its end.
+    pub(super) fn gave_way(&self) -> Option<RigErrors> {
+        self.gave_way
     }
 
     /// The model that was chosen and fitted without these cases; `None` if it was only refitted.

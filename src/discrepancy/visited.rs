@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fit::Fitted;
 use super::hypothesis::Hypothesis;
+use super::rig_errors::{GaveWay, Promises};
 
 /// A model known only by its linear approximation counts when it is so close to the best one.
 pub(super) const LINEAR: f64 = 8.0;
@@ -32,6 +33,10 @@ pub(super) struct Found {
     pub places: usize,
     /// True if the search had spent its budget.
     pub cut_short: bool,
+    /// What it gave way to before its end.
+    pub gave_way: Option<GaveWay>,
+    /// What errors of the rig that it might have given way to promise.
+    pub promises: Promises,
 }
 
 /// Models that count and their probabilities. Of a set that was looked at several times the best counts; one that was only weighed

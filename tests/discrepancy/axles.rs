@@ -23,6 +23,8 @@ pub struct Judged {
     pub false_names: Vec<String>,
     /// Intervals that hold the truth, and all.
     pub held: (usize, usize),
+    /// How often all cases were solved.
+    pub sweeps: usize,
 }
 
 /// A folder with a copy of a study and its truth, to be changed; `None` where the shared files are not there.
@@ -44,7 +46,8 @@ pub fn judge(folder: &Path, name: &str) -> Judged {
     let loaded = LoadedStudy::read(&folder.join(name)).value.expect(name);
     let problem = loaded.problem();
     let held = held_out(&loaded.study, &loaded.measurement);
-    let found = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
+    let progress = Progress::default();
+    let found = diagnose_watched(&problem, held, GainCheck::Quick, &progress);
     let diagnosis = found.expect(name).diagnosis;
     let truth = std::fs::read_to_string(folder.join(format!("{name}.truth.json"))).unwrap();
     let truth: Value = serde_json::from_str(&truth).unwrap();
@@ -89,14 +92,16 @@ pub fn judge(folder: &Path, name: &str) -> Judged {
         held: (parameters.iter().filter(holds).count(), parameters.len()),
         planted,
         diagnosis,
+        sweeps: progress.sweeps(),
     };
     println!(
-        "{name}: {:?}, named {:?}, false {:?}, none {:.2}, intervals {:?}",
+        "{name}: {:?}, named {:?}, false {:?}, none {:.2}, intervals {:?}, {} sweeps",
         judged.diagnosis.verdict,
         judged.named,
         judged.false_names,
         judged.diagnosis.none_of_these,
-        judged.held
+        judged.held,
+        judged.sweeps
     );
     judged
 }
