@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 
 use super::subject::Subject;
 use crate::backend::LoadProgramme;
-use crate::identify::global::Row;
+use crate::identify::global::gauss_newton::LeastSquares;
+use crate::identify::global::{Observations, Prepared, Row, fit_unknowns, global_problem};
 use crate::mechanics::Vec3;
+use crate::rig::{Case, FramePlace};
 use crate::tolerance::Group;
 
 /// Rows of marks by a shift of the frame of case `of` along each axis and a turn about each, through the centroid of the marks; `places` are
@@ -51,6 +53,37 @@ pub(super) fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
 /// The mean; zero of none.
 pub(super) fn centroid(places: &[Vec3]) -> Vec3 {
     places.iter().sum::<Vec3>() / places.len().max(1) as f64
+}
+
+/// True if the marks sit all alike far from where the model has them at the start values, in the cases that are not held out: they are told in
+/// another frame than the deck's.
+pub(super) fn is_another(subject: &Subject<'_>) -> bool {
+    let length = subject.problem.model.units.length.si;
+    place_at_start(subject).is_some_and(|place| place.is_another(length))
+}
+
+/// `None` where there are no marks, or where the start values have no equilibrium.
+fn place_at_start(subject: &Subject<'_>) -> Option<FramePlace> {
+    if !subject.compares_marks() {
+        return None;
+    }
+    let problem = &subject.problem;
+    let prepared = Prepared::new(problem).ok()?;
+    let cases: Vec<usize> = subject.cases_fitted().collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let unknowns = fit_unknowns(problem, &prepared.system, None);
+    let observed = observations.observed.clone();
+    let predictor = prepared.native(problem, observed).ok()?;
+    let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
+    let start = global.start();
+    let residual = global.evaluate(&start, false)?.residual;
+    subject.spend(1);
+    let predicted = global.observations.predicted(&residual);
+    let of = |all: &[Case]| -> Vec<Vec3> {
+        let marks = cases.iter().flat_map(|case| &all[*case].marks);
+        marks.map(|mark| mark.x).collect()
+    };
+    FramePlace::of(&of(&predicted), &of(&problem.measurement.cases))
 }
 
 /// A motion of the frame through the cases: its group, and its factor in each of them.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::findings::without;
 use super::fit::Fitted;
+use super::frame;
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
 use super::rig_errors::{ASKED, GaveWay, RigErrors, SHORT};
@@ -13,6 +14,7 @@ use super::sought::{Begun, Sought, as_it_is};
 use super::structure::{StructureTest, is_structured, structure};
 use super::subject::{Data, Subject};
 use super::unseen::Unseen;
+use crate::tolerance::Size;
 
 /// A search of all cases, and one without those held out.
 pub(super) struct Searched<'a> {
@@ -29,12 +31,17 @@ pub(super) struct Searched<'a> {
 impl<'a> Searched<'a> {
     /// The study with the errors of the rig that its readings ask for, and what was found with them. `None` where the deck cannot be solved.
     pub(super) fn to_the_end(
-        unfitted: Subject<'a>,
+        mut unfitted: Subject<'a>,
         is_blind: bool,
         progress: &Progress,
     ) -> Option<(Subject<'a>, Self)> {
         let mut open = RigErrors::ALL.to_vec();
         open.retain(|errors| !errors.open(&unfitted).is_empty());
+        // From so far away no fit without the frame comes to an end.
+        if open.contains(&RigErrors::Alignment) && frame::is_another(&unfitted) {
+            unfitted = unfitted.with_groups([Size::of_another_frame(unfitted.millimetre())]);
+            open.retain(|errors| *errors != RigErrors::Alignment);
+        }
         let (mut unfitted, mut searched) =
             Self::giving_way(unfitted, &mut open, is_blind, progress)?;
         while let Some(at) = searched.asked(&open) {

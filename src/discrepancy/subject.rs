@@ -390,6 +390,11 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// Cases that are not held out.
+    pub fn cases_fitted(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.held_out.len()).filter(|case| !self.held_out[*case])
+    }
+
     /// The cases held out.
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])

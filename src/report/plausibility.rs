@@ -1,6 +1,6 @@
 //! What a study looks like before anything is fitted: what was found, in which units, and whether it can be meant.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::agreement::agreement;
 use super::check::{Check, Verdict};
@@ -11,12 +11,11 @@ use crate::diagnostic::Severity;
 use crate::identify::LoadedStudy;
 use crate::identify::global::gauss_newton::LeastSquares;
 use crate::identify::global::{
-    Observations, Prepared, Row, UNIDENTIFIABLE, fit_unknowns, global_problem,
+    Observations, Prepared, UNIDENTIFIABLE, fit_unknowns, global_problem,
 };
 use crate::mechanics::Vec3;
 use crate::model::PartKind;
 use crate::model::lint::implausible_units;
-use crate::rig::Case;
 use crate::rig::settings::BackendChoice;
 
 /// The table.
@@ -484,9 +483,9 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
     let start = global.start();
     let there = global.evaluate(&start, true)?;
-    let (rows, sigma) = (&global.observations.rows, global.observations.sigma);
+    let rows = &global.observations.rows;
     let channels = agreement(loaded, rows, there.residual.as_slice());
-    let predicted = predicted(&problem.measurement.cases, rows, &there.residual, sigma);
+    let predicted = global.observations.predicted(&there.residual);
     let odd_frame = odd_frame(loaded, &predicted);
     // Loads are compared in the deck's frame.
     let odd_loads = if odd_frame.is_none() {
@@ -513,22 +512,6 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
         odd_frame,
         odd_loads,
     })
-}
-
-/// The cases with the marks that were predicted. `residual` of a row is prediction less reading, one coordinate of a mark in `sigma`.
-fn predicted(read: &[Case], rows: &[Row], residual: &DVector<f64>, sigma: f64) -> Vec<Case> {
-    let mut out = read.to_vec();
-    for (row, residual) in rows.iter().zip(residual.iter()) {
-        if let Row::Mark {
-            case,
-            reading,
-            axis,
-        } = *row
-        {
-            out[case].marks[reading].x[axis] += residual * sigma;
-        }
-    }
-    out
 }
 
 /// The diagonal of the box that holds these points.

@@ -7,6 +7,7 @@ mod check;
 pub mod deflection;
 pub mod effect;
 mod frame_motion;
+mod frame_place;
 mod kc_curves;
 mod kc_readings;
 mod kc_starter;
@@ -42,6 +43,7 @@ mod virtual_rig;
 pub mod wheel;
 mod wheel_readings;
 
+pub(crate) use frame_place::FramePlace;
 pub use kc_curves::Curve;
 
 pub use load::programme;

@@ -77,6 +77,8 @@ const MOST: f64 = 0.01;
 const IDLE: f64 = 0.3;
 /// What is usually left of the measuring frame's place when it was aligned with the axle, mm.
 const ALIGNED: f64 = 0.05;
+/// The most that another frame than the deck's may be off, mm.
+const MOST_OFF: f64 = 20.0;
 /// The usual shift of the measuring frame in a case, mm, and turn, radians, and the most they may be.
 const SHIFTED: f64 = 0.005;
 const MOST_SHIFTED: f64 = 0.2;
@@ -110,6 +112,13 @@ impl Size {
     pub(crate) fn of_alignment(stated: Stated, millimetre: f64) -> Option<(Group, Self)> {
         let usual = Self::new(ALIGNED * millimetre, 0.7);
         Self::of(stated, millimetre, usual).map(|size| (Group::FrameAlignment, size))
+    }
+
+    /// The same of a frame that is seen to be another one.
+    pub(crate) fn of_another_frame(millimetre: f64) -> (Group, Self) {
+        let mut size = Self::new(ALIGNED * millimetre, 0.7);
+        size.bounds.1 = libm::log(MOST_OFF * millimetre);
+        (Group::FrameAlignment, size)
     }
 
     /// What load cells and their control leave from case to case; and where a load is zero.

@@ -9,7 +9,7 @@ use super::predictor::{CasePrediction, Observed};
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{Model, PartIx};
 use crate::rig::wheel::{camber_deg, steer_deg};
-use crate::rig::{Measurement, Over, Summary};
+use crate::rig::{Case, Measurement, Over, Summary};
 
 /// A row of a Jacobian.
 type RowViewMut<'a, T> = nalgebra::MatrixViewMut<'a, T, U1, Dyn, U1, Dyn>;
@@ -228,6 +228,22 @@ impl<'a> Observations<'a> {
     /// The measurement the readings belong to.
     pub(crate) fn measurement(&self) -> &'a Measurement {
         self.measurement
+    }
+
+    /// All cases with the marks where these residuals of all rows, prediction minus reading, have them.
+    pub(crate) fn predicted(&self, residual: &DVector<f64>) -> Vec<Case> {
+        let mut out = self.measurement.cases.clone();
+        for (row, residual) in self.rows.iter().zip(residual.iter()) {
+            if let Row::Mark {
+                case,
+                reading,
+                axis,
+            } = *row
+            {
+                out[case].marks[reading].x[axis] += residual * self.sigma;
+            }
+        }
+        out
     }
 
     /// Residuals of all rows, and derivatives by so many unknowns, the first `columns` of `x`: those of the deck, then the nuisances. Further
