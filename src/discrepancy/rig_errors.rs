@@ -20,8 +20,8 @@ pub(super) const ASKED: f64 = 5.0;
 /// but nothing at an element changes at random from case to case.
 pub(super) const SHORT: f64 = 50.0;
 
-/// A search of causes gives way to one with them where they promise so many nats, and so many times what the best cause promises: what they
-/// do is in all cases, and no other cause would be the last one.
+/// A search of causes gives way to one with them where they promise so many nats, and so many times what the best cause promises: no single
+/// cause explains what they do to all cases.
 const FOREMOST: (f64, f64) = (20.0, 2.0);
 
 /// Sizes at which the evidence is looked at, between their bounds.
@@ -208,7 +208,7 @@ impl Promises {
 pub(super) struct GaveWay {
     /// A search is to be made with these errors.
     pub errors: RigErrors,
-    /// In nats, prior included, what that has to come to: else the search that gave way has to be ended.
+    /// The evidence that search has to reach, in nats, prior included; else the one that gave way goes on to its end.
     pub least: f64,
 }
 

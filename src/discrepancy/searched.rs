@@ -37,7 +37,7 @@ impl<'a> Searched<'a> {
     ) -> Option<(Subject<'a>, Self)> {
         let mut open = RigErrors::ALL.to_vec();
         open.retain(|errors| !errors.open(&unfitted).is_empty());
-        // From so far away no fit without the frame comes to an end.
+        // Fits without the alignment go astray from so far away.
         if open.contains(&RigErrors::Alignment) && frame::is_another(&unfitted) {
             unfitted = unfitted.with_groups([Size::of_another_frame(unfitted.millimetre())]);
             open.retain(|errors| *errors != RigErrors::Alignment);

@@ -119,7 +119,7 @@ fn a_frame_that_was_aligned_badly_is_no_cause() {
     assert!(size > 0.08, "{size}");
 }
 
-/// Marks told in a frame that is 9 mm and half a degree off: no fit without the frame comes near them.
+/// Marks measured in a frame that is 9 mm and half a degree off. Without the alignment five false causes were named.
 #[test]
 fn another_frame_than_the_decks_is_no_cause() {
     let Some(folder) = copied("clean-0") else {
