@@ -62,7 +62,13 @@ fn counts(axle: &str) -> Vec<(usize, usize)> {
 #[test]
 fn iterations_allocate_nothing() {
     for axle in ["pseudo-mcpherson", "multilink"] {
-        let counts = counts(axle);
+        // What the thread of the test harness allocates meanwhile is counted, too: the least of some turns is the solver's.
+        let least = |a: Vec<(usize, usize)>, b: Vec<(usize, usize)>| {
+            let pairs = a.into_iter().zip(b);
+            pairs.map(|(a, b)| (a.0, a.1.min(b.1))).collect()
+        };
+        let turns = (0..3).map(|_| counts(axle));
+        let counts = turns.reduce(least).unwrap();
         println!("{axle}: (iterations, allocations) {counts:?}");
         let iterations = counts.iter().map(|c| c.0);
         let (least, most) = (iterations.clone().min(), iterations.max());
