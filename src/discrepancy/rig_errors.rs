@@ -1,6 +1,7 @@
 //! What a rig may do besides: hold loads not exactly, measure from a frame that does not stay, yield under the loads. Where the readings
 //! ask for these errors, the search is made again with them among the tolerances.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
@@ -8,7 +9,6 @@ use nalgebra::{DMatrix, DVector};
 use super::fit::Fitted;
 use super::frame::{by_frame, motions, varying};
 use super::subject::Subject;
-use crate::identify::global::Row;
 use crate::mechanics::Vec3;
 use crate::mechanics::eigen::symmetric_eigen;
 use crate::rig::Stated;
@@ -98,34 +98,27 @@ impl RigErrors {
     /// By how many nats they would make the readings more probable beside a fit, in its linear model: with its sizes of tolerances or with
     /// usual ones, where other tolerances may have taken these errors up.
     pub(super) fn promised(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
-        self.promised_beyond(0.0, (subject, fitted)).unwrap_or(0.0)
+        if self.open(subject).is_empty() {
+            return 0.0;
+        }
+        let left = Left::beside(fitted);
+        let promised = self.promised_beyond(0.0, (subject, fitted), &left);
+        promised.unwrap_or(0.0)
     }
 
-    /// The same; `None` where it is no more than `least`, and that is seen at once: nothing promises more than all that is left over.
+    /// The same of what a fit leaves; `None` where it is no more than `least`, and that is seen at once: nothing promises more than all that
+    /// is left over.
     fn promised_beyond(
         self,
         least: f64,
         (subject, fitted): (&Subject<'_>, &Fitted),
+        left: &[Left],
     ) -> Option<f64> {
         let groups = self.open(subject);
         let &(group, size) = groups.first()?;
-        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
-        let usual = fitted.linear.posterior(&modest);
-        let own = Some((&fitted.sizes, &fitted.posterior));
-        let options = own.into_iter().chain(usual.as_ref().map(|p| (&modest, p)));
-        let whitened = options.map(|(sizes, posterior)| {
-            let behind = posterior.ln_z - fitted.posterior.ln_z;
-            (
-                behind,
-                sizes,
-                posterior,
-                fitted.whitened_at(sizes, posterior),
-            )
-        });
-        let mut whitened: Vec<_> = whitened.collect();
-        whitened
-            .retain(|(behind, .., (residual, _))| behind + 0.5 * residual.norm_squared() > least);
-        if whitened.is_empty() {
+        let is_enough = |left: &&Left| left.behind + 0.5 * left.residual.norm_squared() > least;
+        let left: Vec<&Left> = left.iter().filter(is_enough).collect();
+        if left.is_empty() {
             return None;
         }
         let columns = match group {
@@ -133,13 +126,12 @@ impl RigErrors {
             Group::FrameShifts => of_frames(subject),
             _ => of_motions(&subject.with_groups(groups), group),
         };
-        if columns.ncols() == 0 {
+        if columns.values.ncols() == 0 {
             return None;
         }
-        let of = |(behind, sizes, posterior, whitened): &(f64, &Sizes, &Posterior, _)| {
-            behind + gained(fitted, (sizes, posterior), whitened, (&columns, size))
-        };
-        Some(whitened.iter().map(of).fold(0.0, f64::max))
+        let turned = fitted.whitening.apply(&columns.values);
+        let of = |left: &&Left| left.behind + left.gained(&turned, &columns.blocks, size);
+        Some(left.iter().map(of).fold(0.0, f64::max))
     }
 
     /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out. `subject` is the
@@ -187,8 +179,12 @@ impl Promises {
         let (least, times) = FOREMOST;
         let asked = least.max(times * promised);
         let mut best: Option<(RigErrors, f64)> = None;
+        if open.is_empty() {
+            return None;
+        }
+        let left = Left::beside(fitted);
         for errors in open {
-            let Some(own) = errors.promised_beyond(asked, (subject, fitted)) else {
+            let Some(own) = errors.promised_beyond(asked, (subject, fitted), &left) else {
                 continue;
             };
             self.0.push((*errors, Arc::clone(fitted), own));
@@ -212,11 +208,26 @@ pub(super) struct GaveWay {
     pub least: f64,
 }
 
-/// Derivatives of all rows by each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
-fn of_frames(subject: &Subject<'_>) -> DMatrix<f64> {
+/// Derivatives of all rows by further unknowns.
+struct Columns {
+    values: DMatrix<f64>,
+    /// Ranges of columns, and the rows in which they have anything.
+    blocks: Vec<(Range<usize>, Vec<usize>)>,
+}
+
+/// The rows of a case.
+fn rows_of(subject: &Subject<'_>, case: usize) -> Vec<usize> {
+    let rows = subject.rows.iter().enumerate();
+    let own = rows.filter(|(_, row)| row.case() == case);
+    own.map(|(at, _)| at).collect()
+}
+
+/// By each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
+fn of_frames(subject: &Subject<'_>) -> Columns {
     let measurement = subject.problem.measurement;
     let turn = Size::turn_by_shift(subject.millimetre());
     let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
+    let mut blocks = Vec::new();
     for (case, read) in measurement.cases.iter().enumerate() {
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
         let columns = by_frame(&subject.rows, case, &places, (subject.sigma, turn));
@@ -225,15 +236,19 @@ fn of_frames(subject: &Subject<'_>) -> DMatrix<f64> {
                 out[(row, 6 * case + k)] = value;
             }
         }
+        blocks.push((6 * case..6 * case + 6, rows_of(subject, case)));
     }
-    out
+    Columns {
+        values: out,
+        blocks,
+    }
 }
 
-/// Derivatives of all rows by the motions of a group that the frame makes through the cases.
-fn of_motions(subject: &Subject<'_>, of: Group) -> DMatrix<f64> {
+/// By the motions of a group that the frame makes through the cases.
+fn of_motions(subject: &Subject<'_>, of: Group) -> Columns {
     let mut through = motions(subject, &[]);
     through.retain(|(group, _)| *group == of);
-    let own = of_frames(subject);
+    let own = of_frames(subject).values;
     let mut out = DMatrix::zeros(own.nrows(), 6 * through.len());
     for (at, (_, factors)) in through.iter().enumerate() {
         for (case, factor) in factors.iter().enumerate() {
@@ -241,69 +256,126 @@ fn of_motions(subject: &Subject<'_>, of: Group) -> DMatrix<f64> {
             six += own.columns(6 * case, 6) * *factor;
         }
     }
-    out
+    Columns {
+        blocks: vec![(0..out.ncols(), (0..out.nrows()).collect())],
+        values: out,
+    }
 }
 
-/// Derivatives of all rows by each load in each case, in units of the load's largest value: those by the gain of the load, row by row. A
-/// load that is zero in a case has none there: the fit has no derivative by it.
-fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> DMatrix<f64> {
+/// By each load in each case, in units of the load's largest value: those by the gain of the load, row by row. A load that is zero in a case
+/// has none there: the fit has no derivative by it.
+fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> Columns {
     let problem = &subject.problem;
     let programme = problem.programme;
-    let mut out: Vec<DVector<f64>> = Vec::new();
-    for (load, largest) in scattering(problem.model, programme) {
+    let by_gain = |(load, largest): (usize, f64)| {
         let name = programme.loads[load].target.to_string();
-        let Some(gain) = subject.layer.at(Group::LoadGains, &name).next() else {
-            continue;
-        };
-        let by_gain = fitted.jacobian.column(problem.unknowns.len() + gain);
-        for (case, at) in programme.cases.iter().enumerate() {
-            let value = at.values[load];
+        let gain = subject.layer.at(Group::LoadGains, &name).next()?;
+        let column = fitted.jacobian.column(problem.unknowns.len() + gain);
+        Some((load, largest, column))
+    };
+    let loads = scattering(problem.model, programme).into_iter();
+    let loads: Vec<_> = loads.filter_map(by_gain).collect();
+    let mut out: Vec<DVector<f64>> = Vec::new();
+    let mut blocks = Vec::new();
+    for (case, at) in programme.cases.iter().enumerate() {
+        let (first, rows) = (out.len(), rows_of(subject, case));
+        for (load, largest, by_gain) in &loads {
+            let value = at.values[*load];
             if value == 0.0 {
                 continue;
             }
-            let factor = largest / value;
-            let of = |(row, by): (&Row, &f64)| {
-                if row.case() == case { by * factor } else { 0.0 }
-            };
-            let column = subject.rows.iter().zip(by_gain.iter()).map(of);
-            out.push(DVector::from_iterator(subject.rows.len(), column));
+            let mut column = DVector::zeros(subject.rows.len());
+            for row in &rows {
+                column[*row] = by_gain[*row] * largest / value;
+            }
+            out.push(column);
         }
+        blocks.push((first..out.len(), rows));
     }
-    if out.is_empty() {
-        return DMatrix::zeros(subject.rows.len(), 0);
-    }
-    DMatrix::from_columns(&out)
+    let values = if out.is_empty() {
+        DMatrix::zeros(subject.rows.len(), 0)
+    } else {
+        DMatrix::from_columns(&out)
+    };
+    Columns { values, blocks }
 }
 
-/// `max ln Z` over the size `s` of further unknowns with columns `U`, beside what is known of the others: with `r` the whitened residual
-/// at the maximum, `b = U'r` and `G = U'U - U'J C J'U`, it is `b'(G + 1/s^2)^-1 b / 2 - ln det(1 + s^2 G) / 2`.
-fn gained(
-    fitted: &Fitted,
-    (sizes, posterior): (&Sizes, &Posterior),
-    (residual, J): &(DVector<f64>, DMatrix<f64>),
-    (columns, size): (&DMatrix<f64>, Size),
-) -> f64 {
-    let mut U = fitted.whitening.apply(columns);
-    let weights = fitted.whitening.weights(&sizes.ln);
-    for (mut row, weight) in U.row_iter_mut().zip(weights.iter()) {
-        row *= *weight;
+/// What the linear model of a fit leaves at some sizes of tolerances.
+struct Left {
+    /// Its evidence less that at the fit's own sizes.
+    behind: f64,
+    /// Of turned rows.
+    weights: DVector<f64>,
+    /// Whitened reading minus prediction at its maximum,
+    residual: DVector<f64>,
+    /// and the whitened Jacobian.
+    jacobian: DMatrix<f64>,
+    /// Of the unknowns.
+    covariance: DMatrix<f64>,
+}
+
+impl Left {
+    /// At the sizes of a fit, and at usual ones.
+    fn beside(fitted: &Fitted) -> Vec<Self> {
+        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
+        let usual = fitted.linear.posterior(&modest);
+        let own = Some((&fitted.sizes, fitted.posterior.clone()));
+        let options = own.into_iter().chain(usual.map(|usual| (&modest, usual)));
+        let of = |(sizes, posterior): (&Sizes, Posterior)| {
+            let (residual, jacobian) = fitted.whitened_at(sizes, &posterior);
+            Self {
+                behind: posterior.ln_z - fitted.posterior.ln_z,
+                weights: fitted.whitening.weights(&sizes.ln),
+                residual,
+                jacobian,
+                covariance: posterior.covariance,
+            }
+        };
+        options.map(of).collect()
     }
-    let JU = transposed(J, &U);
-    let G = transposed(&U, &U) - transposed(&JU, &(&posterior.covariance * &JU));
-    let eigen = symmetric_eigen(G);
-    let b = eigen.eigenvectors.tr_mul(&U.tr_mul(residual));
-    let (low, high) = size.bounds;
-    let at = |k: usize| {
-        let ln = low + (high - low) * k as f64 / SIZES as f64;
-        let s = libm::exp(2.0 * ln);
-        let each = eigen.eigenvalues.iter().zip(b.iter());
-        let sum: f64 = each
-            .map(|(g, b)| {
-                let wider = 1.0 + s * g.max(0.0);
-                0.5 * (s * b * b / wider - libm::log(wider))
-            })
-            .sum();
-        sum + size.ln_prior(ln)
-    };
-    (0..=SIZES).map(at).fold(f64::NEG_INFINITY, f64::max)
+
+    /// `max ln Z` over the size `s` of further unknowns with columns `U`, of which `turned` holds the turned ones, beside what is known of the
+    /// others: with `r` the residual, `b = U'r` and `G = U'U - U'J C J'U`, it is `b'(G + 1/s^2)^-1 b / 2 - ln det(1 + s^2 G) / 2`.
+    fn gained(
+        &self,
+        turned: &DMatrix<f64>,
+        blocks: &[(Range<usize>, Vec<usize>)],
+        size: Size,
+    ) -> f64 {
+        let count = turned.ncols();
+        let mut JU = DMatrix::zeros(self.jacobian.ncols(), count);
+        let (mut G, mut b) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        for (range, rows) in blocks {
+            let (first, width) = (range.start, range.len());
+            let mut U = turned.columns(first, width).select_rows(rows);
+            for (mut values, row) in U.row_iter_mut().zip(rows) {
+                values *= self.weights[*row];
+            }
+            let (J, r) = (
+                self.jacobian.select_rows(rows),
+                self.residual.select_rows(rows),
+            );
+            b.rows_mut(first, width).copy_from(&U.tr_mul(&r));
+            JU.columns_mut(first, width).copy_from(&transposed(&J, &U));
+            G.view_mut((first, first), (width, width))
+                .copy_from(&transposed(&U, &U));
+        }
+        G -= transposed(&JU, &(&self.covariance * &JU));
+        let eigen = symmetric_eigen(G);
+        let b = eigen.eigenvectors.tr_mul(&b);
+        let (low, high) = size.bounds;
+        let at = |k: usize| {
+            let ln = low + (high - low) * k as f64 / SIZES as f64;
+            let s = libm::exp(2.0 * ln);
+            let each = eigen.eigenvalues.iter().zip(b.iter());
+            let sum: f64 = each
+                .map(|(g, b)| {
+                    let wider = 1.0 + s * g.max(0.0);
+                    0.5 * (s * b * b / wider - libm::log(wider))
+                })
+                .sum();
+            sum + size.ln_prior(ln)
+        };
+        (0..=SIZES).map(at).fold(f64::NEG_INFINITY, f64::max)
+    }
 }
