@@ -102,7 +102,12 @@ pub fn diagnose_watched<'a>(
     } = searched;
     let Sought { found, leading } = sought;
     let none = Arc::clone(&found.none);
-    let structures = [structure(&subject, &none), tested];
+    let before = if Arc::ptr_eq(&none, &leading) {
+        tested.clone()
+    } else {
+        structure(&subject, &none)
+    };
+    let structures = [before, tested];
     let test = |fitted: &Fitted| Blind::new(&subject, fitted)?.test(&subject, fitted);
     let tests = [test(&none), test(&leading)];
     let folds = Folds::new(&subject);

@@ -53,8 +53,7 @@ impl<'a> Influence<'a> {
         }
     }
 
-    /// Chi-square of whitened rows with the covariance that the fit leaves them. With `Q` the share of these rows,
-    /// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`, so that it takes a factor of the size of the unknowns at most.
+    /// Chi-square of whitened rows with the covariance that the fit leaves them.
     pub(super) fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
         let rows: Vec<usize> = rows
             .iter()
@@ -65,21 +64,7 @@ impl<'a> Influence<'a> {
             return None;
         }
         let Q = self.Q.select_columns(&rows);
-        let r = self.residual.select_rows(&rows);
-        let c = 1.0 + ABSORBED;
-        let squares = &Q * Q.transpose();
-        let rest = DMatrix::identity(Q.nrows(), Q.nrows()) * c - &squares;
-        let factor = Factor::new(rest)?;
-        let along = &Q * &r;
-        let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
-        // `squares = c - rest`.
-        let solved = c * factor.inverse().trace() - Q.nrows() as f64;
-        let trace = (rows.len() as f64 + solved) / c;
-        let dof = (rows.len() as f64 - ABSORBED * trace).round();
-        (dof > 0.0 && value.is_finite()).then_some(Statistic {
-            value,
-            dof: dof as usize,
-        })
+        scatter(&Q, &self.residual.select_rows(&rows))
     }
 
     /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
@@ -189,6 +174,33 @@ impl ByCase {
     }
 }
 
+/// `r'(c - Q'Q)^-1 r` with a little more than one for `c`, and the trace of what is left. Of more rows than unknowns by
+/// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`: it takes a factor of the smaller number.
+fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
+    let c = 1.0 + ABSORBED;
+    let rest = |squares: DMatrix<f64>| {
+        let n = squares.nrows();
+        Factor::new(DMatrix::identity(n, n) * c - squares)
+    };
+    let count = r.len() as f64;
+    let (value, trace) = if r.len() < Q.nrows() {
+        let factor = rest(transposed(Q, Q))?;
+        (r.dot(&factor.solve(r)), factor.inverse_trace())
+    } else {
+        let factor = rest(Q * Q.transpose())?;
+        let along = Q * r;
+        let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
+        // `QQ' = c - rest`.
+        let solved = c * factor.inverse_trace() - Q.nrows() as f64;
+        (value, (count + solved) / c)
+    };
+    let dof = (count - ABSORBED * trace).round();
+    (dof > 0.0 && value.is_finite()).then_some(Statistic {
+        value,
+        dof: dof as usize,
+    })
+}
+
 /// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED`] is left do not count.
 fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
     let k = s.len();
@@ -236,4 +248,35 @@ fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
         column *= lambda.max(0.0).sqrt();
     }
     L
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::noise::Noise;
+
+    /// Of more rows than unknowns and of fewer, against the inverse of the whole covariance.
+    #[test]
+    fn scatter_is_that_by_the_inverse_of_the_covariance() {
+        for (unknowns, rows) in [(4, 9), (9, 4)] {
+            let mut noise = Noise::new(7, "scatter");
+            let r = DVector::from_fn(rows, |_, _| noise.normal());
+            let mut Q = DMatrix::from_fn(unknowns, rows, |_, _| noise.normal());
+            Q *= 0.99
+                / crate::mechanics::eigen::singular_values(Q.clone(), false, false)
+                    .unwrap()
+                    .singular_values
+                    .max();
+            let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED) - Q.tr_mul(&Q);
+            let inverse = covariance.try_inverse().unwrap();
+            let found = scatter(&Q, &r).unwrap();
+            let value = r.dot(&(&inverse * &r));
+            assert!(
+                (found.value / value - 1.0).abs() < 1e-9,
+                "{found:?} {value}"
+            );
+            let dof = rows as f64 - ABSORBED * inverse.trace();
+            assert_eq!(found.dof, dof.round() as usize);
+        }
+    }
 }

@@ -71,12 +71,24 @@ impl Factor {
         (0..n).map(|k| of(k).powi(2)).sum()
     }
 
+    /// `L^-1`.
+    fn inverse_of_factor(&self) -> DMatrix<f64> {
+        let n = self.L.nrows();
+        let mut V = DMatrix::<f64>::zeros(n, n);
+        invert_lower_triangular(write(&mut V), read(&self.L), Par::Seq);
+        V
+    }
+
+    /// The trace of `M^-1`.
+    pub(crate) fn inverse_trace(&self) -> f64 {
+        self.inverse_of_factor().norm_squared()
+    }
+
     /// `M^-1`, its lower triangle; what stands above is zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
         let n = self.L.nrows();
-        let mut V = DMatrix::<f64>::zeros(n, n);
         let mut out = DMatrix::<f64>::zeros(n, n);
-        invert_lower_triangular(write(&mut V), read(&self.L), Par::Seq);
+        let V = self.inverse_of_factor();
         let V = read(&V);
         triangular::matmul(
             write(&mut out),
@@ -116,6 +128,8 @@ mod tests {
             }
             assert!((own.solve(&b) - other.solve(&b)).amax() < 1e-9);
             assert!((own.inverse() - other.inverse().lower_triangle()).amax() < 1e-9);
+            let trace = own.inverse_trace() / other.inverse().trace();
+            assert!((trace - 1.0).abs() < 1e-9);
             let quadratic = own.quadratic(&b) / b.dot(&(&M * &b));
             assert!((quadratic - 1.0).abs() < 1e-12);
             assert!((own.ln_det() - other.determinant().ln()).abs() < 1e-9);
