@@ -183,20 +183,26 @@ const SOLVED: f64 = 1e-11;
 
 #[test]
 fn axes() {
-    for (deck, toml, _) in decks() {
-        let first = tests_of(&Axle::new(&deck, toml));
-        for (axes, diagonal) in [("iso", [-1.0, -1.0, 1.0]), ("sae", [-1.0, 1.0, -1.0])] {
-            let Q = Mat3::from_diagonal(&Vec3::from(diagonal));
-            let toml = toml.replace("[deck]", &format!("[deck]\naxes = '{axes}'"));
-            let second = tests_of(&Axle::new(&turned(&deck, &Q), &toml));
-            same(&first, &second, |_| 1.0, SOLVED);
+    std::thread::scope(|scope| {
+        for (deck, toml, _) in decks() {
+            scope.spawn(move || in_other_axes(&deck, toml));
         }
-        // A rotated cage of axes: x up, y rearward, z right.
-        let Q = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
-        let toml = toml.replace("[deck]", "[deck]\naxes = ['up', 'rearward', 'right']");
-        let second = tests_of(&Axle::new(&turned(&deck, &Q), &toml));
+    });
+}
+
+fn in_other_axes(deck: &str, toml: &str) {
+    let first = tests_of(&Axle::new(deck, toml));
+    for (axes, diagonal) in [("iso", [-1.0, -1.0, 1.0]), ("sae", [-1.0, 1.0, -1.0])] {
+        let Q = Mat3::from_diagonal(&Vec3::from(diagonal));
+        let toml = toml.replace("[deck]", &format!("[deck]\naxes = '{axes}'"));
+        let second = tests_of(&Axle::new(&turned(deck, &Q), &toml));
         same(&first, &second, |_| 1.0, SOLVED);
     }
+    // A rotated cage of axes: x up, y rearward, z right.
+    let Q = Mat3::new(0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
+    let toml = toml.replace("[deck]", "[deck]\naxes = ['up', 'rearward', 'right']");
+    let second = tests_of(&Axle::new(&turned(deck, &Q), &toml));
+    same(&first, &second, |_| 1.0, SOLVED);
 }
 
 #[test]
