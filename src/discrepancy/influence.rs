@@ -174,7 +174,7 @@ impl ByCase {
     }
 }
 
-/// `r'(c - Q'Q)^-1 r` with a little more than one for `c`, and the trace of what is left. Of more rows than unknowns by
+/// Chi-square `r'(c - Q'Q)^-1 r` of rows of which a fit took the share `Q`; `c` is a little more than one. Of more rows than unknowns by
 /// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`: it takes a factor of the smaller number.
 fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
     let c = 1.0 + ABSORBED;
@@ -253,6 +253,7 @@ fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanics::eigen::singular_values;
     use crate::rig::noise::Noise;
 
     /// Of more rows than unknowns and of fewer, against the inverse of the whole covariance.
@@ -262,11 +263,8 @@ mod tests {
             let mut noise = Noise::new(7, "scatter");
             let r = DVector::from_fn(rows, |_, _| noise.normal());
             let mut Q = DMatrix::from_fn(unknowns, rows, |_, _| noise.normal());
-            Q *= 0.99
-                / crate::mechanics::eigen::singular_values(Q.clone(), false, false)
-                    .unwrap()
-                    .singular_values
-                    .max();
+            let values = singular_values(Q.clone(), false, false).unwrap();
+            Q *= 0.99 / values.singular_values.max();
             let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED) - Q.tr_mul(&Q);
             let inverse = covariance.try_inverse().unwrap();
             let found = scatter(&Q, &r).unwrap();
