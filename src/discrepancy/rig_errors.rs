@@ -101,24 +101,24 @@ impl RigErrors {
         if self.open(subject).is_empty() {
             return 0.0;
         }
-        let left = Left::beside(fitted);
-        let promised = self.promised_beyond(0.0, (subject, fitted), &left);
+        let whitened = Whitened::of(fitted);
+        let promised = self.promised_beyond(0.0, (subject, fitted), &whitened);
         promised.unwrap_or(0.0)
     }
 
-    /// The same of what a fit leaves; `None` where it is no more than `least`, and that is seen at once: nothing promises more than all that
-    /// is left over.
+    /// The same with the whitened model of the fit at hand. `None` where it is no more than `least`, and that is seen at once: nothing
+    /// promises more than all that is left over.
     fn promised_beyond(
         self,
         least: f64,
         (subject, fitted): (&Subject<'_>, &Fitted),
-        left: &[Left],
+        whitened: &[Whitened],
     ) -> Option<f64> {
         let groups = self.open(subject);
         let &(group, size) = groups.first()?;
-        let is_enough = |left: &&Left| left.behind + 0.5 * left.residual.norm_squared() > least;
-        let left: Vec<&Left> = left.iter().filter(is_enough).collect();
-        if left.is_empty() {
+        let is_enough = |at: &&Whitened| at.behind + 0.5 * at.residual.norm_squared() > least;
+        let whitened: Vec<&Whitened> = whitened.iter().filter(is_enough).collect();
+        if whitened.is_empty() {
             return None;
         }
         let columns = match group {
@@ -130,8 +130,8 @@ impl RigErrors {
             return None;
         }
         let turned = fitted.whitening.apply(&columns.values);
-        let of = |left: &&Left| left.behind + left.gained(&turned, &columns.blocks, size);
-        Some(left.iter().map(of).fold(0.0, f64::max))
+        let of = |at: &&Whitened| at.behind + at.gained(&turned, &columns.blocks, size);
+        Some(whitened.iter().map(of).fold(0.0, f64::max))
     }
 
     /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out. `subject` is the
@@ -182,9 +182,9 @@ impl Promises {
         if open.is_empty() {
             return None;
         }
-        let left = Left::beside(fitted);
+        let whitened = Whitened::of(fitted);
         for errors in open {
-            let Some(own) = errors.promised_beyond(asked, (subject, fitted), &left) else {
+            let Some(own) = errors.promised_beyond(asked, (subject, fitted), &whitened) else {
                 continue;
             };
             self.0.push((*errors, Arc::clone(fitted), own));
@@ -208,8 +208,8 @@ pub(super) struct GaveWay {
     pub least: f64,
 }
 
-/// Derivatives of all rows by further unknowns.
-struct Columns {
+/// Derivatives of all rows by errors of the rig.
+struct ErrorColumns {
     values: DMatrix<f64>,
     /// Ranges of columns, and the rows in which they have anything.
     blocks: Vec<(Range<usize>, Vec<usize>)>,
@@ -223,7 +223,7 @@ fn rows_of(subject: &Subject<'_>, case: usize) -> Vec<usize> {
 }
 
 /// By each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
-fn of_frames(subject: &Subject<'_>) -> Columns {
+fn of_frames(subject: &Subject<'_>) -> ErrorColumns {
     let measurement = subject.problem.measurement;
     let turn = Size::turn_by_shift(subject.millimetre());
     let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
@@ -238,14 +238,14 @@ fn of_frames(subject: &Subject<'_>) -> Columns {
         }
         blocks.push((6 * case..6 * case + 6, rows_of(subject, case)));
     }
-    Columns {
+    ErrorColumns {
         values: out,
         blocks,
     }
 }
 
 /// By the motions of a group that the frame makes through the cases.
-fn of_motions(subject: &Subject<'_>, of: Group) -> Columns {
+fn of_motions(subject: &Subject<'_>, of: Group) -> ErrorColumns {
     let mut through = motions(subject, &[]);
     through.retain(|(group, _)| *group == of);
     let own = of_frames(subject).values;
@@ -256,7 +256,7 @@ fn of_motions(subject: &Subject<'_>, of: Group) -> Columns {
             six += own.columns(6 * case, 6) * *factor;
         }
     }
-    Columns {
+    ErrorColumns {
         blocks: vec![(0..out.ncols(), (0..out.nrows()).collect())],
         values: out,
     }
@@ -264,7 +264,7 @@ fn of_motions(subject: &Subject<'_>, of: Group) -> Columns {
 
 /// By each load in each case, in units of the load's largest value: those by the gain of the load, row by row. A load that is zero in a case
 /// has none there: the fit has no derivative by it.
-fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> Columns {
+fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> ErrorColumns {
     let problem = &subject.problem;
     let programme = problem.programme;
     let by_gain = |(load, largest): (usize, f64)| {
@@ -297,11 +297,11 @@ fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> Columns {
     } else {
         DMatrix::from_columns(&out)
     };
-    Columns { values, blocks }
+    ErrorColumns { values, blocks }
 }
 
-/// What the linear model of a fit leaves at some sizes of tolerances.
-struct Left {
+/// The linear model of a fit, whitened at some sizes of tolerances.
+struct Whitened {
     /// Its evidence less that at the fit's own sizes.
     behind: f64,
     /// Of turned rows.
@@ -314,9 +314,9 @@ struct Left {
     covariance: DMatrix<f64>,
 }
 
-impl Left {
+impl Whitened {
     /// At the sizes of a fit, and at usual ones.
-    fn beside(fitted: &Fitted) -> Vec<Self> {
+    fn of(fitted: &Fitted) -> Vec<Self> {
         let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
         let usual = fitted.linear.posterior(&modest);
         let own = Some((&fitted.sizes, fitted.posterior.clone()));
@@ -377,5 +377,36 @@ impl Left {
             sum + size.ln_prior(ln)
         };
         (0..=SIZES).map(at).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sought::tests::{of_the_axle, shipped_axle};
+    use super::*;
+
+    /// Columns that meet the rows of their case only promise what they do with all rows.
+    #[test]
+    fn columns_of_single_cases_promise_what_they_do_with_all_rows() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (subject, fitted) = of_the_axle(&problem);
+        for (errors, columns) in [
+            (RigErrors::Loads, of_loads(&subject, &fitted)),
+            (RigErrors::Frame, of_frames(&subject)),
+        ] {
+            let size = errors.open(&subject)[0].1;
+            let turned = fitted.whitening.apply(&columns.values);
+            let (rows, count) = turned.shape();
+            assert!(columns.blocks.len() > 1 && count > 1);
+            let whole = vec![(0..count, (0..rows).collect())];
+            for at in Whitened::of(&fitted) {
+                let (own, all) = (
+                    at.gained(&turned, &columns.blocks, size),
+                    at.gained(&turned, &whole, size),
+                );
+                assert!((own - all).abs() < 1e-9 * (1.0 + all.abs()), "{own} {all}");
+            }
+        }
     }
 }

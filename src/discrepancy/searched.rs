@@ -16,8 +16,8 @@ use super::subject::{Data, Subject};
 use super::unseen::Unseen;
 use crate::tolerance::Size;
 
-/// A search with errors of the rig that was not kept to, and the study with them.
-type Vain<'a> = (RigErrors, Subject<'a>, Searched<'a>);
+/// A search with errors of the rig that was made and rejected, and the study with them.
+type Rejected<'a> = (RigErrors, Subject<'a>, Searched<'a>);
 
 /// A search of all cases, and one without those held out.
 pub(super) struct Searched<'a> {
@@ -45,11 +45,11 @@ impl<'a> Searched<'a> {
             unfitted = unfitted.with_groups([Size::of_another_frame(unfitted.millimetre())]);
             open.retain(|errors| *errors != RigErrors::Alignment);
         }
-        let (mut unfitted, mut searched, mut vain) =
+        let (mut unfitted, mut searched, mut rejected) =
             Self::giving_way(unfitted, &mut open, is_blind, progress)?;
         while let Some(at) = searched.asked(&open) {
             let errors = open.remove(at);
-            let again = match vain.take_if(|(of, ..)| *of == errors) {
+            let again = match rejected.take_if(|(of, ..)| *of == errors) {
                 Some((_, scattered, again)) => searched
                     .gives_way(errors, &again)
                     .then_some((scattered, again)),
@@ -57,20 +57,20 @@ impl<'a> Searched<'a> {
             };
             if let Some(again) = again {
                 (unfitted, searched) = again;
-                vain = None;
+                rejected = None;
             }
         }
         Some((unfitted, searched))
     }
 
-    /// With those in `open` that promise far more than any cause on the way to the end; they are taken out of it. Where such a search is
-    /// not kept to it is the last of what comes back.
+    /// With those in `open` that promise far more than any cause on the way to the end; they are taken out of it. A search with such errors
+    /// that was rejected is returned, too.
     fn giving_way(
         unfitted: Subject<'a>,
         open: &mut Vec<RigErrors>,
         is_blind: bool,
         progress: &Progress,
-    ) -> Option<(Subject<'a>, Self, Option<Vain<'a>>)> {
+    ) -> Option<(Subject<'a>, Self, Option<Rejected<'a>>)> {
         let searched = Self::new(&unfitted, open, is_blind, progress)?;
         let Some(gave_way) = searched.sought.found.gave_way else {
             return Some((unfitted, searched, None));
@@ -80,7 +80,7 @@ impl<'a> Searched<'a> {
         progress.renew();
         let count = rest.len();
         let with_them = unfitted.with_groups(gave_way.errors.open(&unfitted));
-        let mut vain = None;
+        let mut rejected = None;
         let again = Self::giving_way(with_them, &mut rest, is_blind, progress);
         if let Some((with_them, again, further)) = again {
             if searched.is_kept_to(gave_way, &again) {
@@ -88,11 +88,11 @@ impl<'a> Searched<'a> {
                 return Some((with_them, again, further));
             }
             let is_alone = rest.len() == count;
-            vain = is_alone.then_some((gave_way.errors, with_them, again));
+            rejected = is_alone.then_some((gave_way.errors, with_them, again));
         }
         progress.renew();
         let searched = Self::new(&unfitted, &[], is_blind, progress)?;
-        Some((unfitted, searched, vain))
+        Some((unfitted, searched, rejected))
     }
 
     /// True if the search that this one gave way to came to what was promised, with nothing left over.
