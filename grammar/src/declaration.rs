@@ -91,6 +91,15 @@ pub struct Law {
     pub flag: Option<String>,
 }
 
+/// Arguments that ADAMS follows and the built-in solver does not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The whole argument names.
+    pub names: Vec<String>,
+    /// What ADAMS makes of them.
+    pub effect: String,
+}
+
 /// Who can solve it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Solved {
@@ -117,6 +126,8 @@ pub struct Statement {
     pub arguments: Vec<Argument>,
     /// Presence rules.
     pub presence: Vec<Presence>,
+    /// Arguments that only real ADAMS follows.
+    pub left_out: Vec<LeftOut>,
     /// Its force laws.
     pub laws: Vec<Law>,
     /// Who can solve it.

@@ -1,7 +1,8 @@
 use std::fmt;
 
 use crate::declaration::{
-    Argument, Count, Function, Grammar, Keyword, Law, Presence, Range, Solved, Statement, Value,
+    Argument, Count, Function, Grammar, Keyword, Law, LeftOut, Presence, Range, Solved, Statement,
+    Value,
 };
 
 /// A line that does not follow the format.
@@ -147,6 +148,14 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
                 let names = words[1..].iter().map(ToString::to_string).collect();
                 draft.statement.presence.push(Presence { rule, names });
             }
+            ("leftout", Block::Statement(draft)) => {
+                let quote = rest.find('"').unwrap_or(rest.len());
+                let (names, effect) = rest.split_at(quote);
+                draft.statement.left_out.push(LeftOut {
+                    names: names.split_whitespace().map(str::to_string).collect(),
+                    effect: quoted(effect).map_err(fail)?,
+                });
+            }
             ("law", Block::Statement(draft)) => {
                 draft.statement.laws.push(law(&words[1..]).map_err(fail)?);
             }
@@ -239,6 +248,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
             id,
             arguments: Vec::new(),
             presence: Vec::new(),
+            left_out: Vec::new(),
             laws: Vec::new(),
             solved: Solved::Native(String::new()),
             doc: doc.to_string(),

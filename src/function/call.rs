@@ -124,7 +124,12 @@ impl Build<'_> {
     ) -> Result<Place, Diagnostic> {
         let kind = self.code_or_id(function, arguments, 0)?;
         let component = self.code_or_id(function, arguments, 1)?;
-        let count = if kind == 27 { 4 } else { 3 };
+        // Direction cosines have nine numbers. Which of the types 25 and 26 has them is on no page seen.
+        let count = match kind {
+            27 => 4,
+            25 | 26 => 9,
+            _ => 3,
+        };
         if !(1..=count).contains(&component) {
             return Err(wrong(
                 function,
