@@ -100,6 +100,34 @@ pub struct LeftOut {
     pub effect: String,
 }
 
+impl Law {
+    /// `NAME ARGUMENT...`, and `for FLAG` behind it where a statement has several laws; `None` without a name.
+    pub(crate) fn read(words: &[&str]) -> Option<Self> {
+        let (words, flag) = match words {
+            [words @ .., "for", flag] => (words, Some((*flag).to_string())),
+            words => (words, None),
+        };
+        let [name, arguments @ ..] = words else {
+            return None;
+        };
+        Some(Self {
+            name: (*name).to_string(),
+            arguments: arguments.iter().map(ToString::to_string).collect(),
+            flag,
+        })
+    }
+}
+
+impl LeftOut {
+    /// From names with blanks between them.
+    pub(crate) fn new(names: &str, effect: String) -> Self {
+        Self {
+            names: names.split_whitespace().map(str::to_string).collect(),
+            effect,
+        }
+    }
+}
+
 /// Who can solve it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Solved {

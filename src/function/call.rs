@@ -124,12 +124,7 @@ impl Build<'_> {
     ) -> Result<Place, Diagnostic> {
         let kind = self.code_or_id(function, arguments, 0)?;
         let component = self.code_or_id(function, arguments, 1)?;
-        // Direction cosines have nine numbers. Which of the types 25 and 26 has them is on no page seen.
-        let count = match kind {
-            27 => 4,
-            25 | 26 => 9,
-            _ => 3,
-        };
+        let count = Sequence::components_of_orient(kind);
         if !(1..=count).contains(&component) {
             return Err(wrong(
                 function,
