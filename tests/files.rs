@@ -12,9 +12,13 @@ mod files {
     pub mod folder;
     pub mod functions;
     pub mod hostile;
+    pub mod left_out;
     pub mod lint;
     pub mod lossless;
     pub mod lowering;
+    pub mod marker_points;
+    pub mod one_reading;
+    pub mod other_units;
     pub mod property;
     pub mod real_decks;
     pub mod results;

@@ -35,7 +35,8 @@ pub(crate) fn check(grammar: &Grammar) -> Result<(), ParseError> {
         let presence = statement.presence.iter().flat_map(|p| &p.names);
         let laws = statement.laws.iter();
         let numbers = laws.flat_map(|law| law.arguments.iter().chain(&law.flag));
-        for name in presence.chain(numbers) {
+        let left_out = statement.left_out.iter().flat_map(|left| &left.names);
+        for name in presence.chain(numbers).chain(left_out) {
             if !keywords.iter().any(|k| k.name == *name) {
                 return Err(fail(Problem::Unknown(name.clone())));
             }

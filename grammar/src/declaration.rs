@@ -91,6 +91,43 @@ pub struct Law {
     pub flag: Option<String>,
 }
 
+/// Arguments that ADAMS follows and the built-in solver does not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// The whole argument names.
+    pub names: Vec<String>,
+    /// What ADAMS makes of them.
+    pub effect: String,
+}
+
+impl Law {
+    /// `NAME ARGUMENT...`, and `for FLAG` behind it where a statement has several laws; `None` without a name.
+    pub(crate) fn read(words: &[&str]) -> Option<Self> {
+        let (words, flag) = match words {
+            [words @ .., "for", flag] => (words, Some((*flag).to_string())),
+            words => (words, None),
+        };
+        let [name, arguments @ ..] = words else {
+            return None;
+        };
+        Some(Self {
+            name: (*name).to_string(),
+            arguments: arguments.iter().map(ToString::to_string).collect(),
+            flag,
+        })
+    }
+}
+
+impl LeftOut {
+    /// From names with blanks between them.
+    pub(crate) fn new(names: &str, effect: String) -> Self {
+        Self {
+            names: names.split_whitespace().map(str::to_string).collect(),
+            effect,
+        }
+    }
+}
+
 /// Who can solve it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Solved {
@@ -117,6 +154,8 @@ pub struct Statement {
     pub arguments: Vec<Argument>,
     /// Presence rules.
     pub presence: Vec<Presence>,
+    /// Arguments that only real ADAMS follows.
+    pub left_out: Vec<LeftOut>,
     /// Its force laws.
     pub laws: Vec<Law>,
     /// Who can solve it.

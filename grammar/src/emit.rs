@@ -1,14 +1,14 @@
 use std::fmt::Write;
 
 use crate::declaration::{
-    Argument, Count, Grammar, Keyword, Law, Presence, Solved, Statement, Value,
+    Argument, Count, Grammar, Keyword, Law, LeftOut, Presence, Solved, Statement, Value,
 };
 
 /// The text of `src/grammar/generated.rs`.
 pub fn emit(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Written by `cargo run -p grammar` from `grammar/*.grammar`. Do not edit.\n\n\
-         use super::definition::{\n    ArgumentDef, Bound, Choice, Components, Count, FunctionDef, LawDef, Presence, Role, Solved,\n    StatementDef, ValueKind,\n};\n\
+         use super::definition::{\n    ArgumentDef, Bound, Choice, Components, Count, FunctionDef, LawDef, LeftOut, Presence, Role,\n    Solved, StatementDef, ValueKind,\n};\n\
          use crate::units::Dimension;\n\n\
          /// Every statement and command.\n#[rustfmt::skip]\npub static STATEMENTS: &[StatementDef] = &[\n",
     );
@@ -46,11 +46,13 @@ fn emit_statement(out: &mut String, statement: &Statement) {
         emit_argument(out, argument);
     }
     let presence: Vec<String> = statement.presence.iter().map(presence).collect();
+    let left_out: Vec<String> = statement.left_out.iter().map(left_out).collect();
     let laws: Vec<String> = statement.laws.iter().map(law).collect();
     let _ = writeln!(
         out,
-        "        ],\n        presence: &[{}],\n        laws: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n        unchecked: {:?},\n    }},",
+        "        ],\n        presence: &[{}],\n        left_out: &[{}],\n        laws: &[{}],\n        solved: {},\n        doc: {:?},\n        source: {:?},\n        unchecked: {:?},\n    }},",
         presence.join(", "),
+        left_out.join(", "),
         laws.join(", "),
         solved(&statement.solved),
         statement.doc,
@@ -81,6 +83,13 @@ fn emit_argument(out: &mut String, argument: &Argument) {
         argument.required,
         argument.doc,
     );
+}
+
+fn left_out(left: &LeftOut) -> String {
+    format!(
+        "LeftOut {{ arguments: &{:?}, effect: {:?} }}",
+        left.names, left.effect
+    )
 }
 
 fn kind(value: &Value) -> String {

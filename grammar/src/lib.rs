@@ -17,6 +17,7 @@
 //!   I        ref<marker>  required                  # one line for people
 //!   K        real[3]      = 0 0 0  [force/length]  >= 0  # type, count, default, dimension, range
 //!   TYpe     word<Ring|SOlid>                       # one of several words
+//!   leftout  K TYPE "what real ADAMS makes of them"   # arguments the built-in solver does not follow
 //!   together IXX IYY                                # presence: exclusive, together, requires, oneof
 //! ```
 //!
@@ -36,7 +37,7 @@ mod emit;
 mod parse;
 
 pub use declaration::{
-    Argument, Count, Function, Grammar, Keyword, Presence, Range, Solved, Statement, Value,
+    Argument, Count, Function, Grammar, Keyword, LeftOut, Presence, Range, Solved, Statement, Value,
 };
 pub use emit::{coverage, emit, with_coverage};
 pub use parse::{ParseError, Problem, parse};

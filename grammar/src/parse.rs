@@ -1,7 +1,8 @@
 use std::fmt;
 
 use crate::declaration::{
-    Argument, Count, Function, Grammar, Keyword, Law, Presence, Range, Solved, Statement, Value,
+    Argument, Count, Function, Grammar, Keyword, Law, LeftOut, Presence, Range, Solved, Statement,
+    Value,
 };
 
 /// A line that does not follow the format.
@@ -114,17 +115,14 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
             }
             (_, Block::None) => return Err(fail(Problem::Outside)),
             ("role", Block::Statement(draft)) => {
-                draft.role = Some(match rest {
-                    "dataset" => "Dataset",
-                    "command" => "Command",
-                    "both" => "Both",
-                    _ => {
-                        return Err(fail(Problem::Expected(
-                            "dataset, command or both",
-                            rest.into(),
-                        )));
-                    }
-                });
+                let roles = [
+                    ("dataset", "Dataset"),
+                    ("command", "Command"),
+                    ("both", "Both"),
+                ];
+                let found = roles.iter().find(|(word, _)| *word == rest);
+                let expected = || Problem::Expected("dataset, command or both", rest.into());
+                draft.role = Some(found.ok_or_else(expected).map_err(fail)?.1);
             }
             ("solved", Block::Statement(draft)) => {
                 draft.solved = Some(solved(rest).map_err(fail)?);
@@ -147,8 +145,13 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
                 let names = words[1..].iter().map(ToString::to_string).collect();
                 draft.statement.presence.push(Presence { rule, names });
             }
+            ("leftout", Block::Statement(draft)) => {
+                draft.statement.left_out.push(left_out(rest).map_err(fail)?);
+            }
             ("law", Block::Statement(draft)) => {
-                draft.statement.laws.push(law(&words[1..]).map_err(fail)?);
+                let missing = || Problem::Expected("the name of a law", String::new());
+                let law = Law::read(&words[1..]).ok_or_else(missing).map_err(fail)?;
+                draft.statement.laws.push(law);
             }
             (_, Block::Statement(draft)) => {
                 let argument = argument(first, rest, doc).map_err(fail)?;
@@ -239,6 +242,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
             id,
             arguments: Vec::new(),
             presence: Vec::new(),
+            left_out: Vec::new(),
             laws: Vec::new(),
             solved: Solved::Native(String::new()),
             doc: doc.to_string(),
@@ -251,20 +255,10 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
     })
 }
 
-/// `NAME ARGUMENT...`, and `for FLAG` behind it where a statement has several laws.
-fn law(words: &[&str]) -> Result<Law, Problem> {
-    let (words, flag) = match words {
-        [words @ .., "for", flag] => (words, Some((*flag).to_string())),
-        words => (words, None),
-    };
-    let [name, arguments @ ..] = words else {
-        return Err(Problem::Expected("the name of a law", String::new()));
-    };
-    Ok(Law {
-        name: (*name).to_string(),
-        arguments: arguments.iter().map(ToString::to_string).collect(),
-        flag,
-    })
+/// `NAME ... "effect"`.
+fn left_out(text: &str) -> Result<LeftOut, Problem> {
+    let (names, effect) = text.split_at(text.find('"').unwrap_or(text.len()));
+    Ok(LeftOut::new(names, quoted(effect)?))
 }
 
 fn keyword(word: &str) -> Result<Keyword, Problem> {

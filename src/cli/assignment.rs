@@ -25,6 +25,11 @@ pub(super) struct Assignment<'a> {
 }
 
 impl<'a> Assignment<'a> {
+    /// What stands in front of the operator, if the text is an assignment.
+    pub(crate) fn left(text: &'a str) -> Option<&'a str> {
+        Some(operator(text.split_once('=')?.0).0)
+    }
+
     /// Takes an assignment apart.
     pub(crate) fn of(text: &'a str, shell: &Shell) -> Result<Self, Exit> {
         let Some((left, value)) = text.split_once('=') else {

@@ -1,5 +1,7 @@
 //! `get` and `set` on command files: `SIMULATE#2.END`, `SFORCE/3.FUNCTION`.
 
+use std::collections::BTreeSet;
+
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::front::edits;
 use crate::grammar::{Lookup, Role, find_statement};
@@ -124,12 +126,14 @@ pub(super) fn set(
             for (address, value) in
                 reckoned(&assignment, vec![address.clone()], one, degrees, shell)?
             {
-                all.extend(edits(one, &address, &value).map_err(|refused| {
-                    shell
-                        .sources
-                        .add(Source::new("expression", value.as_bytes()));
-                    shell.fail(refused)
-                })?);
+                all.extend(
+                    edits(one, &address, &value, &BTreeSet::new()).map_err(|refused| {
+                        shell
+                            .sources
+                            .add(Source::new("expression", value.as_bytes()));
+                        shell.fail(refused)
+                    })?,
+                );
             }
         }
         let bytes = apply_edits(file.bytes(), &all).map_err(|conflict| {

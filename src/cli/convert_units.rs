@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use crate::check::is_command_file;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::front::Before;
 use crate::grammar::nearest;
@@ -15,7 +16,8 @@ use super::target::Target;
 /// Write a dataset in other units: the same mechanism, number by number.
 ///
 /// Numbers with a unit are scaled, and so is what functions yield and measure; numbers inside of functions, variables, splines and
-/// tolerances stay. What cannot be converted (user subroutines, flexible bodies, contacts, ...) is named, and nothing is written.
+/// tolerances that judge lengths and angles alike stay; command files are not converted. What cannot be converted (user subroutines,
+/// flexible bodies, contacts, ...) is named, and nothing is written.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -34,6 +36,12 @@ const EXAMPLES: &str = "Examples:
 
 /// Writes the converted deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
+    if is_command_file(&arguments.deck) {
+        return Err(shell.usage(
+            Diagnostic::error(Code::WrongUnits, "a command file is not converted")
+                .help("its numbers mean something beside a dataset only: write them anew"),
+        ));
+    }
     let source = shell.read(&arguments.deck)?;
     let parsed = Dataset::parse(source);
     let dataset = &parsed.value;
@@ -42,13 +50,25 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let old = &model.value.units;
     let units = asked(&arguments.to, [old.force, old.mass, old.length, old.time])
         .map_err(|refused| shell.usage(refused))?;
-    let edits = convert_units(dataset, &model.value, units).map_err(|refused| {
+    let converted = convert_units(dataset, &model.value, units).map_err(|refused| {
         shell.complain(&refused);
         Exit::Findings
     })?;
-    let deck = edited(dataset, &edits, shell)?;
+    let deck = edited(dataset, &converted.value, shell)?;
     shell.sources.add(deck.value.source().clone());
     refuse_faults(&Before::of(&parsed), &deck, false, shell)?;
+    let mut said = converted.diagnostics;
+    dataset.locate(&mut said);
+    if !converted.value.is_empty() {
+        said.push(
+            Diagnostic::note(
+                Code::WrongUnits,
+                "command files of this dataset are not converted",
+            )
+            .help("their times, redefined values and tolerances are numbers of the old units"),
+        );
+    }
+    shell.complain(&said);
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;

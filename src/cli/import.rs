@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{Before, new_errors};
-use crate::syntax::{Dataset, json};
+use crate::syntax::{Dataset, MarkerPoints, json};
 
 use super::Outcome;
 use super::edited::{edited, refuse_faults};
@@ -60,6 +60,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     shell.sources.add(changed.value.source().clone());
     refuse_faults(&Before::of(&original), &changed, arguments.force, shell)?;
+    shell.complain(&MarkerPoints::of(dataset).moved(&changed.value));
     arguments
         .target
         .deliver(&arguments.deck, changed.value.bytes(), shell)?;

@@ -17,7 +17,8 @@ use super::width::table_text;
 /// Show how the equilibrium changes with the numbers of a dataset.
 ///
 /// The derivatives of motions, forces or measures by stiffnesses, preloads, marker positions, spring lengths, loads: exact,
-/// from the tangent of the equilibrium, in the deck's units (angles in radians).
+/// from the tangent of the equilibrium, in the deck's units (angles in radians). By QP a marker moves as `admire set` moves it: without
+/// turning, ZP and XP along with it, and so do markers in its frame (RM).
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire sensitivity front.adm --of KNUCKLE --by BUSHING/1.K")]
 pub(super) struct Arguments {

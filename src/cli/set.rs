@@ -6,12 +6,12 @@ use clap_complete::ArgValueCompleter;
 use crate::check::is_command_file;
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::front::{Before, edits, new_errors, outline};
-use crate::syntax::{Address, Dataset};
+use crate::syntax::{Address, Dataset, MarkerPoints};
 use crate::text::{Edit, EditConflict, Source};
 
 use super::Outcome;
 use super::addresses::complete;
-use super::assignment::expanded;
+use super::assignment::{Assignment, expanded};
 use super::command_edits;
 use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
@@ -25,7 +25,8 @@ use super::target::Target;
 /// copy is identical. Without -o or --in-place the new deck goes to standard output.
 ///
 /// `*` in an address stands for any id or name, or for every value of an argument, and `*=`, `/=`, `+=`, `-=` reckon with the
-/// value there is. In a command file (.acf) a command is KIND or KIND/id, with #2 for the second one of several.
+/// value there is. A marker is moved without being turned: ZP and XP move along with QP. In a command file (.acf) a command is KIND
+/// or KIND/id, with #2 for the second one of several.
 #[derive(clap::Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct Arguments {
@@ -67,10 +68,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let mut deck = Dataset::parse(source);
     let before = Before::of(&deck);
+    let points = MarkerPoints::of(&deck.value);
+    let named = named(&arguments.assignments, &deck.value);
+    let beside: BTreeSet<&Address> = named.iter().collect();
     let mut refused = None;
     for assignment in &arguments.assignments {
         // The others are looked at too, so that all faults are told at once.
-        if let Err(exit) = change(&mut deck, assignment, arguments.degrees, shell) {
+        if let Err(exit) = change(&mut deck, (assignment, &beside), arguments.degrees, shell) {
             refused = Some(exit.max(refused.unwrap_or(exit)));
         }
     }
@@ -79,28 +83,39 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     shell.sources.add(deck.value.source().clone());
     refuse_faults(&before, &deck, arguments.force, shell)?;
+    shell.complain(&points.moved(&deck.value));
     arguments
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
     Ok(Exit::Fine)
 }
 
-/// Makes one assignment, which may be about many addresses. The deck is as it was if it is refused.
+/// The addresses of some assignments, but for those that mean nothing.
+fn named(assignments: &[String], dataset: &Dataset) -> Vec<Address> {
+    let addresses = assignments.iter().filter_map(|assignment| {
+        let left = Assignment::left(assignment)?;
+        Address::matching(left, dataset).ok()
+    });
+    addresses.flatten().collect()
+}
+
+/// Makes one assignment, which may be about many addresses; `beside` are those of all assignments. The deck is as it was if it is
+/// refused.
 fn change(
     deck: &mut Checked<Dataset>,
-    assignment: &str,
+    (assignment, beside): (&str, &BTreeSet<&Address>),
     degrees: bool,
     shell: &mut Shell,
 ) -> Result<(), Exit> {
     let all = expanded(assignment, &deck.value, degrees, shell)?;
-    let edits = edits_of(&deck.value, &all, shell)?;
+    let edits = edits_of(&deck.value, (&all, beside), shell)?;
     match deck.value.text_after(&edits) {
         // Values that are not written yet would be added at one place: one after the other.
         Err(_) if all.len() > 1 => {
             let before = deck.value.source().clone();
             let one_by_one = all.iter().try_for_each(|one| {
                 let one = std::slice::from_ref(one);
-                let edits = edits_of(&deck.value, one, shell)?;
+                let edits = edits_of(&deck.value, (one, beside), shell)?;
                 let text = deck.value.text_after(&edits);
                 look_at(deck, text, one, assignment, shell)
             });
@@ -116,18 +131,20 @@ fn change(
 /// The edits of some assignments of a deck as it is.
 fn edits_of(
     dataset: &Dataset,
-    assignments: &[(Address, String)],
+    (assignments, beside): (&[(Address, String)], &BTreeSet<&Address>),
     shell: &mut Shell,
 ) -> Result<Vec<Edit>, Exit> {
     let mut all = Vec::new();
     for (address, value) in assignments {
-        all.extend(edits(dataset, address, value).map_err(|diagnostic| {
-            // A function that cannot be read is shown by itself.
-            shell
-                .sources
-                .add(Source::new("expression", value.as_bytes()));
-            shell.fail(diagnostic)
-        })?);
+        all.extend(
+            edits(dataset, address, value, beside).map_err(|diagnostic| {
+                // A function that cannot be read is shown by itself.
+                shell
+                    .sources
+                    .add(Source::new("expression", value.as_bytes()));
+                shell.fail(diagnostic)
+            })?,
+        );
     }
     Ok(all)
 }

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use crate::diagnostic::{Code, Severity};
+use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::model::Model;
 use crate::model::summary::{Summary, summary};
 use crate::statics::Freedoms;
 use crate::syntax::Dataset;
+use crate::syntax::property::{PropertyFile, PropertyKind};
 use crate::system::System;
+use crate::text::Source;
 
 use super::Outcome;
 use super::format::Format;
@@ -34,6 +36,9 @@ const SHOWN: usize = 8;
 /// Prints the numbers.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
+    if PropertyFile::is_one(source.bytes()) {
+        return Err(shell.fail(not_a_dataset(source)));
+    }
     let parsed = Dataset::parse(source);
     let dataset = &parsed.value;
     let files = shell.read_files(dataset);
@@ -80,6 +85,30 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         Exit::Findings
     })
+}
+
+/// Says what a file of Adams/Car is that was named in place of a dataset.
+fn not_a_dataset(source: Source) -> Diagnostic {
+    let name = source.name().to_string();
+    let file = PropertyFile::parse(source).value;
+    let what = match &file.kind {
+        PropertyKind::Bushing => "a bushing property file",
+        PropertyKind::Spring => "a spring property file",
+        PropertyKind::Stop => "the property file of a bump or rebound stop",
+        PropertyKind::Damper => "a damper property file",
+        PropertyKind::Other(word) => match word.as_str() {
+            "sub" => "a subsystem file",
+            "asy" => "an assembly file",
+            "tpl" => "a template file",
+            "tir" => "a tire property file",
+            _ => "a property file",
+        },
+    };
+    Diagnostic::error(
+        Code::WrongType,
+        format!("`{name}` is {what} of Adams/Car, not a dataset"),
+    )
+    .help("Adams/Car writes the dataset (.adm) of an assembly when it is submitted to the solver")
 }
 
 fn text(

@@ -29,7 +29,8 @@ macro_rules! codes {
 
 codes! {
     // Reading a dataset or a command file.
-    /// A statement or command whose keyword is not in the grammar. It is kept as it is and takes part in nothing.
+    /// A statement or command whose keyword is not in the grammar, an error for `check` and `mdi` alike. It is kept as it is and takes part
+    /// in nothing.
     UnknownStatement = "unknown-statement",
     /// An argument whose keyword the statement does not have.
     UnknownArgument = "unknown-argument",
@@ -67,6 +68,9 @@ codes! {
     // Lint: what is wrong with a dataset that reads well.
     /// Arguments that cannot stand together, for example REULER and ZP of a MARKER, or two types of a JOINT.
     ConflictingArguments = "conflicting-arguments",
+    /// A MARKER whose axes are given by ZP and XP was moved. An edit of QP moves these points along, so that the marker does not turn;
+    /// where they are given values of their own the marker turns.
+    MarkerPoints = "marker-points",
     /// An argument that is written twice in one statement. The later one counts.
     RepeatedArgument = "repeated-argument",
     /// A number with the degree suffix where no angle is meant, or an angle without it that looks like degrees. The suffix D always

@@ -10,11 +10,13 @@ use crate::syntax::lint::{self, Options};
 use crate::syntax::{Address, Dataset};
 use crate::text::Edit;
 
-/// A flag is switched by true and false; a number and anything else is written as it was typed.
+/// A flag is switched by true and false; a number and anything else is written as it was typed. `beside` are addresses that have values
+/// of their own.
 pub(crate) fn edits(
     dataset: &Dataset,
     address: &Address,
     value: &str,
+    beside: &BTreeSet<&Address>,
 ) -> Result<Vec<Edit>, Diagnostic> {
     if address.kind == "TITLE" {
         return dataset.set_text(address, value);
@@ -30,9 +32,7 @@ pub(crate) fn edits(
             .help("write =true or =false")),
         };
     }
-    dataset
-        .set_typed(address, value)
-        .unwrap_or_else(|| dataset.set_text(address, value))
+    dataset.set_typed(address, value, beside)
 }
 
 fn is_flag(address: &Address) -> bool {

@@ -73,15 +73,20 @@ impl From<&str> for Setting {
 }
 
 impl Setting {
-    fn edits(&self, dataset: &Dataset, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
+    fn edits(
+        &self,
+        dataset: &Dataset,
+        address: &Address,
+        beside: &BTreeSet<&Address>,
+    ) -> Result<Vec<Edit>, Diagnostic> {
         match self {
-            Self::Number(value) => dataset.set(address, *value),
+            Self::Number(value) => dataset.set_beside(address, *value, beside),
             Self::Numbers(values) => {
                 let words: Vec<String> = values.iter().map(f64::to_string).collect();
-                edits(dataset, address, &words.join(", "))
+                edits(dataset, address, &words.join(", "), beside)
             }
             Self::Flag(on) => dataset.set_flag(address, *on),
-            Self::Text(text) => edits(dataset, address, text.trim()),
+            Self::Text(text) => edits(dataset, address, text.trim(), beside),
         }
     }
 }
@@ -172,17 +177,18 @@ impl Deck {
         Address::matching(pattern, self.dataset()).map_err(|refused| usage(typed(refused, pattern)))
     }
 
-    /// Gives an address, or each of a pattern, a new value.
+    /// Gives an address, or each of a pattern, a new value. A marker is moved without being turned: ZP and XP move along with QP.
     ///
     /// # Errors
     /// When the address means nothing, or the deck could not be read with the value; the deck is as before then.
     pub fn set(&mut self, text: &str, setting: impl Into<Setting>) -> Result<&mut Self, Error> {
         let setting = setting.into();
         let addresses = self.matching(text)?;
+        let beside: BTreeSet<&Address> = addresses.iter().collect();
         let dataset = self.dataset();
         let all: Result<Vec<_>, _> = addresses
             .iter()
-            .map(|address| setting.edits(dataset, address))
+            .map(|address| setting.edits(dataset, address, &beside))
             .collect();
         let all: Vec<Edit> = all.map_err(|refused| self.refused(&refused))?.concat();
         if all.is_empty() {
@@ -195,7 +201,7 @@ impl Deck {
         // Values that are not written yet would be added at one place: one after the other.
         let mut read = Arc::clone(&self.read);
         for address in &addresses {
-            let found = setting.edits(&read.value, address);
+            let found = setting.edits(&read.value, address, &beside);
             let found = found.map_err(|refused| self.refused(&refused))?;
             let one = std::slice::from_ref(address);
             read = Arc::new(self.edited(&read, &found, one, text)?);

@@ -1,10 +1,11 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::{Model, PartIx};
 use crate::statics::{Sensitivity, Settings, SolveError, solve};
-use crate::syntax::Dataset;
+use crate::syntax::{Address, Dataset};
 use crate::system::{Quantity, Slot, System};
 
-/// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians).
+/// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians). By QP a marker moves
+/// without turning, and markers that are given in its frame (RM) move with it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SensitivityTable {
     /// What changes: names of the columns, for example `PART/4 x`.
@@ -134,9 +135,17 @@ fn slots(
     (dataset, system): (&Dataset, &System),
 ) -> Result<Vec<Slot>, Diagnostic> {
     let catalogue = system.catalogue();
+    // Angles that points give instead of REULER have no number to change.
+    let by_points = |address: &Address| {
+        let marker = dataset.find(address).filter(|_| address.kind == "MARKER");
+        address.argument.as_deref() == Some("REULER")
+            && marker.is_some_and(|marker| marker.has("ZP") || marker.has("XP"))
+    };
     let all: Vec<(Slot, String)> = catalogue
         .slots()
-        .map(|slot| (slot, catalogue.info(slot).address.to_string()))
+        .map(|slot| (slot, catalogue.info(slot).address))
+        .filter(|(_, address)| !by_points(address))
+        .map(|(slot, address)| (slot, address.to_string()))
         .collect();
     if words.is_empty() {
         let readings = ["REQUEST", "SENSOR"];

@@ -124,7 +124,7 @@ impl Build<'_> {
     ) -> Result<Place, Diagnostic> {
         let kind = self.code_or_id(function, arguments, 0)?;
         let component = self.code_or_id(function, arguments, 1)?;
-        let count = if kind == 27 { 4 } else { 3 };
+        let count = Sequence::components_of_orient(kind);
         if !(1..=count).contains(&component) {
             return Err(wrong(
                 function,

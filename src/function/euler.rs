@@ -18,6 +18,15 @@ impl Sequence {
         }
     }
 
+    /// How many components an ORIENT type has. Direction cosines have nine; which of 25 and 26 has them is on no page seen.
+    pub(crate) const fn components_of_orient(kind: u32) -> u32 {
+        match kind {
+            27 => 4,
+            25 | 26 => 9,
+            _ => 3,
+        }
+    }
+
     /// The sequence of an ORIENT type: 1 to 12 body-fixed, 13 to 24 the same sequences fixed in space.
     pub(crate) fn of_orient(kind: u32) -> Option<Self> {
         const AXES: [[usize; 3]; 12] = [

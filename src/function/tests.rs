@@ -49,6 +49,7 @@ fn model() -> Model {
                 orientation: Orientation::Reuler([0.0; 3]),
                 R: Mat3::identity(),
                 floating: false,
+                relative: None,
             })
             .collect(),
         variables: (1..=3)

@@ -15,6 +15,8 @@ pub struct StatementDef {
     pub arguments: &'static [ArgumentDef],
     /// Rules on which arguments stand together.
     pub presence: &'static [Presence],
+    /// Arguments that real ADAMS follows and the built-in solver does not.
+    pub left_out: &'static [LeftOut],
     /// The force laws between its markers I and J; empty if it is no such force.
     pub laws: &'static [LawDef],
     /// Who can solve it.
@@ -32,6 +34,21 @@ impl StatementDef {
     pub(crate) fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
         self.arguments.iter().find(|argument| argument.name == name)
     }
+
+    /// True for an argument that stands several times, each of them a row: Y of a SPLINE with two variables. Of any other argument that
+    /// is repeated the last one counts.
+    pub(crate) fn adds_rows(&self, argument: &str) -> bool {
+        self.name == "SPLINE" && argument == "Y"
+    }
+}
+
+/// Arguments that real ADAMS follows and the built-in solver does not: the answer is another one with them.
+#[derive(Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Whole keywords in capitals.
+    pub arguments: &'static [&'static str],
+    /// What real ADAMS makes of them.
+    pub effect: &'static str,
 }
 
 /// A force law between two markers, and where a statement has its numbers.

@@ -137,11 +137,14 @@ impl LoadedStudy {
     /// # Errors
     /// A value that cannot be written into the deck.
     pub fn identified_deck(&self, values: &[f64]) -> Result<Vec<u8>, Diagnostic> {
+        let unknowns = self.unknowns.iter().zip(values);
+        let assigned: Vec<(Address, f64)> = unknowns
+            .flat_map(|(unknown, value)| unknown.assign(significant(*value)))
+            .collect();
+        let beside = assigned.iter().map(|(address, _)| address).collect();
         let mut edits = Vec::new();
-        for (unknown, value) in self.unknowns.iter().zip(values) {
-            for (address, value) in unknown.assign(significant(*value)) {
-                edits.extend(self.dataset.set(&address, value)?);
-            }
+        for (address, value) in &assigned {
+            edits.extend(self.dataset.set_beside(address, *value, &beside)?);
         }
         let bytes = crate::text::apply_edits(self.dataset.bytes(), &edits);
         Ok(bytes.expect("every number of a deck has its own place"))

@@ -1,7 +1,7 @@
 //! A dataset in other units: the same mechanism, number by number.
 
 use super::Model;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{ArgumentDef, FunctionDef, Solved, ValueKind};
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Expression, Number, Statement, Value, spell_like};
@@ -10,7 +10,7 @@ use crate::units::{Dimension, Unit, Units};
 
 /// The edits that give a dataset other units. Numbers with a dimension are scaled; functions keep their own numbers: what they measure
 /// is given to them in the old units, and what they yield is scaled. Variables, splines and arrays, which functions use, stay as
-/// they are.
+/// they are. Diagnostics name tolerances that stay because they judge lengths and angles alike.
 ///
 /// # Errors
 /// Every statement and function that cannot be converted, at its place.
@@ -18,13 +18,14 @@ pub fn convert_units(
     dataset: &Dataset,
     model: &Model,
     new: [Unit; 4],
-) -> Result<Vec<Edit>, Vec<Diagnostic>> {
+) -> Result<Checked<Vec<Edit>>, Vec<Diagnostic>> {
     let mut conversion = Conversion {
         dataset,
         model,
         old: model.units,
         new,
         edits: Vec::new(),
+        stays: Vec::new(),
         refused: Vec::new(),
     };
     conversion.units();
@@ -32,7 +33,10 @@ pub fn convert_units(
         conversion.statement(statement);
     }
     if conversion.refused.is_empty() {
-        Ok(conversion.edits)
+        Ok(Checked {
+            value: conversion.edits,
+            diagnostics: conversion.stays,
+        })
     } else {
         Err(conversion.refused)
     }
@@ -49,6 +53,8 @@ struct Conversion<'a> {
     old: Units,
     new: [Unit; 4],
     edits: Vec<Edit>,
+    /// What keeps its number though it depends on units.
+    stays: Vec<Diagnostic>,
     refused: Vec<Diagnostic>,
 }
 
@@ -130,6 +136,10 @@ impl Conversion<'_> {
         if kind == "UNITS" {
             return;
         }
+        self.tolerances(statement, kind);
+        if kind == "FRICTION" {
+            self.defaults_of_friction(statement);
+        }
         for argument in &statement.arguments {
             let Some(def) = argument.def else { continue };
             match &argument.value {
@@ -154,6 +164,68 @@ impl Conversion<'_> {
         }
     }
 
+    /// Says which tolerances keep their numbers.
+    fn tolerances(&mut self, statement: &Statement, kind: &str) {
+        let names = match kind {
+            "IC" | "KINEMATICS" => &["AERROR", "ERROR", "VERROR"][..],
+            "INTEGRATOR" => &["ERROR", "MAXERR"],
+            "EQUILIBRIUM" => &["ATOL", "GLOBAL_DAMPING"],
+            _ => return,
+        };
+        if self.factor(Dimension::LENGTH) == 1.0 && self.factor(Dimension::TIME) == 1.0 {
+            return;
+        }
+        for argument in names.iter().filter_map(|name| statement.argument(name)) {
+            let name = argument.kind().unwrap_or_default();
+            let message =
+                format!("{name} of {kind} keeps its number: it judges lengths and angles alike");
+            let file = self.dataset.source().name();
+            self.stays.push(
+                Diagnostic::warning(Code::WrongUnits, message)
+                    .label(file, argument.value_span(), "")
+                    .help("choose it anew for the new units"),
+            );
+        }
+    }
+
+    /// What a FRICTION does not state has a default that is a number of the unit: it is written out.
+    fn defaults_of_friction(&mut self, statement: &Statement) {
+        let joint = statement.first("JOINT").map(|id| id as u32);
+        let joint = joint.and_then(|id| self.dataset.statement("JOINT", Some(id)));
+        let Some((def, joint)) = statement.def.zip(joint) else {
+            return;
+        };
+        // Which arguments belong to which joint: `state_friction`.
+        let of_pins = &["PIN_RADIUS", "FRICTION_ARM", "BENDING_REACTION_ARM"][..];
+        let own = [
+            ("SPHERICAL", &["BALL_RADIUS"][..]),
+            ("REVOLUTE", of_pins),
+            ("HOOKE", of_pins),
+            ("UNIVERSAL", of_pins),
+            ("CYLINDRICAL", &["PIN_RADIUS", "INITIAL_OVERLAP"]),
+            ("TRANSLATIONAL", &["REACTION_ARM", "INITIAL_OVERLAP"]),
+        ];
+        let own = own.iter().filter(|(kind, _)| joint.has(kind));
+        let all = ["STICTION_TRANSITION_VELOCITY", "MAX_STICTION_DEFORMATION"];
+        for name in own.flat_map(|(_, names)| names.iter()).chain(&all) {
+            let Some(argument) = def.argument(name).filter(|_| !statement.has(name)) else {
+                continue;
+            };
+            let factor = self.factor(argument.dimension);
+            let (Some(default), Some(mut address)) =
+                (argument.default.first(), Address::of(statement))
+            else {
+                continue;
+            };
+            address.argument = Some((*name).to_string());
+            if factor != 1.0
+                && let Ok(edits) = self.dataset.set(&address, rounded(default * factor))
+            {
+                self.edits.extend(edits);
+            }
+        }
+    }
+
     /// The dimension of one number of an argument, those too that differ within one list.
     fn dimension(&self, statement: &Statement, def: &ArgumentDef, at: usize) -> Dimension {
         let angular = |k: usize| k % 6 >= 3;
@@ -164,6 +236,7 @@ impl Conversion<'_> {
                 Dimension::FORCE
             }
         };
+        let rate = |at: usize| i8::from(at > 0);
         let per = |a: Dimension, length: i8, time: i8| Dimension {
             length: a.length + length,
             time: a.time + time,
@@ -189,10 +262,12 @@ impl Conversion<'_> {
                 let row = at - column * (column + 1) / 2;
                 per(of_wrench(row >= 3), if column < 3 { -1 } else { 0 }, 1)
             }
-            (Some("JOINT"), "IC") if statement.has("TRANSLATIONAL") => match at {
-                0 => Dimension::LENGTH,
-                _ => VELOCITY,
-            },
+            // A displacement and its rate.
+            (Some("JOINT"), "IC") => {
+                Dimension::new(0, 0, i8::from(statement.has("TRANSLATIONAL")), -rate(at), 0)
+            }
+            (Some("JOINT"), "ICTRAN") => Dimension::new(0, 0, 1, -rate(at), 0),
+            (Some("JOINT"), "ICROT") => Dimension::new(0, 0, 0, -rate(at), 0),
             (Some("MOTION"), "ICDISP") => self.of_motion(statement, 0),
             (Some("MOTION"), "ICVEL") => self.of_motion(statement, 1),
             _ => def.dimension,
@@ -252,9 +327,10 @@ impl Conversion<'_> {
             }
             return;
         }
-        if self.factor(Dimension::TIME) != 1.0 {
+        let reads_time = |node: &Node| matches!(node, Node::Name(name) if name.name == "TIME");
+        if self.factor(Dimension::TIME) != 1.0 && expression.root.walk().any(reads_time) {
             let message = format!(
-                "{} is not converted to another unit of time",
+                "{} reads TIME and is not converted to another unit of it",
                 self.title(statement)
             );
             self.refuse(expression.span, message);

@@ -24,6 +24,8 @@ pub struct Diff {
     pub implicit: bool,
     /// STATIC_HOLD: the state keeps its value in statics.
     pub static_hold: bool,
+    /// DYNAMIC_HOLD: the state keeps its value in motion.
+    pub dynamic_hold: bool,
     /// FUNCTION.
     pub function: Function,
 }

@@ -65,6 +65,19 @@ pub enum Orientation {
     Points,
 }
 
+/// What a MARKER with RM states: a frame in the axes of another marker.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Relative {
+    /// RM: the marker in whose frame the numbers are.
+    pub rm: MarkerIx,
+    /// QP, in the frame of RM.
+    pub qp: Vec3,
+    /// How the orientation was given, in the frame of RM.
+    pub orientation: Orientation,
+    /// Rotation in the frame of RM.
+    pub R: Mat3,
+}
+
 /// MARKER: a frame on a part.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Marker {
@@ -80,4 +93,16 @@ pub struct Marker {
     pub R: Mat3,
     /// FLOATING: has no place of its own.
     pub floating: bool,
+    /// What it states, if that is in the frame of another marker.
+    pub relative: Option<Relative>,
+}
+
+impl Marker {
+    /// A displacement in axes of its part as a change of QP, which is in axes of RM if it has one.
+    pub(crate) fn as_written(&self, displacement: &Vec3) -> Vec3 {
+        match &self.relative {
+            Some(relative) => relative.R * (self.R.transpose() * displacement),
+            None => *displacement,
+        }
+    }
 }

@@ -31,7 +31,7 @@ pub use extract::extract;
 pub(crate) use force::law_arguments;
 pub use force::{Bushing, PairForce, SpringKind};
 pub(crate) use force::{Nforce, Sforce, SforceKind, SpringDamper, VectorForce, VectorForceKind};
-pub(crate) use frame::{InitialVelocity, Marker};
+pub(crate) use frame::{InitialVelocity, Marker, Relative};
 pub use frame::{MarkerIx, Orientation, Part, PartIx, PartKind};
 pub use friction::Friction;
 pub(crate) use friction::FrictionInputs;
@@ -163,6 +163,19 @@ impl Model {
             p: marker.qp,
             R: marker.R,
         }))
+    }
+
+    /// True for a marker that is given in the frame of another one of these, whatever is between: it moves along with that one.
+    pub(crate) fn moves_with(&self, marker: MarkerIx, others: &[MarkerIx]) -> bool {
+        let parent = |marker: &MarkerIx| {
+            let relative = self.markers[marker.0].relative.as_ref();
+            relative.map(|relative| relative.rm)
+        };
+        // Markers in each other's frames make an endless chain.
+        let chain = std::iter::successors(parent(&marker), parent);
+        chain
+            .take(self.markers.len())
+            .any(|rm| others.contains(&rm))
     }
 
     /// How many elements an array has. Those of states and outputs have as many as the equations that they belong to (state_array).

@@ -163,6 +163,7 @@ impl Model {
             "MOTION" => off(&self.motions, kind, id),
             "GCON" => off(&self.gcons, kind, id),
             "VARIABLE" => off(&self.variables, kind, id),
+            "DIFF" => off(&self.diffs, kind, id),
             "SENSOR" => off(&self.sensors, kind, id),
             _ => false,
         }

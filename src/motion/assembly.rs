@@ -153,7 +153,7 @@ fn velocities(
             let weights: Vec<Mat6> = stated
                 .iter()
                 .zip(&unweighted)
-                .map(|(stated, plain)| plain + stated.weight())
+                .map(|(stated, plain)| plain + stated.weight(system.metre))
                 .collect();
             for (part, stated) in stated.iter().enumerate() {
                 state.velocities[part] = stated.velocity();
@@ -179,20 +179,22 @@ fn velocities(
     memory.check_removed_rates(system, parameters, state, CONFLICT * scale)
 }
 
-/// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass and of the angular velocity, in the
-/// units of the model, as real results have it (grammar/NOTES.md).
+/// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass in metres and of the angular velocity
+/// in radians per unit of time, as real results have it (grammar/NOTES.md). It does not depend on the units of the model.
 fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usize) -> Mat6 {
     let body = &system.bodies[part];
     let c = body.cm.map_or_else(Vec3::zeros, |cm| {
         state.poses[part].R * parameters.markers()[cm].p
     });
+    let metre2 = system.metre * system.metre;
     let mut S = Mat6::identity();
+    S.fixed_view_mut::<3, 3>(0, 0).fill_diagonal(metre2);
     if body.freedoms == 6 {
         // v + w x c = v - c~ w.
         let c_ = skew(&c);
-        S.fixed_view_mut::<3, 3>(0, 3).copy_from(&-c_);
-        S.fixed_view_mut::<3, 3>(3, 0).copy_from(&c_);
-        let turn = Mat3::identity() - c_ * c_;
+        S.fixed_view_mut::<3, 3>(0, 3).copy_from(&(c_ * -metre2));
+        S.fixed_view_mut::<3, 3>(3, 0).copy_from(&(c_ * metre2));
+        let turn = Mat3::identity() - c_ * c_ * metre2;
         S.fixed_view_mut::<3, 3>(3, 3).copy_from(&turn);
     }
     S
@@ -287,10 +289,12 @@ impl Stated {
         Self { rows }
     }
 
-    fn weight(&self) -> Mat6 {
+    /// `metre`: metres in a unit of length.
+    fn weight(&self, metre: f64) -> Mat6 {
         let mut S = Mat6::zeros();
-        for (row, ..) in &self.rows {
-            S += row * row.transpose() * STATED;
+        for (row, _, angular) in &self.rows {
+            let unit = if *angular { 1.0 } else { metre * metre };
+            S += row * row.transpose() * (unit * STATED);
         }
         S
     }

@@ -243,6 +243,7 @@ pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Ite
             orientation: Orientation::Points,
             R,
             floating: false,
+            relative: None,
         });
     }
 }

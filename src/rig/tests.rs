@@ -24,6 +24,7 @@ fn model(on_parts: &str) -> Model {
             orientation: Orientation::Points,
             R: Mat3::identity(),
             floating: false,
+            relative: None,
         });
     }
     for (at, name) in names.iter().enumerate() {

@@ -1,9 +1,7 @@
 //! Commands and complaints that change nothing in a static run.
 
 use crate::diagnostic::Diagnostic;
-use crate::grammar::{Role, find_statement};
 use crate::syntax::Statement;
-use crate::text::Source;
 
 /// True for commands that only print, or concern other analyses: they change nothing here.
 pub(super) fn is_harmless(kind: Option<&str>) -> bool {
@@ -22,15 +20,6 @@ pub(super) fn is_harmless(kind: Option<&str>) -> bool {
                 | "NOLIST"
         )
     )
-}
-
-/// True for RESULTS among commands, which has effect in a dataset only.
-pub(super) fn asks_for_results(complaint: &Diagnostic, source: &Source) -> bool {
-    complaint.labels.first().is_some_and(|label| {
-        let word = source.text(label.span);
-        let found = find_statement(word.as_bytes(), Role::Dataset).found();
-        found.is_some_and(|def| def.name == "RESULTS")
-    })
 }
 
 /// True where a complaint lies in a command.

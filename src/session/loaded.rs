@@ -1,6 +1,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::diagnostic::{Checked, Diagnostic, Severity};
 use crate::function::Measure;
 use crate::model::{Definitions, Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
@@ -61,6 +61,8 @@ struct Before {
     state: State,
     /// Places of the angles whose turns its functions counted.
     counted: BTreeMap<Measure, usize>,
+    /// Which dynamic states were switched on.
+    active_states: Vec<bool>,
 }
 
 impl Before {
@@ -68,6 +70,7 @@ impl Before {
         Self {
             state,
             counted: system.counted_angles(),
+            active_states: system.active_states(),
         }
     }
 }
@@ -120,7 +123,6 @@ impl Loaded {
         diagnostics.extend(files.diagnostics);
         diagnostics.extend(lowered.diagnostics);
         diagnostics.extend(not_written(&parsed.value));
-        let diagnostics = diagnostics.into_iter().map(as_error).collect();
         Checked {
             value: Self {
                 model,
@@ -318,7 +320,9 @@ impl Loaded {
 
 /// Puts a model that was compiled anew where it stood before. What has changed in number starts from the dataset's values.
 fn carry_over(system: &System, state: &mut State, before: Before) {
-    let (counted, before) = (before.counted, before.state);
+    let (counted, were_active, before) = (before.counted, before.active_states, before.state);
+    // A state that is switched on begins anew, one that is switched off is zero (com_activate, com_deactivate).
+    let begin = (state.states.clone(), state.state_rates.clone());
     system.count_on(state, (&counted, &before.measure_angles));
     state.time = before.time;
     for (now, then) in [
@@ -339,6 +343,14 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     if state.states.len() == before.state_rates.len() {
         state.state_rates = before.state_rates;
     }
+    let active = system.active_states();
+    let switched = |k: &usize| were_active.get(*k) != Some(&active[*k]);
+    for k in (0..active.len()).filter(switched) {
+        state.states[k] = begin.0[k];
+        if let Some(rate) = state.state_rates.get_mut(k) {
+            *rate = begin.1.get(k).copied().unwrap_or(0.0);
+        }
+    }
     if state.grips.len() == before.grips.len() {
         state.grips = before.grips;
     }
@@ -353,18 +365,4 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     if state.pair_angles.len() == before.pair_angles.len() {
         state.pair_angles = before.pair_angles;
     }
-}
-
-/// A word that is not understood is an error: what it should have changed would be missing in the answer. A note
-/// stays one: the word may be right, since not all arguments of its statement are known.
-pub(super) fn as_error(mut diagnostic: Diagnostic) -> Diagnostic {
-    if diagnostic.severity != Severity::Note
-        && matches!(
-            diagnostic.code,
-            Code::UnknownStatement | Code::UnknownArgument | Code::AmbiguousKeyword
-        )
-    {
-        diagnostic.severity = Severity::Error;
-    }
-    diagnostic
 }

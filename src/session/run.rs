@@ -7,8 +7,8 @@ use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
 use super::files::LARGEST;
-use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
-use super::loaded::{Loaded, as_error};
+use super::harmless::{is_harmless, is_in, place_in_file};
+use super::loaded::Loaded;
 use super::outputs::{Outputs, with_extension};
 use super::paths::{find_file, native_spelling};
 use super::record::Record;
@@ -237,19 +237,14 @@ impl<'a> Session<'a> {
                 return Ok(());
             }
             let mut broken: Vec<usize> = Vec::new();
-            while let Some(complaint) =
+            while let Some(mut complaint) =
                 complaints.next_if(|complaint| place_in_file(complaint) <= line.echo.end())
             {
-                let mut complaint = as_error(complaint);
                 let commands = &file.commands()[line.commands.clone()];
                 if let Some(command) = commands.iter().find(|command| is_in(command, &complaint))
                     && is_harmless(command.kind())
                 {
                     // What only prints changes no answer, whatever is wrong with it.
-                    complaint.severity = complaint.severity.min(Severity::Warning);
-                }
-                if complaint.code == Code::UnknownStatement && asks_for_results(&complaint, source)
-                {
                     complaint.severity = complaint.severity.min(Severity::Warning);
                 }
                 self.complain(&complaint);

@@ -1,3 +1,5 @@
+use std::collections::BTreeSet;
+
 use crate::diagnostic::{Code, Diagnostic};
 use crate::syntax::{Address, Dataset};
 use crate::text::{Edit, Source, apply_edits};
@@ -52,7 +54,7 @@ impl Variation {
     }
 }
 
-/// The deck with the numbers of a case: one number for every variation.
+/// The deck with the numbers of a case: one number for every variation. Markers are moved without being turned.
 ///
 /// # Errors
 /// A value that cannot be written at its address.
@@ -66,9 +68,10 @@ pub(crate) fn varied(
         .zip(numbers)
         .flat_map(|(variation, number)| variation.values(*number))
         .collect();
+    let beside: BTreeSet<&Address> = values.iter().map(|(address, _)| *address).collect();
     let mut edits: Vec<Edit> = Vec::new();
     for (address, value) in &values {
-        edits.extend(deck.set(address, *value)?);
+        edits.extend(deck.set_beside(address, *value, &beside)?);
     }
     if let Ok(bytes) = apply_edits(deck.bytes(), &edits) {
         return Ok(Source::new(deck.source().name(), bytes));
@@ -76,7 +79,7 @@ pub(crate) fn varied(
     // Values that are not written yet would be added at one place: one after the other.
     let mut deck = deck.clone();
     for (address, value) in &values {
-        let edits = deck.set(address, *value)?;
+        let edits = deck.set_beside(address, *value, &beside)?;
         deck = deck
             .edited(&edits)
             .map_err(|conflict| {

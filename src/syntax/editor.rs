@@ -1,5 +1,7 @@
 //! Changes of a dataset as edits of its text: only the bytes of what changes.
 
+use std::collections::BTreeSet;
+
 use super::expression::Node;
 use super::new_statement::NewStatement;
 use super::number::parse_number;
@@ -56,27 +58,60 @@ impl Dataset {
     }
 
     /// Edits that give a number a new value (model units: angles in radians). Nothing for the value it has. Only the number's
-    /// own bytes change, and its style is kept; an argument that is not written is added in the style of the file.
+    /// own bytes change, and its style is kept; an argument that is not written is added in the style of the file. A marker is moved
+    /// without being turned: its points ZP and XP move along with QP.
     ///
     /// # Errors
     /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a number, `out-of-range` for a value
     /// that cannot be written there.
     pub fn set(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
-        self.set_spelled(address, value, |old| spell_like(value, old))
+        self.set_beside(address, value, &BTreeSet::new())
     }
 
-    /// The same with the number as a person typed it: its spelling is kept wherever it means the same there. `None` if the text is
-    /// no number.
+    /// The same beside other assignments: those of `beside` have values of their own.
     ///
     /// # Errors
     /// Those of [`Dataset::set`].
+    pub(crate) fn set_beside(
+        &self,
+        address: &Address,
+        value: f64,
+        beside: &BTreeSet<&Address>,
+    ) -> Result<Vec<Edit>, Diagnostic> {
+        let mut edits = self.set_alone(address, value)?;
+        edits.extend(self.move_points(address, &[value], beside)?);
+        Ok(edits)
+    }
+
+    /// The same for this number alone, whatever it means for others.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::set`].
+    pub(crate) fn set_alone(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
+        self.set_spelled(address, value, |old| spell_like(value, old))
+    }
+
+    /// The same with what a person typed for the whole value at the address: the spelling of a number is kept wherever it means the
+    /// same there.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::set`] and [`Dataset::set_text`].
     pub(crate) fn set_typed(
         &self,
         address: &Address,
         typed: &str,
-    ) -> Option<Result<Vec<Edit>, Diagnostic>> {
-        let (value, degrees) = parse_number(typed.as_bytes())?;
-        Some(self.set_spelled(address, value, |old| {
+        beside: &BTreeSet<&Address>,
+    ) -> Result<Vec<Edit>, Diagnostic> {
+        let Some((value, degrees)) = parse_number(typed.as_bytes()) else {
+            let mut edits = self.set_text(address, typed)?;
+            let words = typed.split(',');
+            let values = words.map(|word| Some(parse_number(word.trim().as_bytes())?.0));
+            if let Some(values) = values.collect::<Option<Vec<f64>>>() {
+                edits.extend(self.move_points(address, &values, beside)?);
+            }
+            return Ok(edits);
+        };
+        let mut edits = self.set_spelled(address, value, |old| {
             // Radians in place of degrees are turned into degrees, and an exponent stays one: the text has its unit and style.
             let in_degrees = !degrees && matches!(old, [.., b'D' | b'd']);
             let has_power = |text: &[u8]| text.iter().any(|byte| matches!(byte, b'E' | b'e'));
@@ -85,7 +120,9 @@ impl Dataset {
             } else {
                 typed.to_string()
             }
-        }))
+        })?;
+        edits.extend(self.move_points(address, &[value], beside)?);
+        Ok(edits)
     }
 
     /// Edits that give a number a new value; `spell` spells it in place of an old spelling.
@@ -228,7 +265,7 @@ impl Dataset {
         Ok(match (statement.has(def.name), on) {
             (false, true) => vec![self.new_argument(statement, def.name, None)],
             (true, false) => statement
-                .all(def.name)
+                .every(def.name)
                 .map(|argument| self.without(statement, argument))
                 .collect(),
             _ => Vec::new(),

@@ -373,7 +373,8 @@ fn change_value(
                     index: Some(k + 1),
                     ..address.clone()
                 };
-                edits.extend(dataset.set(&address, *new)?);
+                // The document has its own value for every point of a marker.
+                edits.extend(dataset.set_alone(&address, *new)?);
             }
         }
         return Ok(edits);
@@ -381,7 +382,7 @@ fn change_value(
     let name = address.argument.as_deref().unwrap_or_default();
     if new == &Json::Bool(false) {
         return Ok(statement
-            .all(name)
+            .every(name)
             .map(|argument| dataset.without(statement, argument))
             .collect());
     }

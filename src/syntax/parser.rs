@@ -5,7 +5,7 @@ use super::lines::LogicalLine;
 use super::shared::Pool;
 use super::{Argument, Number, Shared, Statement, Token, TokenKind, Value};
 use crate::diagnostic::{Applicability, Code, Diagnostic, Severity};
-use crate::grammar::{ArgumentDef, Role, StatementDef, ValueKind};
+use crate::grammar::{ArgumentDef, Role, StatementDef, ValueKind, find_statement};
 use crate::text::{Edit, Source, Span};
 
 /// A statement full of nonsense is reported with so many complaints, not with one for each of its words.
@@ -230,9 +230,18 @@ impl<'a> StatementParser<'a> {
                     .source
                     .text(Span::new(span.start(), span.end().min(span.start() + 80)));
                 let noun = self.noun();
-                // ADAMS stops at a keyword it does not know; this program may lack one that ADAMS knows.
+                let of_datasets = self.role == Role::Command
+                    && find_statement(self.source.slice(span), Role::Dataset)
+                        .found()
+                        .is_some_and(|def| def.name == "RESULTS");
                 let assigned = self.role == Role::Dataset && is_assigned(self.source, span);
-                let diagnostic = if near.is_empty() && assigned {
+                let diagnostic = if of_datasets {
+                    // What is written is settled when the dataset is read; nothing else is asked for.
+                    Diagnostic::warning(
+                        Code::UnknownStatement,
+                        format!("{typed} is not a {noun}; it has effect in a dataset"),
+                    )
+                } else if near.is_empty() && assigned {
                     // No statement of a dataset begins so, whatever ADAMS knows.
                     Diagnostic::error(
                         Code::UnknownStatement,
@@ -240,12 +249,13 @@ impl<'a> StatementParser<'a> {
                     )
                     .help("an argument stands in its statement, as in ACCGRAV/KGRAV=-9806.65; a line that continues one begins with a comma")
                 } else if near.is_empty() {
-                    Diagnostic::warning(
+                    Diagnostic::error(
                         Code::UnknownStatement,
                         format!(
                             "{typed} is not a {noun} this program knows; it is kept and takes part in nothing"
                         ),
                     )
+                    .help("real ADAMS stops at a keyword that it does not know either")
                 } else {
                     let message = format!("{typed} is not a {noun}");
                     did_you_mean(

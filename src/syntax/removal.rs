@@ -16,7 +16,7 @@ impl Dataset {
             .ok_or_else(|| self.absent(address))?;
         if let Some(name) = &address.argument {
             let statement = &self.statements()[at];
-            let mut written = statement.all(name).peekable();
+            let mut written = statement.every(name).peekable();
             if written.peek().is_none() {
                 let message = format!("{address} is not written");
                 return Err(self.refuse(Code::UnknownArgument, message, statement.keyword));

@@ -101,8 +101,16 @@ impl Statement {
             .find(|argument| argument.def.is_some_and(|def| def.name == name))
     }
 
-    /// Every argument with this keyword, in order: SPLINE has several Y.
+    /// The arguments with this keyword that count, in order: the last one, or all where each adds a row.
     pub(crate) fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
+        let adds = self.def.is_some_and(|def| def.adds_rows(name));
+        let last = self.argument(name);
+        self.every(name)
+            .filter(move |argument| adds || last.is_some_and(|last| std::ptr::eq(last, *argument)))
+    }
+
+    /// Every argument with this keyword, in order, whether it counts or not.
+    pub(super) fn every<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         self.arguments
             .iter()
             .filter(move |argument| argument.def.is_some_and(|def| def.name == name))

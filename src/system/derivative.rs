@@ -1,6 +1,7 @@
 //! Derivatives of the residual by theta and by wrenches that are not in the model.
 
 use super::NoValue;
+use super::carried::Moved;
 use super::catalogue::Role;
 use super::chain::Twist;
 use super::chain::add_wrench;
@@ -78,8 +79,8 @@ impl Configuration<'_> {
         dg.fill(0.0);
         let (system, state) = (self.system, self.state);
         if !system.acts_through_functions(Role::Marker(marker.0)) {
-            let turned = self.parameters.markers()[marker.0].R * axis;
-            return self.by_marker((marker.0, (Vec3::zeros(), turned)), dg);
+            let moved = self.parameters.turn_derivative(marker.0, axis);
+            return self.by_markers(&moved, dg);
         }
         let mut minus = vec![0.0; dg.len()];
         for (sign, out) in [(1.0, &mut *dg), (-1.0, &mut minus[..])] {
@@ -121,7 +122,7 @@ impl Configuration<'_> {
                 let moved = self
                     .parameters
                     .marker_derivative(marker, slot.0 % PER_MARKER);
-                self.by_marker((marker, moved), dg)?;
+                self.by_markers(&moved, dg)?;
             }
             Role::Mass(part) => self.spread_weight(part, &system.gravity_vector(theta), dg),
             Role::Gravity => {
@@ -208,20 +209,20 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// A marker moves on its part: what it is the I or the frame of changes.
-    fn by_marker(
-        &mut self,
-        (marker, (shift, axis)): (usize, (Vec3, Vec3)),
-        dg: &mut [f64],
-    ) -> Result<(), NoValue> {
+    /// Markers move on their parts: what they are the I or the frame of changes.
+    fn by_markers(&mut self, moved: &[Moved], dg: &mut [f64]) -> Result<(), NoValue> {
         let (system, parameters) = (self.system, self.parameters);
-        let part = &self.state.poses[system.owners[marker]];
-        let twist = Twist {
-            shift: part.R * shift,
-            turn: part.R * axis,
+        let of = |marker: usize| {
+            let moved = moved.iter().find(|moved| moved.marker == marker);
+            moved.map_or_else(Twist::zero, |moved| {
+                let part = &self.state.poses[system.owners[marker]];
+                Twist {
+                    shift: part.R * moved.shift,
+                    turn: part.R * moved.turn,
+                }
+            })
         };
-        let of = |m: usize| if m == marker { twist } else { Twist::zero() };
-        for who in system.acting_with(marker) {
+        for who in system.acting_with(moved) {
             self.contribute(who, Ask::Tangent)?;
             let wrench = &self.scratch.contribution;
             wrench.by_marker(of, &self.scratch.markers, dg);
@@ -237,8 +238,9 @@ impl Configuration<'_> {
         let theta = parameters.theta();
         let gravity = system.gravity_vector(theta);
         for (part, body) in system.bodies.iter().enumerate() {
-            if body.cm == Some(marker) {
-                let T = twist.shift.cross(&(gravity * theta[body.mass]));
+            let cm = body.cm.filter(|cm| moved.iter().any(|m| m.marker == *cm));
+            if let Some(cm) = cm {
+                let T = of(cm).shift.cross(&(gravity * theta[body.mass]));
                 let place = system.place(part);
                 add_wrench(dg, place, 1.0, &Vec3::zeros(), &T, &Vec3::zeros());
             }
@@ -312,22 +314,23 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Everything active that acts at a marker, is given in its axes or depends on its motion.
-    fn acting_with(&self, marker: usize) -> impl Iterator<Item = Exerted> {
+    /// Everything active that acts at one of some markers, is given in its axes or depends on its motion.
+    fn acting_with(&self, moved: &[Moved]) -> impl Iterator<Item = Exerted> {
+        let moves = |marker: usize| moved.iter().any(|moved| moved.marker == marker);
         let elements = self.elements.iter().enumerate();
         let elements = elements
-            .filter(move |(_, e)| e.active && (e.i == marker || e.frame == Some(marker)))
+            .filter(move |(_, e)| e.active && (moves(e.i) || e.frame.is_some_and(moves)))
             .map(|(k, _)| Exerted::Element(k));
         let joints = self.joints.iter().enumerate().filter(|(_, j)| j.active);
         let terms = joints.flat_map(move |(k, joint)| {
             let terms = joint.terms.iter().enumerate();
             terms
-                .filter(move |(_, term)| term.i == marker || term.j == marker)
+                .filter(move |(_, term)| moves(term.i) || moves(term.j))
                 .map(move |(at, _)| Exerted::Joint(k, at))
         });
         let multis = self.multis.iter().enumerate();
         let markers = multis
-            .filter(move |(_, m)| m.active && (m.j == marker || m.i.contains(&marker)))
+            .filter(move |(_, m)| m.active && (moves(m.j) || m.i.iter().any(|&i| moves(i))))
             .flat_map(|(k, multi)| (0..multi.i.len()).map(move |at| Exerted::Multi(k, at)));
         elements.chain(terms).chain(markers)
     }
@@ -350,11 +353,16 @@ impl System {
         function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))
     }
 
+    /// True if a number moves a marker: its own, or that in whose frame it is given.
+    pub(super) fn moves_marker(&self, role: Role, marker: usize) -> bool {
+        matches!(role, Role::Marker(first) if self.carried.moves(first, marker))
+    }
+
     fn function_reads(&self, function: usize, role: Role) -> bool {
         if matches!(role, Role::Literals(own) | Role::Override(own) if own == function) {
             return true;
         }
-        let is = |m: &Option<MarkerIx>| m.is_some_and(|m| role == Role::Marker(m.0));
+        let is = |m: &Option<MarkerIx>| m.is_some_and(|m| self.moves_marker(role, m.0));
         let mut sources = self.functions[function].sources.iter();
         sources.any(|source| match source {
             Source::Measure(m, _) => [m.i, m.j, m.k].iter().any(is),
@@ -375,8 +383,8 @@ impl System {
     fn acts_through_functions(&self, role: Role) -> bool {
         let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);
         match role {
-            Role::Marker(marker) => {
-                let is = |m: Option<MarkerIx>| m == Some(MarkerIx(marker));
+            Role::Marker(_) => {
+                let is = |m: Option<MarkerIx>| m.is_some_and(|m| self.moves_marker(role, m.0));
                 sources().any(|source| match source {
                     Source::Measure(m, _) => is(m.i) || is(m.j) || is(m.k),
                     Source::Force(_) => true,

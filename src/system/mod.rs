@@ -4,6 +4,7 @@
 //! Knows no iteration and no factorisation.
 
 mod assemble;
+mod carried;
 mod catalogue;
 mod chain;
 mod compile;

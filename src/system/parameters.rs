@@ -1,4 +1,7 @@
+use std::sync::Arc;
+
 use super::Slot;
+use super::carried::{Carried, Moved};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, exp, psi_theta_phi};
 
 /// Numbers per marker at the front of theta: QP and REULER.
@@ -6,7 +9,9 @@ pub(crate) const PER_MARKER: usize = 6;
 
 /// Theta: every number that can be identified or edited between runs without compiling anew.
 ///
-/// Angles in radians, everything else in the dataset's units. Marker frames are kept up to date with the numbers.
+/// Angles in radians, everything else in the dataset's units, as the statements have them: QP and REULER of a marker with RM are in the
+/// frame of RM. Marker frames are kept up to date with the numbers. QP moves a marker without turning it: points that give its axes
+/// move along.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameters {
     theta: Vec<f64>,
@@ -14,17 +19,25 @@ pub struct Parameters {
     markers: Vec<Pose>,
     /// Rotation from ZP, XP points, which REULER cannot change.
     by_points: Vec<Option<Mat3>>,
+    carried: Arc<Carried>,
 }
 
 impl Parameters {
-    pub(crate) fn new(theta: Vec<f64>, by_points: Vec<Option<Mat3>>) -> Self {
+    pub(crate) fn new(
+        theta: Vec<f64>,
+        by_points: Vec<Option<Mat3>>,
+        carried: Arc<Carried>,
+    ) -> Self {
         let mut new = Self {
             theta,
             markers: vec![Pose::identity(); by_points.len()],
             by_points,
+            carried,
         };
         for marker in 0..new.markers.len() {
-            new.refresh(marker);
+            if !new.carried.is_carried(marker) {
+                new.refresh(marker);
+            }
         }
         new
     }
@@ -50,7 +63,7 @@ impl Parameters {
 
     /// Turns a marker on its part by `angle` radians about an axis of its own.
     pub(crate) fn turn(&mut self, marker: crate::model::MarkerIx, axis: &Vec3, angle: f64) {
-        let R = self.markers[marker.0].R * exp(&(axis * angle));
+        let R = self.stated(marker.0).R * exp(&(axis * angle));
         if let Some(by_points) = &mut self.by_points[marker.0] {
             *by_points = R;
         } else {
@@ -69,10 +82,28 @@ impl Parameters {
         &self.markers
     }
 
-    /// Derivative of a marker's frame on its part by one of its six numbers: (displacement, rotation vector), both in part axes.
-    pub(crate) fn marker_derivative(&self, marker: usize, k: usize) -> (Vec3, Vec3) {
+    /// The frames that move by a unit of one of a marker's six numbers: its own, and those that are given in it.
+    pub(crate) fn marker_derivative(&self, marker: usize, k: usize) -> Vec<Moved> {
+        let (shift, turn) = self.stated_derivative(marker, k);
+        let axes = match self.carried.base(marker) {
+            Some((rm, between)) => between.R * self.markers[*rm].R,
+            None => Mat3::identity(),
+        };
+        self.moved_with(marker, axes * shift, axes * turn)
+    }
+
+    /// The frames that move by a radian of a turn of a marker about an axis of its own.
+    pub(crate) fn turn_derivative(&self, marker: usize, axis: &Vec3) -> Vec<Moved> {
+        self.moved_with(marker, Vec3::zeros(), self.markers[marker].R * axis)
+    }
+
+    /// Displacement and rotation vector by a number, in the axes that the number is given in.
+    fn stated_derivative(&self, marker: usize, k: usize) -> (Vec3, Vec3) {
         if k < 3 {
             return (Vec3::ith(k, 1.0), Vec3::zeros());
+        }
+        if self.by_points[marker].is_some() {
+            return (Vec3::zeros(), Vec3::zeros());
         }
         let at = marker * PER_MARKER + 3;
         let (psi, theta) = (self.theta[at], self.theta[at + 1]);
@@ -89,11 +120,54 @@ impl Parameters {
         (Vec3::zeros(), axis)
     }
 
-    fn refresh(&mut self, marker: usize) {
+    /// A marker that moves on its part, and with it those that are given in its frame.
+    fn moved_with(&self, marker: usize, shift: Vec3, turn: Vec3) -> Vec<Moved> {
+        let mut moved = vec![Moved {
+            marker,
+            shift,
+            turn,
+        }];
+        for &marker in self.carried.with(marker) {
+            let Some((rm, between)) = self.carried.base(marker) else {
+                continue;
+            };
+            // Their frame comes before them in the list.
+            let Some(by) = moved.iter().find(|moved| moved.marker == *rm) else {
+                continue;
+            };
+            let arm = self.markers[*rm].R * self.stated(marker).p;
+            moved.push(Moved {
+                marker,
+                shift: between.R * (by.shift + by.turn.cross(&arm)),
+                turn: between.R * by.turn,
+            });
+        }
+        moved
+    }
+
+    /// The frame of a marker as it is stated: on its part, or in the frame of RM.
+    fn stated(&self, marker: usize) -> Pose {
         let n = &self.theta[marker * PER_MARKER..(marker + 1) * PER_MARKER];
-        self.markers[marker] = Pose {
+        Pose {
             p: Vec3::new(n[0], n[1], n[2]),
             R: self.by_points[marker].unwrap_or_else(|| euler313(n[3], n[4], n[5])),
+        }
+    }
+
+    /// Places a marker on its part, and those that are given in its frame on theirs.
+    fn refresh(&mut self, marker: usize) {
+        self.place(marker);
+        let carried = Arc::clone(&self.carried);
+        for &marker in carried.with(marker) {
+            self.place(marker);
+        }
+    }
+
+    fn place(&mut self, marker: usize) {
+        let stated = self.stated(marker);
+        self.markers[marker] = match self.carried.base(marker) {
+            Some((rm, between)) => between.compose(&self.markers[*rm]).compose(&stated),
+            None => stated,
         };
     }
 }

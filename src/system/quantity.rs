@@ -130,8 +130,8 @@ impl System {
                 let element = &self.elements[k];
                 match (&element.action, role) {
                     (Action::Law(_, Drive::Theta(_)), Role::Law { element }) => element == k,
-                    (Action::Law(_, Drive::Theta(_)), Role::Marker(m)) => {
-                        m == element.i || m == element.j
+                    (Action::Law(_, Drive::Theta(_)), Role::Marker(_)) => {
+                        self.moves_marker(role, element.i) || self.moves_marker(role, element.j)
                     }
                     (Action::Law(_, Drive::Theta(_)), _) => false,
                     (_, role) => !matches!(role, Role::Mass(_) | Role::Gravity),
@@ -139,9 +139,10 @@ impl System {
             }
             Quantity::Constraint(ConstraintIx(k), _) => match role {
                 Role::Joint { joint } => joint == k,
-                Role::Marker(m) => {
+                Role::Marker(_) => {
+                    let moves = |marker: usize| self.moves_marker(role, marker);
                     let first = self.joints[k].terms.first();
-                    first.is_some_and(|t| t.i == m || t.j == m)
+                    first.is_some_and(|t| moves(t.i) || moves(t.j))
                 }
                 _ => false,
             },

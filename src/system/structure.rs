@@ -1,5 +1,7 @@
 use std::ops::Range;
+use std::sync::Arc;
 
+use super::carried::Carried;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
 use super::surface::Friction;
 use super::{Catalogue, EquationName, Name, Parameters, State};
@@ -184,7 +186,7 @@ pub(crate) struct Algebraic {
 pub(crate) enum Rate {
     /// The function is zero.
     Function(usize),
-    /// STATIC_HOLD: not an unknown.
+    /// The state keeps its value: STATIC_HOLD, where it is not an unknown, or DYNAMIC_HOLD, or switched off.
     Held,
     /// Row of A x + B u = 0: (state, coefficient), (variable, coefficient).
     Linear(Vec<(usize, f64)>, Vec<(usize, f64)>),
@@ -203,6 +205,8 @@ pub(crate) struct StateEquation {
     pub moving: Rate,
     /// The function is zero with the rate inside of it.
     pub implicit: bool,
+    /// False if its statement is switched off: the state is zero then.
+    pub active: bool,
 }
 
 /// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
@@ -215,6 +219,8 @@ pub struct System {
     pub(crate) bodies: Vec<Body>,
     /// Part of each marker.
     pub(crate) owners: Vec<usize>,
+    /// Which markers move with others.
+    pub(crate) carried: Arc<Carried>,
     /// Names of the markers.
     pub(crate) markers: Vec<Name>,
     /// Markers whose place in ground is needed.
@@ -238,6 +244,8 @@ pub struct System {
     /// First of three slots of gravity.
     pub(crate) gravity: usize,
     pub(crate) ucf: f64,
+    /// Metres in a unit of length.
+    pub(crate) metre: f64,
     pub(crate) catalogue: Catalogue,
     pub(crate) parameters: Parameters,
     pub(crate) initial: State,
@@ -290,6 +298,11 @@ impl System {
     /// What the equations of motion leave out; a motion without it would not be the model's.
     pub(crate) fn not_in_motion(&self) -> &[Diagnostic] {
         &self.not_in_motion
+    }
+
+    /// Which dynamic states are switched on.
+    pub(crate) fn active_states(&self) -> Vec<bool> {
+        self.states.iter().map(|state| state.active).collect()
     }
 
     /// The unknown of a dynamic state, if it is one.

@@ -301,18 +301,20 @@ impl Layer {
     }
 }
 
-/// Markers on any parts move together by a unit of `direction`, ground axes at design.
+/// Markers on any parts move together by a unit of `direction`, ground axes at design. Those that are given in the frame of another one
+/// of them move with that one.
 pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
     let of = |marker: &MarkerIx| {
         let own = &model.markers[marker.0];
-        let local = model.parts[own.part.0].pose.R.transpose() * direction;
+        let local = own.as_written(&(model.parts[own.part.0].pose.R.transpose() * direction));
         let id = own.header.id;
         (0..3)
             .filter(|k| local[*k] != 0.0)
             .map(|k| (number("MARKER", id, "QP", Some(k + 1)), local[k]))
             .collect::<Vec<_>>()
     };
-    Effect::Always(markers.iter().flat_map(of).collect())
+    let first = |marker: &&MarkerIx| !model.moves_with(**marker, markers);
+    Effect::Always(markers.iter().filter(first).flat_map(of).collect())
 }
 
 /// Forces that the rig applies, by their index, with the largest value of each.

@@ -13,7 +13,7 @@ use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 use super::folder::{Folder, run};
 use crate::common::{files_below, shared};
 
-const DECK: &str = "a title\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/10, PART=1\n\
+pub const DECK: &str = "a title\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/10, PART=1\n\
 MARKER/11, PART=1, QP=0, 100, 0\n! adams_view_name='arm'\nPART/2, MASS=1.5, CM=20, IP=1E4, 1E4, 1E4, QG=100, 0, 0\nMARKER/20, PART=2, REULER=30D, 0, 0.5\n\
 MARKER/21, PART=2, QP=50, 0, 0\nPART/3, MASS=1, CM=30, IP=1E3, 1E3, 1E3, QG=150, 20, 0\nMARKER/30, PART=3\n! adams_view_name='front_left'\n\
 BUSHING/1, I=20, J=10, K=1000, 2000, 3000.0, KT=1E5, 1E5, 1E5\n! adams_view_name='front_right'\nBUSHING/12, I=21, J=11, K=0.1, 2, 3\n\
@@ -247,7 +247,9 @@ fn other_units_are_the_same_mechanism() {
             unit(LENGTH_UNITS, length),
             unit(TIME_UNITS, "SECOND"),
         ];
-        let edits = convert_units(&dataset, &model, new).expect("converted");
+        let edits = convert_units(&dataset, &model, new)
+            .expect("converted")
+            .value;
         let bytes = apply_edits(dataset.bytes(), &edits).expect("apart");
         for (a, b) in here.iter().zip(equilibrium(&bytes)) {
             for k in 0..3 {

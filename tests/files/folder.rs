@@ -21,6 +21,11 @@ impl Folder {
         std::fs::write(path, text).expect("written");
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
     /// The text of a file.
     pub fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.path().join(name)).expect("readable")

@@ -224,7 +224,7 @@ fn in_metres(deck: &str, toml: &str, toml_in_metres: &str) {
         unit(LENGTH_UNITS, "METER"),
         unit(TIME_UNITS, "SECOND"),
     ];
-    let edits = convert_units(&dataset, &model, new).unwrap();
+    let edits = convert_units(&dataset, &model, new).unwrap().value;
     let metres = dataset.edited(&edits).unwrap().value;
     let second = tests_of(&Axle::new(
         &String::from_utf8_lossy(metres.bytes()),

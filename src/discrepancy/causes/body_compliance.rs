@@ -33,7 +33,11 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             let marker = [i, j][side];
             let id = survey.marker_id(marker);
             let R = model.parts[ground.0].pose.R;
-            let shifts: Vec<Vec3> = forces.iter().map(|f| R.transpose() * f[side]).collect();
+            let own = &model.markers[marker.0];
+            let shifts = forces.iter();
+            let shifts: Vec<Vec3> = shifts
+                .map(|f| own.as_written(&(R.transpose() * f[side])))
+                .collect();
             let column = (0..3)
                 .map(|k| {
                     let slot = number("MARKER", id, "QP", Some(k + 1));

@@ -6,6 +6,7 @@
 use super::super::cause::Cause;
 use super::super::hypothesis::{Column, Hypothesis, Number, SIX, number};
 use super::super::survey::Survey;
+use crate::mechanics::Vec3;
 use crate::model::MarkerIx;
 use crate::tolerance::Group;
 
@@ -61,11 +62,16 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 continue;
             }
             seen.push(marker);
-            let id = model.markers[marker.0].header.id;
+            let own = &model.markers[marker.0];
+            let id = own.header.id;
             let numbers = (0..3).map(|k| {
-                let slot = number("MARKER", id, "QP", Some(k + 1));
+                let unit = own.as_written(&Vec3::ith(k, 1.0));
+                let column = (0..3)
+                    .filter(|c| unit[*c] != 0.0)
+                    .map(|c| (number("MARKER", id, "QP", Some(c + 1)), unit[c]))
+                    .collect();
                 let sd = SD.1 * survey.millimetre();
-                Number::linear(SIX[k], sd, Column::Always(vec![(slot, 1.0)]))
+                Number::linear(SIX[k], sd, Column::Always(column))
             });
             out.push(Hypothesis {
                 side: "part",

@@ -24,6 +24,8 @@ pub(super) struct LinkEnd {
     place: Vec3,
     /// Direction of the line, away from the other end, in axes of the part.
     outward: Vec3,
+    /// The same in the axes in which the marker's QP is given.
+    written: Vec3,
     /// Force along the line in each case, positive in tension.
     pub tension: Vec<f64>,
 }
@@ -56,6 +58,7 @@ pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
                 marker: survey.marker_id(ends[end].marker),
                 place: place(end),
                 outward,
+                written: survey.model.markers[ends[end].marker.0].as_written(&outward),
                 tension,
             });
         }
@@ -67,7 +70,7 @@ impl LinkEnd {
     /// The end moves outward by so much in each case.
     pub(super) fn moved(&self, by: impl Fn(f64) -> f64) -> Vec<(Address, Vec<f64>)> {
         let column = |k: usize| {
-            let shift = self.tension.iter().map(|n| by(*n) * self.outward[k]);
+            let shift = self.tension.iter().map(|n| by(*n) * self.written[k]);
             let slot = number("MARKER", self.marker, "QP", Some(k + 1));
             (slot, shift.collect())
         };

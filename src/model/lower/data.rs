@@ -24,6 +24,7 @@ pub(super) fn diff(reader: &mut Reader) -> Option<Diff> {
         ic: reader.real("IC"),
         implicit: reader.has("IMPLICIT"),
         static_hold: reader.has("STATIC_HOLD"),
+        dynamic_hold: reader.has("DYNAMIC_HOLD"),
         function: reader.function("FUNCTION")?,
     })
 }
@@ -51,7 +52,8 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
             Some(id) => reader.matrix(name, id),
             None => Some(Vec::new()),
         };
-        (matrix("A")?, matrix("B")?, matrix("C")?, matrix("D")?)
+        let found = (matrix("A")?, matrix("B")?, matrix("C")?, matrix("D")?);
+        Some(found).filter(fit)?
     };
     Some(LinearStates {
         header: reader.header(),
@@ -70,6 +72,13 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
 }
 
 type Matrix = Vec<Vec<f64>>;
+
+/// True for matrices of an LSE whose rows and columns of states fit together. Others were complained of (`dimensions`), and have no states.
+fn fit((a, b, c, _): &(Matrix, Matrix, Matrix, Matrix)) -> bool {
+    let states = a.len();
+    let wide = |matrix: &Matrix| matrix.iter().all(|row| row.len() == states);
+    wide(a) && wide(c) && (b.is_empty() || b.len() == states)
+}
 
 /// x' = A x + b u, y = c x + d u of (n0 + n1 s + ...)/(d0 + d1 s + ...), in the controllable canonical form.
 fn controllable_form(

@@ -7,9 +7,9 @@ use super::{data, dimensions, frame, is_supplied, lowered, rules};
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::grammar::StatementDef;
 use crate::model::object::{EachList, Object};
-use crate::model::{Header, Joint, MarkerIx, Model, Part, PartIx, PartKind, Unsolved};
+use crate::model::{Header, Joint, Model, Part, PartIx, PartKind, Unsolved};
 use crate::syntax::files::Files;
-use crate::syntax::{Dataset, Overlay, Statement, as_id};
+use crate::syntax::{Dataset, Overlay, Statement, as_id, floating_faults};
 use crate::text::Source;
 
 /// The statements a model stands for: those of its dataset, and what commands have put over them.
@@ -84,6 +84,7 @@ impl Definitions {
         let mut diagnostics = Vec::new();
         let dataset = self.dataset.source();
         rules::check(source, command, &self.ids, Some(dataset), &mut diagnostics);
+        diagnostics.extend(floating_faults(command, source, &self.dataset));
         if has_errors(&diagnostics) {
             return diagnostics;
         }
@@ -238,7 +239,7 @@ impl Definitions {
         Some(fresh)
     }
 
-    /// What a body or marker needs of others: the frame RM, inertia about IM.
+    /// What a body or marker needs of others, and others of it: frames RM, inertia about IM.
     fn finish_frame(&self, model: &mut Model, def: &'static StatementDef, id: u32) {
         let Some(stated) = self.context(&[]).stated(def.name, id) else {
             return;
@@ -247,11 +248,10 @@ impl Definitions {
         let Some(at) = def.id.and_then(|space| self.ids.index(space, id)) else {
             return;
         };
-        if def.name == "MARKER" {
-            if let Some(rm) = marker("RM") {
-                frame::place_in(model, MarkerIx(at), rm);
-            }
-        } else if is_body(def)
+        if def.name == "MARKER" || is_body(def) {
+            frame::place_relative(model);
+        }
+        if is_body(def)
             && let Some(im) = marker("IM")
         {
             frame::inertia_about(model, PartIx(at), im);

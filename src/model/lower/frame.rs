@@ -1,7 +1,9 @@
 use super::reader::Reader;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313};
-use crate::model::{InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind};
+use crate::model::{
+    InitialVelocity, Marker, MarkerIx, Model, Orientation, Part, PartIx, PartKind, Relative,
+};
 use crate::syntax::Stated;
 
 /// PART, POINT_MASS, and the bodies only real ADAMS solves.
@@ -43,7 +45,7 @@ fn start(reader: &Reader) -> InitialVelocity {
 }
 
 /// MARKER. One that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`); one that moves
-/// along a curve or on a surface is on none, and the model is not solved. Its frame with RM is completed by [`resolve_rm`], when all
+/// along a curve or on a surface is on none, and the model is not solved. Its frame with RM is completed by [`place_relative`], when all
 /// markers are known.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Marker> {
@@ -58,13 +60,20 @@ pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Mark
     };
     let qp = reader.vector("QP");
     let (R, given) = orientation(reader, "REULER", "ZP", "XP", qp);
+    let orientation = given.unwrap_or(Orientation::Reuler([0.0; 3]));
     Some(Marker {
         header: reader.header(),
         part,
         qp,
-        orientation: given.unwrap_or(Orientation::Reuler([0.0; 3])),
+        orientation,
         R,
         floating: reader.has("FLOATING"),
+        relative: reader.marker("RM").map(|rm| Relative {
+            rm,
+            qp,
+            orientation,
+            R,
+        }),
     })
 }
 
@@ -142,44 +151,52 @@ fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
     Some(Mat3::from_columns(&[x, z.cross(&x), z]))
 }
 
-/// Completes markers that were given in the frame of another marker (RM): (marker, RM).
-pub(super) fn resolve_rm(model: &mut Model, given: &[(MarkerIx, MarkerIx)]) -> Vec<MarkerIx> {
-    let parents: std::collections::HashMap<MarkerIx, MarkerIx> = given.iter().copied().collect();
+/// Places the markers that are given in the frame of another one (RM) on their parts, each behind the one it is given in. Returns those
+/// that are given in each other's frames.
+pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
+    let parent = |model: &Model, marker: MarkerIx| {
+        let relative = model.markers[marker.0].relative.as_ref();
+        relative.map(|relative| relative.rm)
+    };
     let mut done = std::collections::HashSet::new();
     let mut cyclic = Vec::new();
-    for (start, _) in given {
+    for start in (0..model.markers.len()).map(MarkerIx) {
         // The chain of markers that wait for each other, the innermost last.
         let mut chain = Vec::new();
         let mut waiting = std::collections::HashSet::new();
-        let mut at = *start;
-        while let Some(parent) = parents.get(&at)
-            && !done.contains(&at)
+        let mut marker = start;
+        while let Some(rm) = parent(model, marker)
+            && !done.contains(&marker)
         {
-            if !waiting.insert(at) {
-                cyclic.push(*start);
+            if !waiting.insert(marker) {
+                cyclic.push(start);
                 break;
             }
-            chain.push((at, *parent));
-            at = *parent;
+            chain.push(marker);
+            marker = rm;
         }
-        while let Some((marker, parent)) = chain.pop() {
+        while let Some(marker) = chain.pop() {
             done.insert(marker);
-            place_in(model, marker, parent);
+            place_in(model, marker);
         }
     }
     cyclic
 }
 
-/// The marker's frame was read in axes of `parent`; gives it in its own body.
-pub(super) fn place_in(model: &mut Model, marker: MarkerIx, parent: MarkerIx) {
-    let body = |part: PartIx| model.parts[part.0].pose;
-    let (own, rm) = (&model.markers[marker.0], &model.markers[parent.0]);
-    let local = Pose {
-        p: own.qp,
-        R: own.R,
+/// The frame of a marker on its own part, from what it states in the frame of RM.
+fn place_in(model: &mut Model, marker: MarkerIx) {
+    let own = &model.markers[marker.0];
+    let Some(relative) = &own.relative else {
+        return;
     };
+    let rm = &model.markers[relative.rm.0];
+    let body = |part: PartIx| model.parts[part.0].pose;
     let rm_pose = body(rm.part).compose(&Pose { p: rm.qp, R: rm.R });
-    let placed = body(own.part).inverse().compose(&rm_pose).compose(&local);
+    let stated = Pose {
+        p: relative.qp,
+        R: relative.R,
+    };
+    let placed = body(own.part).inverse().compose(&rm_pose).compose(&stated);
     let own = &mut model.markers[marker.0];
     own.qp = placed.p;
     own.R = placed.R;

@@ -26,7 +26,7 @@ use crate::grammar::StatementDef;
 use crate::mechanics::Pose;
 use crate::syntax::files::Files;
 use crate::syntax::hash::QuickMap;
-use crate::syntax::{Dataset, Overlay, Stated, Statement};
+use crate::syntax::{Dataset, Overlay, Stated, Statement, floating_faults};
 
 /// Resolves a dataset without looking at other files; see `lower_with`.
 pub fn lower(dataset: &Dataset) -> Checked<Model> {
@@ -64,7 +64,6 @@ fn lowered<'a>(dataset: &'a Dataset, files: &'a Files) -> Lowering<'a> {
         .enumerate()
         .map(|(at, statement)| lowering.is_first(at, statement))
         .collect();
-    let mut rm_markers = Vec::new();
     let mut im_parts = Vec::new();
     let mut body = None;
     for (at, statement) in dataset.statements().iter().enumerate() {
@@ -74,10 +73,10 @@ fn lowered<'a>(dataset: &'a Dataset, files: &'a Files) -> Lowering<'a> {
             if statement.carries_markers() {
                 body = def.id.zip(statement.number());
             }
-            lowering.frame(at, statement, def, body, &mut rm_markers, &mut im_parts);
+            lowering.frame(at, statement, def, body, &mut im_parts);
         }
     }
-    lowering.finish_frames(&rm_markers, &im_parts);
+    lowering.finish_frames(&im_parts);
     let joints = std::mem::take(&mut lowering.model.joints);
     lowering
         .ids
@@ -143,7 +142,6 @@ impl Lowering<'_> {
         statement: &Statement,
         def: &'static StatementDef,
         body: Option<(&'static str, u32)>,
-        rm_markers: &mut Vec<(MarkerIx, MarkerIx)>,
         im_parts: &mut Vec<(PartIx, MarkerIx)>,
     ) {
         let is_body = is_body(def);
@@ -162,20 +160,11 @@ impl Lowering<'_> {
         if is_body && let Some(im) = reader.marker("IM") {
             im_parts.push((PartIx(self.model.parts.len()), im));
         }
-        if def.name == "MARKER"
-            && let Some(rm) = reader.marker("RM")
-        {
-            rm_markers.push((MarkerIx(self.model.markers.len()), rm));
-        }
         lower_statement(&mut reader, body.map(PartIx), &mut self.model);
     }
 
     /// What needs all bodies and markers: exactly one ground, frames given in other frames, inertia given about other markers.
-    fn finish_frames(
-        &mut self,
-        rm_markers: &[(MarkerIx, MarkerIx)],
-        im_parts: &[(PartIx, MarkerIx)],
-    ) {
+    fn finish_frames(&mut self, im_parts: &[(PartIx, MarkerIx)]) {
         let source = self.dataset.source();
         let grounds: Vec<usize> = self
             .model
@@ -203,7 +192,7 @@ impl Lowering<'_> {
             // Every index of a body stays valid.
             self.model.parts.push(ground());
         }
-        for marker in frame::resolve_rm(&mut self.model, rm_markers) {
+        for marker in frame::place_relative(&mut self.model) {
             let origin = self.model.markers[marker.0].header.origin;
             let keyword = self.dataset.statements()[origin].keyword;
             self.diagnostics.push(
@@ -280,6 +269,7 @@ impl Lowering<'_> {
         };
         let diagnostics = &mut self.diagnostics;
         rules::check(source, statement, &self.ids, None, diagnostics);
+        diagnostics.extend(floating_faults(statement, source, self.dataset));
         dimensions::check(stated, def, context, diagnostics);
         let moves = def.name == "MARKER" && frame::moves(&stated);
         let done = is_body(def) || def.name == "JOINT" || def.name == "MARKER" && !moves;

@@ -3,7 +3,7 @@
 use super::ids::Ids;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{Solved, ValueKind, nearest};
-use crate::syntax::{Fault, Statement, Wrong};
+use crate::syntax::{Argument, Fault, Statement, Wrong};
 use crate::text::Source;
 
 /// Arguments whose numbers must lie within their bounds, all of a statement where none is named: out of them a motion means nothing.
@@ -36,6 +36,30 @@ fn check_bounds(source: &Source, statement: &Statement, diagnostics: &mut Vec<Di
     }
 }
 
+/// Says by name which arguments only real ADAMS follows. The word OFF among them switches them off.
+fn check_left_out(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
+    for left in statement.def.map_or(&[][..], |def| def.left_out) {
+        let names = left.arguments.iter();
+        let written: Vec<_> = names.filter_map(|name| statement.argument(name)).collect();
+        let is_off = |argument: &&Argument| argument.choices(source).contains(&"OFF");
+        let Some(first) = written.first().filter(|_| !written.iter().any(is_off)) else {
+            continue;
+        };
+        let names: Vec<&str> = written.iter().filter_map(|a| a.kind()).collect();
+        let have = if names.len() == 1 { "has" } else { "have" };
+        let message = format!(
+            "{} of {} {have} no effect in the built-in solver",
+            names.join(", "),
+            statement.title(source)
+        );
+        diagnostics.push(
+            Diagnostic::warning(Code::NotSolvedNatively, message)
+                .label(source.name(), first.span, "")
+                .help(format!("in real ADAMS: {}", left.effect)),
+        );
+    }
+}
+
 /// Complaints about one statement of a file. A command redefines only what it gives: `dataset` is what it is put over.
 pub(super) fn check(
     source: &Source,
@@ -45,6 +69,7 @@ pub(super) fn check(
     diagnostics: &mut Vec<Diagnostic>,
 ) {
     check_bounds(source, statement, diagnostics);
+    check_left_out(source, statement, diagnostics);
     let of = dataset.map_or("this dataset", |dataset| dataset.name());
     statement.faults(
         |space, id| ids.defines(space, id),

@@ -313,34 +313,23 @@ impl Reality {
         at.ok_or_else(|| spec.refuse(format!("no part `{text}` carries marks")))
     }
 
-    /// Moves a marker on its part. Its axes stay: points that give them move as well.
+    /// Moves a marker on its part; its axes stay.
     pub(super) fn shift_marker(
         &mut self,
         spec: &EffectSpec,
         address: &Address,
         shift: &Vec3,
     ) -> Result<(), Diagnostic> {
-        let (_, _, frame) = self.marker(spec, address.id.unwrap_or(0))?;
-        let statement = self.dataset.find(address);
-        let points = ["XP", "ZP"].map(|name| {
-            let numbers = statement.map_or(&[][..], |s| s.numbers(name));
-            let at: Option<[f64; 3]> = match numbers {
-                [x, y, z] => Some([x.value, y.value, z.value]),
-                _ => None,
+        let (model, at, _) = self.marker(spec, address.id.unwrap_or(0))?;
+        let shift = model.markers[at.0].as_written(shift);
+        for k in (0..3).filter(|k| shift[*k] != 0.0) {
+            let number = Address {
+                argument: Some("QP".to_string()),
+                index: Some(k + 1),
+                ..address.clone()
             };
-            at.map(|at| (name, Vec3::from(at)))
-        });
-        for (name, at) in [Some(("QP", frame.p))].into_iter().chain(points).flatten() {
-            for k in 0..3 {
-                if shift[k] != 0.0 {
-                    let number = Address {
-                        argument: Some(name.to_string()),
-                        index: Some(k + 1),
-                        ..address.clone()
-                    };
-                    self.set(&number, at[k] + shift[k])?;
-                }
-            }
+            let old = self.dataset.value_at(&number).unwrap_or(0.0);
+            self.set(&number, old + shift[k])?;
         }
         Ok(())
     }

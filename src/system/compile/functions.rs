@@ -314,7 +314,8 @@ impl Compiler<'_> {
         let mut first = self.model.diffs.len();
         for l in &self.model.linear_states {
             out.states.push((l.x, first, l.a.len()));
-            if let Some(y) = l.y {
+            // The outputs of what is switched off are zero.
+            if let Some(y) = l.y.filter(|_| l.header.active) {
                 let inputs = self.array_variables(l.u);
                 // Either matrix may be absent.
                 for row in 0..l.c.len().max(l.d.len()) {

@@ -10,9 +10,11 @@ mod functions;
 mod motion;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use self::motion::{not_in_motion, reference_mass};
 
+use super::carried::Carried;
 use super::catalogue::{Catalogue, Group, Quantity, Role};
 use super::compiled_function::{CompiledFunction, Exerted, reads_velocities};
 use super::structure::{
@@ -187,9 +189,12 @@ impl<'a> Compiler<'a> {
         // Six numbers per marker stand first, so that a slot tells its marker.
         for (k, marker) in self.model.markers.iter().enumerate() {
             let of = ("MARKER", Some(marker.header.id));
-            let qp = [marker.qp.x, marker.qp.y, marker.qp.z];
-            self.argument(of, position, &qp, Role::Marker(k));
-            let angles = match marker.orientation {
+            let (qp, orientation) = match &marker.relative {
+                Some(relative) => (relative.qp, relative.orientation),
+                None => (marker.qp, marker.orientation),
+            };
+            self.argument(of, position, &[qp.x, qp.y, qp.z], Role::Marker(k));
+            let angles = match orientation {
                 Orientation::Reuler(angles) => angles,
                 Orientation::Points => [0.0; 3],
             };
@@ -282,17 +287,24 @@ impl<'a> Compiler<'a> {
         for (k, d) in self.model.diffs.iter().enumerate() {
             let of = name("DIFF", &d.header);
             let function = self.function(&d.function, &of, None, Dimension::NONE);
-            let rate = if d.static_hold {
+            let active = d.header.active;
+            if active && d.static_hold {
                 self.held_rates.insert(k, function);
-                Rate::Held
-            } else {
-                Rate::Function(function)
-            };
-            self.push_state(of, rate, d.ic);
-            if let Some(state) = self.states.last_mut() {
-                state.moving = Rate::Function(function);
-                state.implicit = d.implicit;
             }
+            let rate = |held: bool| match held || !active {
+                true => Rate::Held,
+                false => Rate::Function(function),
+            };
+            self.states.push(StateEquation {
+                name: of,
+                rate: rate(d.static_hold),
+                unknown: None,
+                moving: rate(d.dynamic_hold),
+                moving_unknown: 0,
+                implicit: d.implicit && active && !d.dynamic_hold,
+                active,
+            });
+            self.state_values.push(if active { d.ic } else { 0.0 });
         }
         for l in &self.model.linear_states {
             let of = name(l.kind, &l.header);
@@ -315,30 +327,24 @@ impl<'a> Compiler<'a> {
                         .filter_map(|(b, v)| v.map(|v| (v, *b)))
                         .collect(),
                 );
-                let rate = if l.static_hold {
-                    Rate::Held
-                } else {
-                    linear.clone()
+                let active = l.header.active;
+                let rate = |held: bool| match held || !active {
+                    true => Rate::Held,
+                    false => linear.clone(),
                 };
+                self.states.push(StateEquation {
+                    name: of.clone(),
+                    rate: rate(l.static_hold),
+                    unknown: None,
+                    moving: rate(false),
+                    moving_unknown: 0,
+                    implicit: false,
+                    active,
+                });
                 let ic = initial.and_then(|ic| ic.get(row)).copied();
-                self.push_state(of.clone(), rate, ic.unwrap_or(0.0));
-                if let Some(state) = self.states.last_mut() {
-                    state.moving = linear;
-                }
+                self.state_values.push(ic.filter(|_| active).unwrap_or(0.0));
             }
         }
-    }
-
-    fn push_state(&mut self, name: Name, rate: Rate, ic: f64) {
-        self.states.push(StateEquation {
-            name,
-            moving: rate.clone(),
-            rate,
-            unknown: None,
-            moving_unknown: 0,
-            implicit: false,
-        });
-        self.state_values.push(ic);
     }
 
     /// A complaint about a statement with a function; one that is switched off is not missed.
@@ -398,9 +404,13 @@ impl<'a> Compiler<'a> {
         let by_points = model
             .markers
             .iter()
-            .map(|m| (m.orientation == Orientation::Points).then_some(m.R))
+            .map(|m| match &m.relative {
+                Some(m) => (m.orientation == Orientation::Points).then_some(m.R),
+                None => (m.orientation == Orientation::Points).then_some(m.R),
+            })
             .collect();
-        let parameters = Parameters::new(self.theta, by_points);
+        let carried = Arc::new(Carried::of(model));
+        let parameters = Parameters::new(self.theta, by_points, Arc::clone(&carried));
         let freedoms: usize = self.bodies.iter().map(|b| b.freedoms).sum();
         let first_variable = freedoms + self.equations;
         let mut unknowns = first_variable + self.variables.len();
@@ -455,6 +465,7 @@ impl<'a> Compiler<'a> {
                 .map(|m| name("MARKER", &m.header))
                 .collect(),
             owners,
+            carried,
             used,
             order,
             bodies: self.bodies,
@@ -471,6 +482,7 @@ impl<'a> Compiler<'a> {
             functions: self.functions,
             gravity: self.gravity,
             ucf: model.units.ucf,
+            metre: model.units.length.si,
             catalogue: self.catalogue,
             parameters,
             initial,

@@ -1,0 +1,64 @@
+//! Floating markers where a fixed one is needed, and fixed ones where the solver must move it.
+
+use super::{Dataset, Statement};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::grammar::ValueKind;
+use crate::text::Source;
+
+/// Complaints about the markers that a statement of a file names in a dataset.
+pub(crate) fn floating_faults(
+    statement: &Statement,
+    source: &Source,
+    dataset: &Dataset,
+) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    // A request may measure floating markers; graphics and markers themselves have their own uses of them.
+    if matches!(
+        statement.kind(),
+        Some("REQUEST" | "GRAPHICS" | "MARKER" | "TIRE" | "FEMDATA")
+    ) {
+        return found;
+    }
+    let arguments = statement.arguments.iter();
+    for (argument, def) in arguments.filter_map(|argument| Some((argument, argument.def?))) {
+        if def.kind != ValueKind::Reference("marker") {
+            continue;
+        }
+        let needed = matches!(def.name, "JFLOAT" | "IFLOAT");
+        for number in argument.numbers() {
+            let id = number.as_id();
+            let Some(marker) = id.and_then(|id| dataset.statement("MARKER", Some(id))) else {
+                continue;
+            };
+            if marker.has("FLOATING") == needed {
+                continue;
+            }
+            let (is, should, help) = if needed {
+                (
+                    "fixed on its part",
+                    "FLOATING: the solver moves it",
+                    "add FLOATING to a marker that nothing else uses, and name that",
+                )
+            } else {
+                (
+                    "FLOATING and has no place",
+                    "fixed on its part",
+                    "name a marker that has a place, or remove FLOATING",
+                )
+            };
+            let message = format!(
+                "{} of {} is {}, which is {is}; it must be {should}",
+                def.name,
+                statement.title(source),
+                marker.title(dataset.source())
+            );
+            found.push(
+                Diagnostic::error(Code::FloatingMarker, message)
+                    .label(source.name(), number.span, "")
+                    .label(dataset.source().name(), marker.head(), "this marker")
+                    .help(help),
+            );
+        }
+    }
+    found
+}

@@ -1,0 +1,124 @@
+//! The points that give a marker's axes, when the marker moves.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Address, Dataset, Statement};
+use crate::diagnostic::{Code, Diagnostic};
+use crate::mechanics::Vec3;
+use crate::text::Edit;
+
+/// Points on the z axis and in the x-z plane of a MARKER, in the frame that its QP is given in (`state_marker`).
+const POINTS: [&str; 2] = ["ZP", "XP"];
+
+impl Dataset {
+    /// Edits that move ZP and XP of a marker by what its QP changes, so that it does not turn: `values` are those of QP from the index of
+    /// the address on. Points that `beside` gives values of their own stay. Nothing for any other address.
+    ///
+    /// # Errors
+    /// Those of [`Dataset::set`].
+    pub(super) fn move_points(
+        &self,
+        address: &Address,
+        values: &[f64],
+        beside: &BTreeSet<&Address>,
+    ) -> Result<Vec<Edit>, Diagnostic> {
+        let mut edits = Vec::new();
+        if !moves_marker(address) {
+            return Ok(edits);
+        }
+        let first = address.index.unwrap_or(1);
+        for (k, value) in values.iter().enumerate() {
+            let component = |name: &str| Address {
+                argument: Some(name.to_string()),
+                index: Some(first + k),
+                ..address.clone()
+            };
+            let Some(old) = self.value_at(&component("QP")) else {
+                continue;
+            };
+            for point in POINTS.map(component) {
+                let whole = Address {
+                    index: None,
+                    ..point.clone()
+                };
+                let number = self.number_at(&point);
+                if let Some(number) = number
+                    && ![&point, &whole].iter().any(|given| beside.contains(given))
+                {
+                    let moved = number.value + (value - old);
+                    edits.extend(self.set_alone(&point, fifteen_digits(moved))?);
+                }
+            }
+        }
+        Ok(edits)
+    }
+}
+
+/// Origin and points of the markers of a deck whose axes are given by points, by id.
+#[derive(Clone, Debug)]
+pub(crate) struct MarkerPoints(BTreeMap<u32, [Option<Vec3>; 3]>);
+
+impl MarkerPoints {
+    /// Those of a deck.
+    pub(crate) fn of(dataset: &Dataset) -> Self {
+        let place = |marker: &Statement, name: &str| match marker.numbers(name) {
+            [x, y, z] => Some(Vec3::new(x.value, y.value, z.value)),
+            _ => None,
+        };
+        let markers = dataset.statements().iter().filter(|marker| {
+            marker.kind() == Some("MARKER") && POINTS.iter().any(|name| marker.has(name))
+        });
+        let each = |marker: &Statement| {
+            let origin = place(marker, "QP").unwrap_or_default();
+            let [z, x] = POINTS.map(|name| place(marker, name));
+            Some((marker.number()?, [Some(origin), z, x]))
+        };
+        Self(markers.filter_map(each).collect())
+    }
+
+    /// What a change of the deck did to its markers: a note for those whose points moved along with them, a warning for those that turn
+    /// because some did not.
+    pub(crate) fn moved(&self, after: &Dataset) -> Vec<Diagnostic> {
+        let mut found = Vec::new();
+        for (id, [origin, points @ ..]) in Self::of(after).0 {
+            let Some([old_origin, old_points @ ..]) = self.0.get(&id) else {
+                continue;
+            };
+            let shift = origin.unwrap_or_default() - old_origin.unwrap_or_default();
+            if shift.norm() == 0.0 {
+                continue;
+            }
+            let follows = |(new, old): (&Option<Vec3>, &Option<Vec3>)| match (new, old) {
+                (Some(new), Some(old)) => {
+                    (new - old - shift).norm() <= ROUND_OFF * (new.norm() + old.norm())
+                }
+                (new, old) => new == old,
+            };
+            found.push(if points.iter().zip(old_points).all(follows) {
+                Diagnostic::note(
+                    Code::MarkerPoints,
+                    format!("MARKER/{id} keeps its axes: its points moved along with QP"),
+                )
+            } else {
+                Diagnostic::warning(
+                    Code::MarkerPoints,
+                    format!("MARKER/{id} turns: QP moved, ZP and XP did not move along with it"),
+                )
+            });
+        }
+        found
+    }
+}
+
+/// Relative error of sums of decimal numbers with fifteen digits.
+const ROUND_OFF: f64 = 1e-14;
+
+/// True for the origin of a marker.
+fn moves_marker(address: &Address) -> bool {
+    address.kind == "MARKER" && address.argument.as_deref() == Some("QP")
+}
+
+/// Sums of decimal numbers are not exact in binary.
+fn fifteen_digits(value: f64) -> f64 {
+    format!("{value:.14e}").parse().unwrap_or(value)
+}

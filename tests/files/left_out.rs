@@ -1,0 +1,256 @@
+//! Arguments that only real ADAMS follows are named; those that hold states are obeyed.
+
+use std::process::Command;
+
+use admire::grammar::{STATEMENTS, ValueKind};
+use admire::{Deck, Watched};
+
+use super::folder::Folder;
+
+const HEAD: &str = "deck
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+PART/2, MASS=1, CM=20, IP=1,1,1
+MARKER/1, PART=1
+MARKER/20, PART=2
+";
+
+/// A statement of a kind that a further argument may follow, and what must stand beside it.
+fn statement(kind: &str) -> (String, &'static str) {
+    let (text, beside) = match kind {
+        "JOINT" => ("JOINT/1, REVOLUTE, I=20, J=1", ""),
+        "VARIABLE" => ("VARIABLE/1, FUNCTION=2\\", "JOINT/1, FIXED, I=20, J=1\n"),
+        "EQUILIBRIUM" => ("EQUILIBRIUM/MAXIT=30", "JOINT/1, FIXED, I=20, J=1\n"),
+        other => panic!("no deck for {other}"),
+    };
+    (text.to_string(), beside)
+}
+
+/// One deck for each argument of the grammar that is left out: `check`, the solver's message file and JSON name it.
+#[test]
+fn every_argument_that_is_left_out_is_named() {
+    let mut count = 0;
+    for def in STATEMENTS {
+        for argument in def.left_out.iter().flat_map(|left| left.arguments) {
+            let known = def.arguments.iter().find(|a| a.name == *argument).unwrap();
+            let value = match known.kind {
+                ValueKind::Flag => String::new(),
+                ValueKind::Choice(words) => {
+                    let on = words.iter().find(|word| word.name != "OFF").unwrap();
+                    format!("={}", on.name)
+                }
+                _ => "=0.5".to_string(),
+            };
+            let (text, beside) = statement(def.name);
+            let folder = Folder::with(&format!(
+                "{HEAD}{beside}{text}, {argument}{value}\nRESULTS/XRF\nEND\n"
+            ));
+            let wanted = format!("{argument} of {}", def.name);
+            let (code, said, _) = folder.run(&["check", "d.adm", "--format", "plain"]);
+            assert!(code == 0 && said.contains(&wanted), "{argument}: {said}");
+            let (_, out, said) = folder.run(&["solve", "d.adm", "--format", "json"]);
+            assert!((out + &said).contains(&wanted), "{argument}: {said}");
+            folder.write("r.acf", "\nfile/model=d\nSIMULATE/STATICS\nSTOP\n");
+            let run = Command::new(env!("CARGO_BIN_EXE_mdi"))
+                .current_dir(folder.path())
+                .args(["ru-s", "r.acf"])
+                .output();
+            run.expect("mdi runs");
+            let messages = folder.read("d.msg");
+            let lines: Vec<&str> = messages.split_whitespace().collect();
+            assert!(lines.join(" ").contains(&wanted), "{argument}: {messages}");
+            count += 1;
+        }
+    }
+    assert!(count >= 19, "{count}");
+    let off = format!("{HEAD}JOINT/1, REVOLUTE, I=20, J=1, MU_DYN_ROT=0.5, FRICTION=OFF\nEND\n");
+    let (_, said, _) = Folder::with(&off).run(&["check", "d.adm", "--format", "plain"]);
+    assert!(!said.contains("MU_DYN_ROT"), "{said}");
+}
+
+/// The last value of VARIABLE/1 after each simulation.
+fn values(deck: &str, commands: &str) -> Vec<(f64, f64)> {
+    let run =
+        Deck::parse("d.adm", deck.as_bytes()).run_watched("r.acf", commands, &Watched::default());
+    run.succeeded()
+        .unwrap_or_else(|error| panic!("{error:?} {}", run.messages()));
+    let (times, values) = (
+        run.column("time.TIME").unwrap(),
+        run.column("VARIABLE_1.Q").unwrap(),
+    );
+    times.into_iter().zip(values).collect()
+}
+
+fn at(values: &[(f64, f64)], time: f64) -> f64 {
+    let found = values.iter().rfind(|(t, _)| (t - time).abs() < 1e-9);
+    found
+        .unwrap_or_else(|| panic!("nothing at {time}: {values:?}"))
+        .1
+}
+
+fn with_state(state: &str) -> String {
+    format!(
+        "{HEAD}JOINT/1, REVOLUTE, I=20, J=1\nVARIABLE/1, FUNCTION=DIF(1)\n{state}\nRESULTS/FORMATTED, XRF\nEND\n"
+    )
+}
+
+#[test]
+fn a_state_is_held_in_motion() {
+    let run = "SIMULATE/DYNAMIC, END=1, STEPS=10";
+    let free = values(&with_state("DIFF/1, IC=0.5, FUNCTION=1"), run);
+    assert!((at(&free, 1.0) - 1.5).abs() < 1e-6, "{free:?}");
+    for held in [
+        "DIFF/1, IC=0.5, DYNAMIC_HOLD, FUNCTION=1",
+        "DIFF/1, IC=0.5, IMPLICIT, DYNAMIC_HOLD, FUNCTION=DIF1(1)-1",
+    ] {
+        let held = values(&with_state(held), run);
+        assert!(held.iter().skip(1).all(|(_, x)| *x == 0.5), "{held:?}");
+    }
+}
+
+/// A statement that is switched off is not there; switched on it begins as it stands in the dataset.
+#[test]
+fn states_are_switched_off_and_on() {
+    let found = values(
+        &with_state("DIFF/1, IC=1, FUNCTION=2"),
+        "SIMULATE/DYNAMIC, END=1, STEPS=4\nDEACTIVATE/DIFF, ID=1\nSIMULATE/DYNAMIC, END=2, STEPS=4\n\
+         ACTIVATE/DIFF, ID=1\nSIMULATE/DYNAMIC, END=3, STEPS=4",
+    );
+    assert!((at(&found, 0.5) - 2.0).abs() < 1e-6, "{found:?}");
+    for time in [1.25, 1.5, 1.75] {
+        assert_eq!(at(&found, time), 0.0, "{found:?}");
+    }
+    assert!((at(&found, 2.5) - 2.0).abs() < 1e-6, "{found:?}");
+    // x' = -2 x + u, y = 3 x.
+    let filter = "VARIABLE/2, FUNCTION=1\nARRAY/1, X, SIZE=1\nARRAY/2, U, SIZE=1, VARIABLES=2\nARRAY/3, Y, SIZE=1\n\
+        TFSISO/1, X=1, U=2, Y=3, NUMERATOR=3, DENOMINATOR=2,1";
+    let deck = with_state(filter).replace("FUNCTION=DIF(1)", "FUNCTION=ARYVAL(3,1)");
+    let found = values(
+        &deck,
+        "SIMULATE/DYNAMIC, END=1, STEPS=4\nDEACTIVATE/TFSISO, ID=1\nSIMULATE/DYNAMIC, END=2, STEPS=4",
+    );
+    let exact = 1.5 * (1.0 - (-1.0_f64).exp());
+    assert!((at(&found, 0.5) - exact).abs() < 1e-4, "{found:?}");
+    assert_eq!(at(&found, 1.5), 0.0, "{found:?}");
+}
+
+/// Arguments of statements that are solved, which nothing reads and which change no answer.
+const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
+    // For graphics, and for masses in ADAMS/View.
+    ("PART", &["MATERIAL"]),
+    // They place a marker on a flexible body, which is not solved.
+    ("MARKER", &["NODE_ID", "NODE_LABEL"]),
+    // They say how AUTOBALANCE trims.
+    ("VARIABLE", &["BEST", "WEIGHT", "PENALTY", "PENALTY1"]),
+    // They choose a part of a file that is not read.
+    ("MATRIX", &["NAME"]),
+    ("SPLINE", &["CHANNEL"]),
+    // The event is found in time by the step that ends there, and the integrator begins anew.
+    (
+        "SENSOR",
+        &[
+            "EVALUATE_ROUTINE",
+            "BISECTION",
+            "TIME_ERROR",
+            "TERROR",
+            "RESTART",
+        ],
+    ),
+    // They belong to formulations that are refused by name.
+    ("FIELD", &["LENGTH_TOL"]),
+    (
+        "FRICTION",
+        &[
+            "STRIBECK_VELOCITY",
+            "BRISTLE_STIFFNESS",
+            "BRISTLE_DAMPING",
+            "VISCOUS_COEFFICIENT",
+            "DAMPING_EXPONENT",
+        ],
+    ),
+    // It takes ACTIONONLY away.
+    ("SFORCE", &["REACTION"]),
+    // They say what is written.
+    (
+        "OUTPUT",
+        &[
+            "LOADS",
+            "MODAL_DEFORMATION",
+            "NODAL_DEFORMATION",
+            "STRESS",
+            "STRAIN",
+            "NOCHART",
+        ],
+    ),
+    (
+        "RESULTS",
+        &["NODATASTRUCTURES", "NOLINEAR", "NOTIRES", "NOCONTACTS"],
+    ),
+    ("REQUEST", &["CLABELS"]),
+    // They belong to DYNAMIC, or say how exactly ADVANCED solves.
+    (
+        "EQUILIBRIUM",
+        &[
+            "STATIC",
+            "ACCELERATION_ERROR",
+            "KINETIC_ENERGY_ERROR",
+            "GLOBAL_DAMPING",
+            "SETTLING_TIME",
+            "ATOL",
+            "RTOL",
+            "MAXITL",
+            "ETAMAX",
+            "ETA",
+        ],
+    ),
+    // Named in the message file as they stand: all conditions are met to round-off.
+    ("IC", &["AERROR", "AMAXIT", "APATTERN", "VERROR"]),
+];
+
+/// An argument of a statement that is solved is read somewhere, named as left out, or known to change no answer.
+#[test]
+fn no_argument_is_dropped_without_a_word() {
+    use admire::grammar::{Role, Solved};
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut read = String::new();
+    for folder in ["model/lower", "session", "system"] {
+        for file in crate::common::files_below(&root.join(folder), "rs") {
+            read += &std::fs::read_to_string(file).unwrap();
+        }
+    }
+    for file in ["model/constraint.rs", "syntax/overlay.rs"] {
+        read += &std::fs::read_to_string(root.join(file)).unwrap();
+    }
+    for def in STATEMENTS {
+        if def.role == Role::Command || !matches!(def.solved, Solved::Native(_)) {
+            continue;
+        }
+        let left_out: Vec<&str> = def
+            .left_out
+            .iter()
+            .flat_map(|left| left.arguments.iter().copied())
+            .collect();
+        let harmless = WITHOUT_EFFECT.iter().find(|(kind, _)| *kind == def.name);
+        let harmless = harmless.map_or(&[][..], |(_, names)| names);
+        let of_laws: Vec<&str> = def
+            .laws
+            .iter()
+            .flat_map(|law| law.arguments.iter().copied())
+            .collect();
+        for argument in def.arguments {
+            let name = argument.name;
+            let known = [
+                &["LIST", "DEFAULT", "ROUTINE"][..],
+                harmless,
+                &left_out,
+                &of_laws,
+            ];
+            assert!(
+                known.iter().any(|names| names.contains(&name))
+                    || read.contains(&format!("\"{name}\"")),
+                "{name} of {} is read nowhere",
+                def.name
+            );
+        }
+    }
+}
