@@ -467,7 +467,7 @@ impl Configuration<'_> {
 
 /// Adds up what of a gradient stands at one column, from some place on: the same places every time.
 fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
-    gradient[first..].sort_by_key(|entry| entry.0);
+    gradient[first..].sort_unstable_by_key(|entry| entry.0);
     let mut last = first;
     for at in first + 1..gradient.len() {
         if gradient[at].0 == gradient[last].0 {

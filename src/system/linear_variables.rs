@@ -59,7 +59,8 @@ impl System {
         }
         let mut here = self.at(parameters, state, scratch);
         for k in 0..self.variables.len() {
-            for (column, by) in here.variable_gradient(k)? {
+            // What has no value here has no derivatives.
+            for (column, by) in here.variable_gradient(k).unwrap_or_default() {
                 if column < 3 * m {
                     out.push((m + k, column % m, column / m, by));
                 } else if column >= first {

@@ -196,6 +196,10 @@ impl Configuration<'_> {
     fn rates_of_data(&self, of_state: impl Fn(usize, &StateEquation) -> f64) -> Vec<f64> {
         let system = self.system;
         let mut rates = vec![0.0; system.moving_unknowns - system.first_variable];
+        if !system.data_constrain {
+            // Nothing reads them, and what they follow from may not have been evaluated.
+            return rates;
+        }
         for (k, equation) in system.states.iter().enumerate() {
             rates[equation.moving_unknown - system.first_variable] = of_state(k, equation);
         }

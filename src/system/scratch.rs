@@ -70,7 +70,7 @@ impl Scratch {
                 FunctionValue::default();
                 system.functions.len() + SLOTS * system.frictions.len()
             ],
-            looked: vec![0; system.functions.len()],
+            looked: vec![u64::MAX; system.functions.len()],
             seen: vec![Seen::NOTHING; system.switches.len()],
             ..Self::default()
         }

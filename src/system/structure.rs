@@ -244,6 +244,8 @@ pub struct System {
     pub(crate) order: Vec<usize>,
     /// Those of them that MOTIONs and GCONs need.
     pub(crate) order_of_constraints: Vec<usize>,
+    /// Whether MOTIONs or GCONs read states or unknown VARIABLEs: these are then all of [`Self::order`].
+    pub(crate) data_constrain: bool,
     /// Whether a function is among [`Self::order`].
     pub(crate) in_equations: Vec<bool>,
     /// The place of every function in an order in which each comes after those it reads.

@@ -463,6 +463,7 @@ impl<'a> Compiler<'a> {
             used,
             order: order.equations,
             order_of_constraints: order.constraints,
+            data_constrain: order.data_constrain,
             in_equations,
             ranks: order.ranks,
             implicit: order.implicit,

@@ -14,6 +14,8 @@ pub(super) struct Order {
     pub equations: Vec<usize>,
     /// Those of them that constraints need.
     pub constraints: Vec<usize>,
+    /// Whether constraints read states or unknown VARIABLEs.
+    pub data_constrain: bool,
     /// The place of every function among all.
     pub ranks: Vec<usize>,
     /// VARIABLEs that are unknowns.
@@ -75,7 +77,8 @@ impl Compiler<'_> {
             _ => false,
         };
         // The rates of what is more than places and the time are those of the equations.
-        let constraints = if constrained.iter().any(|&f| reads.any(f, beyond)) {
+        let data_constrain = constrained.iter().any(|&f| reads.any(f, beyond));
+        let constraints = if data_constrain {
             equations.clone()
         } else {
             flat(constrained)
@@ -84,6 +87,7 @@ impl Compiler<'_> {
         Order {
             equations,
             constraints,
+            data_constrain,
             ranks,
             implicit,
         }
