@@ -31,12 +31,9 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
                         found.extend(all().filter_map(|(_, a)| meeting(expression, a, 0.0)));
                     }
                     "MAX" | "MIN" | "DIM" => {
-                        for (k, a) in all() {
-                            found.extend(all().skip(k + 1).filter_map(|(_, b)| {
-                                let (a, b) = (linear(expression, a)?, linear(expression, b)?);
-                                zero((a.0 - b.0, a.1 - b.1))
-                            }));
-                        }
+                        let lines = arguments.iter().filter_map(|a| linear(expression, a));
+                        let sign = if function.name == "MIN" { -1.0 } else { 1.0 };
+                        found.extend(corners(lines.map(|(a, b)| (sign * a, sign * b))));
                     }
                     name => {
                         let known = ENDS.iter().find(|(of, _)| *of == name);
@@ -55,6 +52,29 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
         }
     }
     found
+}
+
+/// The times at which the largest of lines `a TIME + b` becomes another: the corners of their upper envelope, found by slopes.
+fn corners(lines: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    let mut lines: Vec<(f64, f64)> = lines.filter(|(a, b)| (a * b).is_finite()).collect();
+    lines.sort_by(|(a, b), (c, d)| a.total_cmp(c).then(b.total_cmp(d)));
+    // The lines of the envelope, each with the time from which it is the largest.
+    let mut hull: Vec<((f64, f64), f64)> = Vec::new();
+    for line in lines {
+        let mut from = f64::NEG_INFINITY;
+        while let Some(&((a, b), before)) = hull.last() {
+            from = (b - line.1) / (line.0 - a);
+            if a == line.0 || from <= before {
+                // A later one of the same slope is not lower.
+                hull.pop();
+                from = f64::NEG_INFINITY;
+            } else {
+                break;
+            }
+        }
+        hull.push((line, from));
+    }
+    hull.into_iter().skip(1).map(|(_, from)| from).collect()
 }
 
 /// The time at which a node that is linear in TIME has a value.
@@ -110,7 +130,9 @@ mod tests {
             ("ABS(TIME-2)+HAVSIN(-TIME,-4,0,-3,1)", &[2.0, 3.0, 4.0]),
             ("SWEEP(TIME,1,0.5,2,8,3,0.1)", &[0.5, 8.0]),
             ("SIGN(TIME-3,1-TIME)", &[1.0, 3.0]),
-            ("MAX(0,TIME-2,2*TIME-5)+MIN(1,1,DX(1))", &[2.0, 2.5, 3.0]),
+            // At 2.5 the two others meet below the largest.
+            ("MAX(0,TIME-2,2*TIME-5)+MIN(1,1,DX(1))", &[2.0, 3.0]),
+            ("MIN(3,TIME,4*TIME-3,DX(1),2)", &[1.0, 2.0]),
             ("DIM(1,0.25*TIME)+DIM(TIME,DX(1))", &[4.0]),
             ("STEP(DX(1),0,0,1,1)+SIN(TIME)+STEP(TIME**2,1,0,2,1)", &[]),
             ("STEP(TIME,TIME,0,VARVAL(1),1)", &[]),

@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::breaks::linear;
@@ -24,6 +25,8 @@ pub(super) struct Build<'a> {
     pub(super) compiler: &'a Compiler<'a>,
     pub(super) expression: &'a Expression,
     inputs: Vec<Input>,
+    /// Where each input stands.
+    places: HashMap<Input, usize>,
     parameters: Vec<usize>,
     constants: Vec<f64>,
     /// Steps with their targets counted from 0.
@@ -44,6 +47,7 @@ impl<'a> Build<'a> {
             compiler,
             expression,
             inputs: Vec::new(),
+            places: HashMap::new(),
             parameters: Vec::new(),
             constants: Vec::new(),
             steps: Vec::new(),
@@ -150,7 +154,12 @@ impl<'a> Build<'a> {
 
     pub(super) fn input(&mut self, input: Input) -> Place {
         self.readings += usize::from(input != Input::Time);
-        Place::Input(position(&mut self.inputs, input))
+        let next = self.inputs.len();
+        let at = *self.places.entry(input).or_insert(next);
+        if at == next {
+            self.inputs.push(input);
+        }
+        Place::Input(at)
     }
 
     fn target(&mut self) -> usize {
@@ -265,14 +274,4 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
         switches: Vec::new(),
     };
     program.eval(&[], &[], &mut Scratch::default()).ok()
-}
-
-/// The index of an item in a list that holds each once.
-fn position<T: PartialEq>(list: &mut Vec<T>, item: T) -> usize {
-    list.iter()
-        .position(|other| *other == item)
-        .unwrap_or_else(|| {
-            list.push(item);
-            list.len() - 1
-        })
 }

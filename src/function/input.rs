@@ -71,10 +71,17 @@ pub enum MeasureKind {
         /// PITCH is minus the second angle.
         minus: bool,
     },
-    /// INCANG: the angle at J between the lines to I and K, in [0, pi].
+    /// INCANG: the angle at J between the lines to I and K; the first that is not zero is positive, and turns are counted.
     IncludedAngle,
     /// ORIENT type 27: Euler parameter e0, e1, e2, e3 of I with respect to J, e0 not negative.
     EulerParameter(usize),
+}
+
+impl MeasureKind {
+    /// True if the value goes on from that of the solution before.
+    pub(crate) fn counts_turns(self) -> bool {
+        matches!(self, Self::ProjectedAngle(_) | Self::IncludedAngle)
+    }
 }
 
 /// A velocity or acceleration of I from J. An absent marker is the ground frame.

@@ -19,12 +19,39 @@ pub struct Measured {
     pub by_k: Vec6,
 }
 
+/// Sine below which two lines are in one direction: half of the digits of their normal are round-off.
+const STRAIGHT: f64 = 1.5e-8;
+
+/// An angle of the previous solution, from which turns are counted.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Reference {
+    /// Its value, radians.
+    pub angle: f64,
+    /// Of INCANG the unit vector, ground axes, about which the line to I turned by a positive angle onto the line to K; zero before the first
+    /// angle that is not zero.
+    pub normal: Vec3,
+}
+
+impl Reference {
+    /// Nothing was measured yet.
+    pub const NONE: Self = Self {
+        angle: 0.0,
+        normal: Vec3::new(0.0, 0.0, 0.0),
+    };
+}
+
 /// Evaluates a measure at the world poses of its markers; for absent ones pass [`Pose::identity`].
 ///
-/// `reference_angle` is the value of the previous solution: AX, AY, AZ are taken nearest to it, so that they count turns (guide/formats.md
-/// 4.3). Other measures do not use it. Where a measure has no derivative (distance zero, angles of a singular sequence, lines of
-/// INCANG in one direction) the derivative is returned as zero.
-pub fn evaluate(measure: &Measure, i: &Pose, j: &Pose, k: &Pose, reference_angle: f64) -> Measured {
+/// AX, AY, AZ and INCANG are taken nearest to the reference, so that they count turns (guide/formats.md 4.3). Other measures do not use it.
+/// Where a measure has no derivative (distance zero, angles of a singular sequence, lines of INCANG in one direction at first) the
+/// derivative is returned as zero.
+pub fn evaluate(
+    measure: &Measure,
+    i: &Pose,
+    j: &Pose,
+    k: &Pose,
+    reference: &Reference,
+) -> Measured {
     match measure.kind {
         MeasureKind::Displacement(axis) => displacement(axis, i, j, k),
         MeasureKind::Distance => {
@@ -42,10 +69,10 @@ pub fn evaluate(measure: &Measure, i: &Pose, j: &Pose, k: &Pose, reference_angle
                 by_k: Vec6::zeros(),
             }
         }
-        MeasureKind::IncludedAngle => included_angle(i, j, k),
+        MeasureKind::IncludedAngle => included_angle(i, j, k, reference).0,
         MeasureKind::ProjectedAngle(axis) => {
             let R_ji = j.R.transpose() * i.R;
-            let value = unwrap_near(projected_angles(&R_ji)[axis], reference_angle);
+            let value = unwrap_near(projected_angles(&R_ji)[axis], reference.angle);
             relative(j, value, &projected_row(&R_ji, axis))
         }
         MeasureKind::Angle {
@@ -102,29 +129,55 @@ fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
     }
 }
 
-/// The angle between `a = p_i - p_j` and `b = p_k - p_j`: `dangle/da = (cos a/|a| - b/|b|) / (|a| sin)`, and so for b.
-fn included_angle(i: &Pose, j: &Pose, k: &Pose) -> Measured {
-    let (a, b) = (i.p - j.p, k.p - j.p);
-    let (sin, cos) = (a.cross(&b).norm(), a.dot(&b));
-    let value = libm::atan2(sin, cos);
-    let lengths = a.norm() * b.norm();
-    let (by_a, by_b) = if sin > f64::EPSILON * lengths {
-        let (sin, cos) = (sin / lengths, cos / lengths);
-        let (ua, ub) = (a.normalize(), b.normalize());
-        (
-            (ua * cos - ub) / (a.norm() * sin),
-            (ub * cos - ua) / (b.norm() * sin),
-        )
-    } else {
-        (Vec3::zeros(), Vec3::zeros())
+/// The reference for the next solution, with the markers at these poses.
+pub(crate) fn next_reference(
+    measure: &Measure,
+    i: &Pose,
+    j: &Pose,
+    k: &Pose,
+    reference: &Reference,
+) -> Reference {
+    let normal = match measure.kind {
+        MeasureKind::IncludedAngle => included_angle(i, j, k, reference).1,
+        _ => reference.normal,
     };
+    let angle = evaluate(measure, i, j, k, reference).value;
+    Reference { angle, normal }
+}
+
+/// The angle from `a = p_i - p_j` to `b = p_k - p_j` about n, the normal of both that continues the one before: `dangle/da = a x n / a^2`,
+/// `dangle/db = n x b / b^2`. And n.
+fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measured, Vec3) {
+    let (a, b) = (i.p - j.p, k.p - j.p);
+    let (cross, cos) = (a.cross(&b), a.dot(&b));
+    let side = if cross.dot(&reference.normal) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    let sin = cross.norm();
+    let angle = libm::atan2(side * sin, cos);
+    let normal = if sin > STRAIGHT * a.norm() * b.norm() {
+        cross * (side / sin)
+    } else {
+        // Lines in one direction have no normal of their own: the last one, at right angles to them.
+        let along = a.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let left = reference.normal - along * along.dot(&reference.normal);
+        left.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    };
+    let by = |turned: Vec3, line: &Vec3| match line.norm_squared() {
+        0.0 => Vec3::zeros(),
+        square => turned / square,
+    };
+    let (by_a, by_b) = (by(a.cross(&normal), &a), by(normal.cross(&b), &b));
     let translation = |v: Vec3| pair(&v, &Vec3::zeros());
-    Measured {
-        value,
+    let measured = Measured {
+        value: unwrap_near(angle, reference.angle),
         by_i: translation(by_a),
         by_j: translation(-by_a - by_b),
         by_k: translation(by_b),
-    }
+    };
+    (measured, normal)
 }
 
 /// Derivative of AX, AY or AZ by a rotation in J axes: for v = zi (AX, AY) or xi (AZ) in J axes, dv = dtheta x v, and
@@ -214,8 +267,15 @@ mod tests {
     fn derivatives_are_those_of_central_differences() {
         let poses = poses();
         for kind in kinds() {
-            let at =
-                |poses: &[Pose; 3]| evaluate(&measure(kind), &poses[0], &poses[1], &poses[2], 0.0);
+            let at = |poses: &[Pose; 3]| {
+                evaluate(
+                    &measure(kind),
+                    &poses[0],
+                    &poses[1],
+                    &poses[2],
+                    &Reference::NONE,
+                )
+            };
             let exact = at(&poses);
             for (which, by) in [exact.by_i, exact.by_j, exact.by_k].into_iter().enumerate() {
                 for freedom in 0..6 {
@@ -299,7 +359,7 @@ mod tests {
                 &i,
                 &Pose::identity(),
                 &Pose::identity(),
-                0.0,
+                &Reference::NONE,
             )
             .value
         };
@@ -312,7 +372,7 @@ mod tests {
     fn projected_angles_count_turns() {
         let j = poses()[1];
         for axis in 0..3 {
-            let mut angle = 0.0;
+            let mut angle = Reference::NONE;
             for step in 1..=100 {
                 // Five turns in a hundred steps.
                 let turned = std::f64::consts::TAU * f64::from(step) / 20.0;
@@ -321,8 +381,8 @@ mod tests {
                     R: j.R * exp(&Vec3::ith(axis, turned)),
                 };
                 let kind = MeasureKind::ProjectedAngle(axis);
-                angle = evaluate(&measure(kind), &i, &j, &Pose::identity(), angle).value;
-                assert!((angle - turned).abs() < 1e-12);
+                angle = next_reference(&measure(kind), &i, &j, &Pose::identity(), &angle);
+                assert!((angle.angle - turned).abs() < 1e-12);
             }
         }
     }
@@ -331,7 +391,16 @@ mod tests {
     fn euler_parameters_turn_i_axes_into_j() {
         let [i, j, k] = poses();
         let e: Vec<f64> = (0..4)
-            .map(|n| evaluate(&measure(MeasureKind::EulerParameter(n)), &i, &j, &k, 0.0).value)
+            .map(|n| {
+                evaluate(
+                    &measure(MeasureKind::EulerParameter(n)),
+                    &i,
+                    &j,
+                    &k,
+                    &Reference::NONE,
+                )
+                .value
+            })
             .collect();
         let axis = Vec3::new(e[1], e[2], e[3]);
         let angle = 2.0 * axis.norm().atan2(e[0]);
@@ -346,9 +415,68 @@ mod tests {
             R: Mat3::identity(),
         };
         let kind = measure(MeasureKind::IncludedAngle);
-        let angle = |k: Pose| evaluate(&kind, &at(3.0, 1.0), &at(1.0, 1.0), &k, 0.0).value;
+        let none = Reference::NONE;
+        let angle = |k: Pose| evaluate(&kind, &at(3.0, 1.0), &at(1.0, 1.0), &k, &none).value;
         assert!((angle(at(1.0, 6.0)) - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         assert!((angle(at(0.0, 2.0)) - 0.75 * std::f64::consts::PI).abs() < 1e-15);
         assert_eq!(angle(at(9.0, 1.0)), 0.0);
+    }
+
+    /// Real output runs on: 156.98, 182.25, 325.06, 354.53 degrees.
+    #[test]
+    fn included_angle_runs_on_past_180_degrees() {
+        let at = |degrees: f64| Pose {
+            p: exp(&Vec3::new(0.3, -0.2, 0.1))
+                * Vec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0),
+            R: Mat3::identity(),
+        };
+        let (centre, kind) = (Pose::identity(), measure(MeasureKind::IncludedAngle));
+        for way in [1.0, -1.0] {
+            let mut reference = Reference::NONE;
+            // The first value is positive whichever way the lines turn; the line back to the start lies on the other at 0 and 180.
+            for degrees in (0..=36)
+                .map(|k| 20.0 * f64::from(k))
+                .chain([710.0, 600.0, 480.0, 360.0, 300.0, 180.0, 90.0, 0.0, -30.0])
+            {
+                let (i, k) = (at(0.0), at(way * degrees));
+                reference = next_reference(&kind, &i, &centre, &k, &reference);
+                let found = reference.angle.to_degrees();
+                assert!((found - degrees).abs() < 1e-6, "{way} {degrees}: {found}");
+            }
+        }
+    }
+
+    /// Its derivatives are those of differences on either side of 180 degrees, and there.
+    #[test]
+    fn included_angle_is_smooth_at_180_degrees() {
+        let kind = measure(MeasureKind::IncludedAngle);
+        let reference = Reference {
+            angle: 3.1,
+            normal: Vec3::z(),
+        };
+        for height in [-0.1, -1e-9, 0.0, 1e-9, 0.1] {
+            let poses = [[1.0, 0.0, 0.0], [0.0; 3], [-2.0, height, 0.0]].map(|p| Pose {
+                p: Vec3::from(p),
+                R: Mat3::identity(),
+            });
+            let at =
+                |poses: &[Pose; 3]| evaluate(&kind, &poses[0], &poses[1], &poses[2], &reference);
+            let exact = at(&poses);
+            for (which, by) in [exact.by_i, exact.by_j, exact.by_k].into_iter().enumerate() {
+                // Along z the lines leave the plane of the turn.
+                for axis in 0..2 {
+                    let moved = |h: f64| {
+                        let mut poses = poses;
+                        poses[which].p[axis] += h;
+                        at(&poses).value
+                    };
+                    let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                    assert!(
+                        (difference - by[axis]).abs() < 1e-8,
+                        "{height} {which} {axis}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -35,6 +35,7 @@ pub(crate) use input::{
     ElementIx, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, Sequence,
 };
 pub use input::{Input, Measure};
+pub use measure::Reference;
 pub(crate) use program::Program;
 pub use program::Scratch;
 pub(crate) use rate::MovingFrame;

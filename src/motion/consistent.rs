@@ -30,7 +30,7 @@ pub struct Consistent {
     pub(super) g: Vec<f64>,
     dx: Vec<f64>,
     pub(super) step: Vec<f64>,
-    border: Vec<f64>,
+    pub(super) border: Vec<f64>,
     pub(super) v: Vec<f64>,
     gamma: Vec<f64>,
     /// How many motions have no inertia and are held by something else, once that was looked at.
@@ -227,6 +227,8 @@ impl Consistent {
     /// Accelerations, multipliers, variables and rates of the states from positions, velocities and states:
     /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on them.
     ///
+    /// Functions of reactions and accelerations that have no value before these are known count as zero until the first solution.
+    ///
     /// `step` is how far apart functions are looked at for their second derivatives. Accelerations of motions without inertia stay as they are.
     ///
     /// # Errors
@@ -240,16 +242,22 @@ impl Consistent {
     ) -> Result<(), Reason> {
         let n = system.first_equation;
         let (equations, m) = (n..system.first_variable, system.moving_unknowns);
-        let first_state = system.first_variable + system.variables.len();
+        let first_state = system.first_state();
         {
-            let mut here = system.look(parameters, state, &mut self.scratch)?;
+            let (mut here, _) = system.look_leniently(parameters, state, &mut self.scratch)?;
             here.gamma(step, &mut self.gamma)?;
         }
         let mut before = f64::INFINITY;
+        let mut lacking_before = usize::MAX;
         for _ in 0..ITERATIONS {
             self.levels.clear();
-            let (scratch, g) = (&mut self.scratch, &mut self.g);
-            system.assemble(parameters, state, scratch, g, &mut self.levels)?;
+            let (scratch, g, levels) = (&mut self.scratch, &mut self.g, &mut self.levels);
+            let lacking = system.assemble_leniently(parameters, state, scratch, g, levels)?;
+            if lacking > 0 && lacking >= lacking_before {
+                // The solution with the others does not give it a value either.
+                system.look(parameters, state, &mut self.scratch)?;
+            }
+            lacking_before = lacking;
             self.levels.finish();
             let matrix = self.levels.combined(&mut self.values, |row, column| {
                 if equations.contains(&row) {
@@ -311,8 +319,8 @@ impl Consistent {
                 .iter()
                 .fold(0.0_f64, |a, b| a.max(b.abs()));
             relative = relative.max(change / size.max(f64::MIN_POSITIVE));
-            for (k, variable) in state.variables.iter_mut().enumerate() {
-                let change = self.dx[system.first_variable + k];
+            for (k, unknown) in system.implicit_variables() {
+                let (variable, change) = (&mut state.variables[k], self.dx[unknown]);
                 *variable += change;
                 relative = relative.max(change.abs() / variable.abs().max(1e-12));
             }
@@ -323,6 +331,9 @@ impl Consistent {
                 relative = relative.max(change.abs() / rate.abs().max(1e-12));
             }
             debug_assert_eq!(self.dx.len(), m);
+            if lacking > 0 {
+                continue;
+            }
             if relative.is_nan() {
                 break;
             }
@@ -346,6 +357,7 @@ impl Consistent {
         step: f64,
     ) -> Result<(), Reason> {
         let plain = plain_weight(system);
+        self.exchange_equations(system, parameters, state)?;
         self.positions(system, parameters, state, None)?;
         self.velocities(system, parameters, state, &|_| plain)?;
         self.accelerations(system, parameters, state, step)?;
@@ -406,7 +418,7 @@ impl Consistent {
     }
 
     /// Evaluates all equations, with those that were taken out; false if there are none of these.
-    fn look_at_removed(
+    pub(super) fn look_at_removed(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -439,7 +451,7 @@ fn undetermined(
         left[row] += value * dx[column];
     }
     let violated = |row: &usize| left[*row].abs() > UNDETERMINED * g[*row].abs().max(1.0);
-    let variables = first..first + system.variables.len();
+    let variables = first..system.first_state();
     let states = (0..system.states.len()).filter(|&k| system.state_reads_rate(k));
     let mut rows = variables.chain(states.map(|k| system.states[k].moving_unknown));
     rows.find(violated).map(|row| system.equation_name(row))

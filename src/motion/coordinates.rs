@@ -101,40 +101,55 @@ impl Coordinates {
         Ok(P)
     }
 
-    /// VARIABLEs follow: `dv = -J_vv^-1 J_vq d`.
+    /// Unknown VARIABLEs follow: `dv = -J_vv^-1 J_vq d`.
     fn of_variables(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),
         P: &mut DMatrix<f64>,
     ) -> Result<(), Reason> {
         let (n, m) = (system.first_equation, system.moving_unknowns);
-        let (first, count) = (system.first_variable, system.variables.len());
+        let (first, count) = (system.first_variable, system.implicit.len());
         let mut scratch = Scratch::new(system);
         let (mut levels, mut g) = (Levels::new(m), vec![0.0; m]);
         system.assemble(parameters, state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        let mut own = DMatrix::zeros(count, count);
-        let mut by_place = DMatrix::zeros(count, n);
+        // By the places, by unknown VARIABLEs, and whether by anything else.
+        let mut own: DMatrix<f64> = DMatrix::zeros(count, count);
+        let mut by_place: DMatrix<f64> = DMatrix::zeros(count, n);
         let mut reads_others = vec![false; count];
         for (row, column, values) in levels.entries() {
             let Some(row) = row.checked_sub(first).filter(|row| *row < count) else {
                 continue;
             };
+            reads_others[row] |= values[1] != 0.0 || values[2] != 0.0;
             if column < n {
                 by_place[(row, column)] += values[0];
-                reads_others[row] |= values[1] != 0.0 || values[2] != 0.0;
             } else if (first..first + count).contains(&column) {
                 own[(row, column - first)] += values[0];
             } else {
-                reads_others[row] |= values.iter().any(|value| *value != 0.0);
+                reads_others[row] |= values[0] != 0.0;
             }
         }
         let follow = own.clone().try_inverse();
         let follow = follow.unwrap_or_else(|| DMatrix::identity(count, count));
+        let followed: DMatrix<f64> = -(&follow * by_place);
+        let mut here = system.look(parameters, state, &mut scratch)?;
         for (row, &variable) in self.variables.iter().enumerate() {
-            let reads = |k: usize| reads_others[k] && follow[(variable, k)] != 0.0;
-            let by = -(follow.row(variable) * &by_place);
-            if (0..count).any(reads) || by.amax() == 0.0 {
+            let mut by = nalgebra::RowDVector::zeros(n);
+            let mut others = false;
+            for (column, value) in here.variable_gradient(variable)? {
+                if column < n {
+                    by[column] += value;
+                } else if (first..first + count).contains(&column) {
+                    let at = column - first;
+                    by += followed.row(at) * value;
+                    others |= (0..count).any(|k| reads_others[k] && follow[(at, k)] != 0.0);
+                } else {
+                    // It may follow the time.
+                    others |= value != 0.0 && column < 3 * m;
+                }
+            }
+            if others || by.amax() == 0.0 {
                 return Err(Reason::NoCoordinate {
                     what: system.variables[variable].name.to_string(),
                 });

@@ -74,7 +74,7 @@ impl Coupled {
             |i: usize, k: usize| i * size + all + n + k,
         );
         let constraints = n..system.first_variable;
-        let first_state = system.first_variable + system.variables.len();
+        let first_state = system.first_state();
         let plain = plain_weight(system);
         let turns: [Vec<Mat3>; 3] = std::array::from_fn(|i| turns(system, &unknowns.z[i]));
         let B = equations.tableau.B.map(|row| row.map(|b| b / h));

@@ -2,6 +2,7 @@ use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::{MotionError, NotSettled, Reason};
+use super::kinematic::has_arrived;
 use super::newton::{Equations, Stages, Unknowns};
 use super::regimes::Regimes;
 use super::sequence::Sequence;
@@ -124,7 +125,7 @@ impl<'a> Integrator<'a> {
         let _ = new
             .consistent
             .settle_massless(system, parameters, &mut new.state, step);
-        new.sizes.grow(&new.state);
+        new.sizes.grow(system, &new.state);
         // A step in which the accelerations alone move things by the tolerance.
         let mut most = 0.0_f64;
         for a in &new.state.accelerations {
@@ -208,7 +209,7 @@ impl<'a> Integrator<'a> {
     /// The time to `end`; none where what is left is round-off.
     fn left(&self, end: f64) -> Option<f64> {
         let left = end - self.state.time;
-        (left > 1e-12 * end.abs().max(self.settings.hmax)).then_some(left)
+        (!has_arrived(self.state.time, end, self.settings.hmax)).then_some(left)
     }
 
     /// One step, at most to `end`. False if it is there.
@@ -224,11 +225,33 @@ impl<'a> Integrator<'a> {
         if let Some(left) = self.left(target) {
             self.take_step(left, target)?;
             self.settle_regimes()?;
+            self.exchange_equations()?;
         }
         if target < end && self.left(target).is_none() {
             self.restart();
         }
         Ok(true)
+    }
+
+    /// Leaves out other constraint equations where that holds the mechanism better, and begins anew with them.
+    fn exchange_equations(&mut self) -> Result<(), MotionError> {
+        if !self.state.redundant.contains(&true) {
+            return Ok(());
+        }
+        let (system, parameters) = (self.system, self.parameters);
+        let mut anew = self.state.clone();
+        let exchanged = self
+            .consistent
+            .exchange_equations(system, parameters, &mut anew);
+        if exchanged.map_err(|reason| reason.at(anew.time))? {
+            let step = self.settings.hmax * 1e-2;
+            self.consistent
+                .reconcile(system, parameters, &mut anew, step)
+                .map_err(|reason| reason.at(self.state.time))?;
+            self.state = anew;
+            self.restart();
+        }
+        Ok(())
     }
 
     /// Begins anew from where it stands: nothing of the steps before is used.
@@ -455,7 +478,7 @@ impl<'a> Integrator<'a> {
         (self.anew, self.within) = (false, false);
         self.statistics.steps += 1;
         self.sizes_before = self.sizes;
-        self.sizes.grow(&self.state);
+        self.sizes.grow(system, &self.state);
         Ok(())
     }
 }

@@ -86,6 +86,11 @@ impl Watched for Slips<'_> {
     }
 }
 
+/// True if what is left of the way to a time is round-off beside it or the longest step.
+pub(crate) fn has_arrived(time: f64, end: f64, largest: f64) -> bool {
+    end - time <= 1e-12 * end.abs().max(largest)
+}
+
 fn freely(
     system: &System,
     parameters: &Parameters,
@@ -101,7 +106,7 @@ fn freely(
     let (mut v, mut a) = (Vec::new(), Vec::new());
     loop {
         let left = end - state.time;
-        if left <= 1e-12 * end.abs().max(largest) {
+        if has_arrived(state.time, end, largest) {
             return Ok(steps);
         }
         let count = (left / h - 1e-9).ceil().max(1.0);
@@ -201,6 +206,7 @@ fn place(
     step: f64,
 ) -> Result<(), Reason> {
     system.settle_variables(parameters, state, &mut memory.scratch)?;
+    memory.exchange_equations(system, parameters, state)?;
     memory.positions(system, parameters, state, None)?;
     system.drive_on(parameters, state, &mut memory.scratch)?;
     system.accept(parameters, state, &mut memory.scratch);

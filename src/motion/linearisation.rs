@@ -80,7 +80,7 @@ impl Linearisation {
         z: T,
     ) -> Entries<'a, T> {
         let (n, variable) = (system.first_equation, system.first_variable);
-        let first_state = variable + system.variables.len();
+        let first_state = system.first_state();
         let (zero, one) = (T::default(), T::ONE);
         let inverse = one / z;
         let square = inverse * inverse;

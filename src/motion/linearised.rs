@@ -52,8 +52,9 @@ impl Linearised {
         state.set_moving();
         let (n, m) = (system.first_equation, system.moving_unknowns);
         let variable = system.first_variable;
-        let first_state = variable + system.variables.len();
-        let (variables, states) = (first_state - variable, m - first_state);
+        let first_state = system.first_state();
+        let (unknown, states) = (first_state - variable, m - first_state);
+        let variables = system.variables.len();
         let mut scratch = Scratch::new(system);
         // A motion from here begins like this: surfaces at rest stick.
         system.grip_on(parameters, &mut state, &mut scratch);
@@ -61,15 +62,22 @@ impl Linearised {
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
+        // Behind the unknowns: rows of the values of the VARIABLEs, and columns of what is added to these.
+        let whole = m + variables;
         let mut J = [
-            DMatrix::zeros(m, m),
-            DMatrix::zeros(m, m),
-            DMatrix::zeros(m, m),
+            DMatrix::zeros(whole, whole),
+            DMatrix::zeros(whole, whole),
+            DMatrix::zeros(whole, whole),
         ];
         for (row, column, values) in levels.entries() {
             for level in 0..3 {
                 J[level][(row, column)] += values[level];
             }
+        }
+        for (row, column, level, value) in
+            system.variables_linearised(parameters, &state, &mut scratch)?
+        {
+            J[level][(row, column)] += value;
         }
         if !damped {
             let view = (0..n, 0..n);
@@ -85,11 +93,12 @@ impl Linearised {
                 .view((rows.0, columns.0), (rows.1, columns.1))
                 .into_owned()
         };
-        let (B, V, S) = ((0, n), (variable, variables), (first_state, states));
-        // Variables follow: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds - dw).
+        let (B, V, S) = ((0, n), (variable, unknown), (first_state, states));
+        let O = (m, variables);
+        // Unknown VARIABLEs follow: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds + J_vw dw).
         let follow = part(0, V, V)
             .try_inverse()
-            .unwrap_or_else(|| DMatrix::identity(variables, variables));
+            .unwrap_or_else(|| DMatrix::identity(unknown, unknown));
         let reduced = |level: usize, rows: (usize, usize), columns: (usize, usize)| {
             part(level, rows, columns) - part(0, rows, V) * &follow * part(level, V, columns)
         };
@@ -115,7 +124,7 @@ impl Linearised {
         let by_place = &K * Z + &C * U - &M * &free.U_rate;
         put(&mut F, p, 0, &(&Nt * by_place));
         put(&mut F, p, p, &(&Nt * (&C * R - &M * &free.V_rate)));
-        put(&mut input, p, 0, &(&Nt * part(0, B, V) * &follow));
+        put(&mut input, p, 0, &(&Nt * reduced(0, B, O)));
         let s = p + r;
         if states > 0 {
             put(&mut F, p, s, &(&Nt * reduced(0, B, S)));
@@ -124,20 +133,20 @@ impl Linearised {
             put(&mut F, s, p, &(&by_rate * R));
             put(&mut F, s, s, &reduced(0, S, S));
             put(&mut E, s, s, &-part(1, S, S));
-            put(&mut input, s, 0, &(part(0, S, V) * &follow));
+            put(&mut input, s, 0, &reduced(0, S, O));
         }
-        // dv = follow (dw - J_v by places, velocities, accelerations, states and their rates).
+        // By places, velocities, accelerations, states and their rates.
         let mut by_u = DMatrix::zeros(variables, size);
         let mut by_rate = DMatrix::zeros(variables, size);
-        let along = |level: usize| -(&follow * part(level, V, B));
+        let along = |level: usize| reduced(level, O, B);
         let by_place = along(0) * Z + along(1) * U + along(2) * &free.U_rate;
         put(&mut by_u, 0, 0, &by_place);
         put(&mut by_u, 0, p, &(along(1) * R + along(2) * &free.V_rate));
         put(&mut by_rate, 0, 0, &(along(2) * U));
         put(&mut by_rate, 0, p, &(along(2) * R));
         if states > 0 {
-            put(&mut by_u, 0, s, &-(&follow * part(0, V, S)));
-            put(&mut by_rate, 0, s, &-(&follow * part(1, V, S)));
+            put(&mut by_u, 0, s, &reduced(0, O, S));
+            put(&mut by_rate, 0, s, &reduced(1, O, S));
         }
         Ok(Self {
             E,
@@ -145,7 +154,7 @@ impl Linearised {
             B: input,
             by_u,
             by_rate,
-            by_input: follow,
+            by_input: reduced(0, O, O),
             rates: r,
             lengths,
             chosen: free.chosen,

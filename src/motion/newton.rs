@@ -354,7 +354,7 @@ impl Equations {
         let mut r4 = vec![0.0; system.equations];
         if !system.states.is_empty() {
             // The rows of constraints that states drive see the same rates in place of theirs.
-            let first_state = system.first_variable + system.variables.len();
+            let first_state = system.first_state();
             for (row, column, [by_place, ..]) in self.linear.levels.entries() {
                 if column >= first_state && constraints.contains(&row) {
                     r4[row - constraints.start] -= by_place * g[column];
@@ -370,7 +370,7 @@ impl Equations {
     pub(crate) fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
-        let first_state = system.first_variable + system.variables.len();
+        let first_state = system.first_state();
         for (row, column, [by_rate, by_second]) in self.linear.levels.rates() {
             if column < n {
                 g[row] -= by_second * a[column];

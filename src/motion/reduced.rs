@@ -47,7 +47,7 @@ impl Reduced {
         let (size, inputs) = (E.nrows(), B.ncols());
         let mut new = Self {
             A: DMatrix::zeros(0, 0),
-            B: DMatrix::zeros(0, inputs),
+            B: DMatrix::zeros(0, ORDERS * inputs),
             kept: (0..size).collect(),
             N: DMatrix::identity(size, size),
             M: DMatrix::zeros(size, ORDERS * inputs),

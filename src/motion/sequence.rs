@@ -81,7 +81,7 @@ impl Sequence {
         change: &mut Unknowns,
     ) -> Unknowns {
         let (n, all) = (system.first_equation, system.moving_unknowns);
-        let first_state = system.first_variable + system.variables.len();
+        let first_state = system.first_state();
         for i in 0..3 {
             // What the stages before have changed, as rates of this one.
             let (mut moved, mut quickened) = (vec![0.0; all], vec![0.0; n]);

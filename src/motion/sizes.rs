@@ -27,7 +27,7 @@ impl Sizes {
     }
 
     /// With what a state holds.
-    pub(crate) fn grow(&mut self, reached: &State) {
+    pub(crate) fn grow(&mut self, system: &System, reached: &State) {
         let largest = |v: &Vec3| v.amax();
         for pose in &reached.poses {
             self.position = self.position.max(largest(&pose.p));
@@ -39,11 +39,11 @@ impl Sizes {
         for state in &reached.states {
             self.state = self.state.max(state.abs());
         }
+        for &k in &system.implicit {
+            self.variable = self.variable.max(reached.variables[k].abs());
+        }
         for multiplier in &reached.multipliers {
             self.multiplier = self.multiplier.max(multiplier.abs());
-        }
-        for variable in &reached.variables {
-            self.variable = self.variable.max(variable.abs());
         }
     }
 
@@ -107,8 +107,7 @@ impl Sizes {
             look(equation.moving_unknown, false, tolerance * self.state);
         }
         if variables {
-            for k in 0..system.variables.len() {
-                let at = system.first_variable + k;
+            for at in system.first_variable..system.first_state() {
                 look(at, false, tolerance * self.variable);
             }
             // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.

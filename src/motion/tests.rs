@@ -116,7 +116,7 @@ fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) ->
         system.advance(&mut new, &step);
         return new;
     }
-    let first_state = system.first_variable + system.variables.len();
+    let first_state = system.first_state();
     if column >= first_state {
         for (k, equation) in system.states.iter().enumerate() {
             if equation.moving_unknown == column {
@@ -203,6 +203,30 @@ fn damped_points() -> String {
     )
 }
 
+/// Forces, states and constraints that read VARIABLEs of VARIABLEs, of forces, reactions, rates and outputs; one loop among them.
+fn chained() -> String {
+    "JOINT/1, UNIVERSAL, I=20, J=30
+MOTION/1, I=21, J=1, B3, FUNCTION=0.3*VARVAL(11)
+VARIABLE/11, FUNCTION=SIN(TIME)+0.1*VARVAL(12)
+VARIABLE/12, FUNCTION=TIME**2/(2+TIME)
+VARIABLE/13, FUNCTION=DX(30,21)*VARVAL(14)+VX(20,31)
+VARIABLE/14, FUNCTION=SQRT(1+DM(40,20)**2)+VARVAL(12)
+VARIABLE/15, FUNCTION=VARVAL(13)/VARVAL(14)+0.1*JOINT(1,0,3,20)
+VARIABLE/16, FUNCTION=0.2*SFORCE(91,1,4,30)-ACCX(30,20)+0.3*VARVAL(16)
+VARIABLE/17, FUNCTION=ARYVAL(93,1)*VARVAL(15)
+SFORCE/91, TRANSLATIONAL, I=40, J=31, FUNCTION=VARVAL(15)**2+VARVAL(13)
+SFORCE/92, TRANSLATIONAL, I=21, J=40, FUNCTION=VARVAL(16)*VARVAL(15)+VARVAL(17)
+ARRAY/91, X, SIZE=1
+ARRAY/92, U, SIZE=2, VARIABLES=13,16
+ARRAY/93, Y, SIZE=1
+MATRIX/91, FULL=RORDER, ROWS=1, COLUMNS=1, VALUES=-2
+MATRIX/92, FULL=RORDER, ROWS=1, COLUMNS=2, VALUES=0.3,0.4
+LSE/91, X=91, U=92, Y=93, A=91, B=92, C=91, D=92
+DIFF/91, FUNCTION=VARVAL(15)-DIF(91)*VARVAL(14)
+"
+    .to_string()
+}
+
 /// All frictions stick, with some creep behind them.
 fn stick(deck: &Deck, state: &mut State) {
     let mut scratch = Scratch::new(&deck.system);
@@ -226,6 +250,7 @@ fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences()
         (frictions(0.2), false),
         (frictions(40.0), true),
         (damped_points(), false),
+        (format!("{EVERYTHING}{}", chained()), false),
     ] {
         let deck = deck(&statements);
         let system = &deck.system;
@@ -247,7 +272,7 @@ fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences()
                 exact[row][column][level] += values[level];
             }
         }
-        let first_state = system.first_variable + system.variables.len();
+        let first_state = system.first_state();
         let mut seen = 0;
         for column in 0..n {
             for level in 0..3 {

@@ -164,7 +164,7 @@ impl Session<'_> {
             }
         };
         let system = &self.model().compiled().value.system;
-        if let Some(&input) = inputs.iter().find(|&&input| system.is_read_through(input)) {
+        if let Some(&input) = inputs.iter().find(|&&input| system.constrains(input)) {
             let owner = system.variables[input].name.clone();
             let message = format!(
                 "{owner} is an input, and what constrains reads it: that is not linearised"

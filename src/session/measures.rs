@@ -26,7 +26,7 @@ impl<'s> Measures<'s> {
         scratch: &'s mut Scratch,
     ) -> Self {
         // Functions without a value make the elements they drive zero.
-        let _ = system.at(parameters, state, scratch).look();
+        let _ = system.look_leniently(parameters, state, scratch);
         Self {
             system,
             parameters,
@@ -52,14 +52,14 @@ impl<'s> Measures<'s> {
         self.here().read_nforce(id).unwrap_or_default()
     }
 
-    fn variable(&self, index: Option<usize>) -> f64 {
-        let value = index.and_then(|k| self.state.variables.get(k));
-        value.copied().unwrap_or(0.0)
+    fn variable(&mut self, index: Option<usize>) -> f64 {
+        let value = index.and_then(|k| self.here().read_variable(k).ok());
+        value.filter(|value| value.is_finite()).unwrap_or(0.0)
     }
 
     /// x, from the first of the states on, then y = C x + D u.
     fn linear_states(
-        &self,
+        &mut self,
         states: &LinearStates,
         first: usize,
         inputs: &[Option<usize>],

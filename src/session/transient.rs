@@ -215,11 +215,12 @@ impl Session<'_> {
                 }
             };
             let sensed = watch.fire(state, event);
-            if event {
-                // The time of an event is no output time: what is left of the interval follows.
+            let due = !event || motion::has_arrived(state.time, time, largest);
+            if !due {
+                // What is left of the interval to the output follows the event.
                 k -= 1;
             }
-            if !event || sensed.prints {
+            if due || sensed.prints {
                 let time = state.time;
                 let row = Row {
                     time,
@@ -260,6 +261,7 @@ impl Session<'_> {
     ) -> Result<Option<bool>, Stop> {
         let output = times.at(1) - times.start;
         let settings = Settings::of(&self.model().model.integrator, output);
+        let longest = settings.hmax;
         let mut progress = Progress::new(&times);
         let first = Row {
             time: times.start,
@@ -321,11 +323,12 @@ impl Session<'_> {
             last = state;
             let sensed = watch.fire(&mut last, event);
             integrator.set_sensors(&last.sensors);
-            if event {
-                // The time of an event is no output time: what is left of the interval follows.
+            let due = !event || motion::has_arrived(last.time, time, longest);
+            if !due {
+                // What is left of the interval to the output follows the event.
                 k -= 1;
             }
-            if !event || sensed.prints {
+            if due || sensed.prints {
                 let time = last.time;
                 let done = integrator.statistics();
                 let row = Row {

@@ -1,6 +1,6 @@
 //! The usual reasons why an iteration finds nothing, as far as they are present in this model. Knows no iteration.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::Settings;
 use super::rank::{FREE, free_motion, free_motions, motion_of};
@@ -186,7 +186,7 @@ impl Ended<'_> {
         for (row, _, value) in self.matrix.entries() {
             depends[row] |= value != 0.0;
         }
-        let states = system.first_variable + system.variables.len()..self.g.len();
+        let states = system.first_state()..self.g.len();
         let steady = states.filter(|&row| !depends[row] && self.g[row] != 0.0);
         let told = steady.map(|row| {
             format!(
@@ -199,15 +199,12 @@ impl Ended<'_> {
     }
 
     fn kinks(&self, out: &mut Vec<String>) {
-        // A variable's function may stand in for it in several places.
-        let mut owners = BTreeSet::new();
         let told = self
             .system
             .order
             .iter()
             .map(|&f| &self.system.functions[f])
             .filter(|f| f.program.as_ref().is_some_and(Program::has_branches))
-            .filter(|f| owners.insert(f.replacement))
             .map(|f| {
                 format!(
                     "the function of {} has an IF: where it jumps no tangent leads across",

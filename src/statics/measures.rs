@@ -68,8 +68,8 @@ pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) ->
     for d in &dx[system.first_equation..system.first_variable] {
         out = out.max(d.abs() / largest);
     }
-    for (d, v) in dx[system.first_variable..].iter().zip(&state.variables) {
-        out = out.max(d.abs() / v.abs().max(1.0));
+    for (k, unknown) in system.implicit_variables() {
+        out = out.max(dx[unknown].abs() / state.variables[k].abs().max(1.0));
     }
     for (equation, value) in system.states.iter().zip(&state.states) {
         if let Some(unknown) = equation.unknown {

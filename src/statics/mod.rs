@@ -5,6 +5,7 @@
 mod balance;
 mod causes;
 mod continuation;
+mod first_solution;
 mod freedoms;
 mod krylov;
 mod measures;

@@ -51,7 +51,7 @@ pub struct Solver {
     pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
     g_trial: Vec<f64>,
-    dx: Vec<f64>,
+    pub(super) dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
     /// What is not yet released of the imbalance at the start.
@@ -172,6 +172,7 @@ impl Solver {
         if state.redundant.len() != system.equations {
             self.find_redundant(system, parameters, state)?;
         }
+        self.give_values(system, parameters, state)?;
         let plain = Way {
             held: 0.0,
             damped: false,
@@ -272,7 +273,7 @@ impl Solver {
         state.redundant.clear();
         self.next.clear();
         let (scratch, g, next) = (&mut self.scratch, &mut self.g, &mut self.next);
-        system.assemble(parameters, state, scratch, g, next)?;
+        system.assemble_leniently(parameters, state, scratch, g, next)?;
         self.next.finish();
         state.redundant = redundant_equations(system, &self.next);
         for (redundant, multiplier) in state.redundant.iter().zip(&mut state.multipliers) {
@@ -509,8 +510,8 @@ impl Solver {
         for (k, multiplier) in state.multipliers.iter().enumerate() {
             scales[system.first_equation + k] = multiplier.abs();
         }
-        for (k, variable) in state.variables.iter().enumerate() {
-            scales[system.first_variable + k] = variable.abs();
+        for (k, unknown) in system.implicit_variables() {
+            scales[unknown] = state.variables[k].abs();
         }
         for (row, column, value) in self.next.entries() {
             floor[row] += value.abs() * scales[column];

@@ -64,6 +64,24 @@ impl System {
         Ok(())
     }
 
+    /// The same where functions may have no value, which count as zero, without a slope: how many these are.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub(crate) fn assemble_leniently<S: Sink>(
+        &self,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+        g: &mut [f64],
+        sink: &mut S,
+    ) -> Result<usize, NoValue> {
+        scratch.lacking = Some(0);
+        let done = self.assemble(parameters, state, scratch, g, sink);
+        let lacking = scratch.lacking.take().unwrap_or(0);
+        done.map(|()| lacking)
+    }
+
     /// The equations of joints and motions alone, where other things may have no value: their gradients need none of it. `scratch` is
     /// new.
     pub(crate) fn assemble_joints<S: Sink>(
@@ -188,16 +206,12 @@ impl Configuration<'_> {
 
     fn add_data<S: Sink>(&self, g: &mut [f64], sink: &mut S) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
-        for (k, variable) in system.variables.iter().enumerate() {
-            let row = system.first_variable + k;
+        for (k, row) in system.implicit_variables() {
+            let value = &scratch.functions[system.variables[k].function];
             sink.add(row, row, 1.0);
-            g[row] = state.variables[k];
-            if variable.active {
-                let value = &scratch.functions[variable.function];
-                g[row] -= value.value;
-                for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
-                    sink.add(row, unknown, -derivative);
-                }
+            g[row] = state.variables[k] - value.value;
+            for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
+                sink.add(row, unknown, -derivative);
             }
         }
         let moving = state.moves();
@@ -232,8 +246,8 @@ impl Configuration<'_> {
                         }
                     }
                     for &(k, b) in by_variable {
-                        g[row] += b * state.variables[k];
-                        sink.add(row, system.first_variable + k, b);
+                        g[row] += b * self.variable(k);
+                        self.each_of_variable(k, b, |unknown, by| sink.add(row, unknown, by));
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! What a FUNCTION reads, with its indices resolved.
 
 use super::Name;
-use crate::function::{ForceComponent, Measure, Program, RateKind, RateMeasure};
+use crate::function::{ForceComponent, Measure, Program, RateMeasure};
 
 /// What exerts a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -35,12 +35,8 @@ pub(crate) enum Source {
     Measure(Measure, usize),
     /// A velocity or acceleration: zero in statics.
     Moved(RateMeasure),
+    /// Where it is no unknown, its function stands in for it.
     Variable(usize),
-    /// A variable whose function stands in for it: `function` is a copy of it for those that constrain.
-    Through {
-        variable: usize,
-        function: usize,
-    },
     State(usize),
     /// Rate of a state: in statics the value of its function if it is held, else zero.
     StateRate(usize, Option<usize>),
@@ -65,20 +61,6 @@ pub(crate) struct CompiledFunction {
     pub literals: std::ops::Range<usize>,
     /// Slot of the constant that replaces it; NaN there means that the function itself is in force.
     pub replacement: usize,
-    /// It is evaluated by those who need it, not with the equations.
-    pub apart: bool,
     /// Its IMPACTs, BISTOPs and IFs among those of the system that a motion is held on pieces of.
     pub switches: std::ops::Range<usize>,
-}
-
-/// True if velocities of markers are among the inputs of a function, or of one that stands in for a variable it reads.
-pub(super) fn reads_velocities(functions: &[CompiledFunction], function: usize) -> bool {
-    let mut sources = functions[function].sources.iter();
-    sources.any(|source| match source {
-        Source::Moved(measure) => {
-            matches!(measure.kind, RateKind::Velocity | RateKind::AngularVelocity)
-        }
-        Source::Through { function, .. } => reads_velocities(functions, *function),
-        _ => false,
-    })
 }

@@ -173,19 +173,12 @@ impl System {
     }
 
     fn reads_states(&self, function: usize) -> bool {
-        let mut sources = self.functions[function].sources.iter();
-        sources.any(|source| match source {
-            Source::State(_) | Source::StateRate(..) | Source::Output(_) => true,
-            Source::Through { function, .. } => self.reads_states(*function),
-            _ => false,
+        self.reads().any(function, |source| {
+            matches!(
+                source,
+                Source::State(_) | Source::StateRate(..) | Source::Output(_)
+            )
         })
-    }
-
-    /// True if the function of a variable stands in for it in what constrains.
-    pub(crate) fn is_read_through(&self, variable: usize) -> bool {
-        let mut sources = self.functions.iter().flat_map(|f| &f.sources);
-        sources
-            .any(|source| matches!(source, Source::Through { variable: v, .. } if *v == variable))
     }
 }
 

@@ -46,6 +46,25 @@ impl System {
         Ok(here)
     }
 
+    /// The same where functions may have no value, as those of reactions before these are known: they count as zero, without a slope. Gives
+    /// also how many these are.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element that a function measures is undefined in this configuration.
+    pub(crate) fn look_leniently<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+        state: &'a State,
+        scratch: &'a mut Scratch,
+    ) -> Result<(Configuration<'a>, usize), NoValue> {
+        scratch.lacking = Some(0);
+        let mut here = self.at(parameters, state, scratch);
+        let done = here.look();
+        let lacking = here.scratch.lacking.take().unwrap_or(0);
+        done?;
+        Ok((here, lacking))
+    }
+
     pub(crate) fn place(&self, part: usize) -> Place {
         Place {
             first: self.bodies[part].first,
@@ -67,7 +86,17 @@ impl Configuration<'_> {
     pub(crate) fn look(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
-        self.evaluate_functions()
+        self.evaluate_functions(&self.system.order)
+    }
+
+    /// The same of what MOTIONs and GCONs read, and no more: all else may have no value yet.
+    ///
+    /// # Errors
+    /// [`NoValue`] if one of their functions is undefined in this configuration.
+    pub(crate) fn look_at_constraints(&mut self) -> Result<(), NoValue> {
+        self.place_markers();
+        self.drive()?;
+        self.evaluate_functions(&self.system.order_of_constraints)
     }
 
     /// Pose of a marker in ground.
@@ -79,6 +108,12 @@ impl Configuration<'_> {
     pub(crate) fn place_markers(&mut self) {
         for &marker in &self.system.used {
             self.place_marker(marker);
+        }
+        for (&floating, &at) in &self.system.floating {
+            let pose = self.scratch.markers[at];
+            let part = self.system.owners[floating];
+            self.scratch.arms[floating] = pose.p - self.state.poses[part].p;
+            self.scratch.markers[floating] = pose;
         }
     }
 
@@ -103,6 +138,7 @@ impl Configuration<'_> {
         let Some(marker) = marker else {
             return MovingFrame::ground();
         };
+        let marker = self.system.floating.get(&marker).copied().unwrap_or(marker);
         let pose = self.scratch.markers[marker];
         let mut frame = MovingFrame {
             pose,

@@ -10,8 +10,10 @@ use super::compiled_function::Source;
 use super::contribution::{Of, halves};
 use super::forces::Ask;
 use super::parameters::PER_MARKER;
+use super::scratch::Seed;
 use super::structure::{Action, Drive, Element, Rate};
 use super::{Configuration, Parameters, Scratch, Slot, State, System};
+use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::MarkerIx;
 
@@ -159,11 +161,8 @@ impl Configuration<'_> {
                     }
                 }
             }
-            Role::Literals(function) => {
-                let rate = self.function_by_literal(function, offset)?;
-                self.by_function((function, rate), dg)?;
-            }
-            Role::Override(function) => self.by_function((function, 1.0), dg)?,
+            Role::Literals(function) => self.by_number_of(function, Some(offset), dg)?,
+            Role::Override(function) => self.by_number_of(function, None, dg)?,
         }
         Ok(())
     }
@@ -175,6 +174,43 @@ impl Configuration<'_> {
             let arm = &self.scratch.arms[cm];
             add_wrench(dg, place, 1.0, F, &Vec3::zeros(), arm);
         }
+    }
+
+    /// A literal of a function changes, or the function as a whole.
+    fn by_number_of(
+        &mut self,
+        function: usize,
+        literal: Option<usize>,
+        dg: &mut [f64],
+    ) -> Result<(), NoValue> {
+        let (system, state) = (self.system, self.state);
+        if !system.in_equations[function] {
+            return Ok(());
+        }
+        if !system.passes_on(function) {
+            let rate = match literal {
+                Some(literal) => self.function_by_literal(function, literal)?,
+                None => 1.0,
+            };
+            return self.by_function((function, rate), dg);
+        }
+        let column = system.first_seed();
+        let seed = Seed {
+            function,
+            literal,
+            column,
+        };
+        let mut sink = Seeded {
+            first: column,
+            columns: vec![vec![0.0; dg.len()]],
+        };
+        self.scratch.seeds.push(seed);
+        let mut g = vec![0.0; dg.len()];
+        let done = system.assemble(self.parameters, state, self.scratch, &mut g, &mut sink);
+        self.scratch.seeds.clear();
+        done?;
+        dg.copy_from_slice(&sink.columns[0]);
+        self.look()
     }
 
     /// All that depends on a function changes with it at this rate.
@@ -251,9 +287,9 @@ impl Configuration<'_> {
     /// Variables, rates and GCONs change with a function at this rate.
     fn data_by_function(&self, (function, rate): (usize, f64), dg: &mut [f64]) {
         let system = self.system;
-        for (k, variable) in system.variables.iter().enumerate() {
-            if variable.active && variable.function == function {
-                dg[system.first_variable + k] -= rate;
+        for (k, row) in system.implicit_variables() {
+            if system.variables[k].function == function {
+                dg[row] -= rate;
             }
         }
         for equation in &system.states {
@@ -285,10 +321,7 @@ impl Configuration<'_> {
     pub(super) fn number(&mut self, slot: Slot) -> Result<f64, NoValue> {
         let value = self.parameters.get(slot);
         match self.system.catalogue().group(slot).role {
-            Role::Override(function) if value.is_nan() => {
-                self.evaluate_function(function)?;
-                Ok(self.scratch.functions[function].value)
-            }
+            Role::Override(function) if value.is_nan() => self.value_of(function),
             _ => Ok(value),
         }
     }
@@ -359,24 +392,37 @@ impl System {
     }
 
     fn function_reads(&self, function: usize, role: Role) -> bool {
-        if matches!(role, Role::Literals(own) | Role::Override(own) if own == function) {
+        let reads = self.reads();
+        if let Role::Literals(own) | Role::Override(own) = role
+            && reads.through_variables(function, false).contains(&own)
+        {
             return true;
         }
         let is = |m: &Option<MarkerIx>| m.is_some_and(|m| self.moves_marker(role, m.0));
-        let mut sources = self.functions[function].sources.iter();
-        sources.any(|source| match source {
+        reads.any(function, |source| match source {
             Source::Measure(m, _) => [m.i, m.j, m.k].iter().any(is),
             Source::Moved(m) => m.markers.iter().any(is),
             Source::Force(_) | Source::Friction(..) | Source::StateRate(..) => true,
             Source::Time
             | Source::Mode
             | Source::Variable(_)
-            | Source::Through { .. }
             | Source::State(_)
             | Source::Output(_)
             | Source::Constant(_)
             | Source::Sensor(_) => false,
         })
+    }
+
+    /// True if others read a function of the equations: it acts by more than what it drives.
+    fn passes_on(&self, function: usize) -> bool {
+        let reads = self.reads();
+        let is_it = |k: usize| reads.explicit(k) == Some(function);
+        let drives_states = self.states.iter().any(|state| match &state.rate {
+            Rate::Linear(_, by_variable) => by_variable.iter().any(|(k, _)| is_it(*k)),
+            Rate::Function(_) | Rate::Held => false,
+        });
+        let mut order = self.order.iter();
+        drives_states || order.any(|&f| reads.of(f).contains(&function))
     }
 
     /// True if a number also acts through functions that measure what it changes. Functions have no derivative by that.
@@ -396,16 +442,37 @@ impl System {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
-                let measured =
-                    sources().any(|s| matches!(s, Source::Force(_) | Source::StateRate(..)));
-                let replacement = self.functions[function].replacement;
-                let stands_in = sources().any(|s| {
-                    matches!(s, Source::Through { function, .. }
-                        if self.functions[*function].replacement == replacement)
-                });
-                let constrains = self.conditions.iter().any(|c| c.function == function);
-                measured || stands_in || constrains
+                // What a GCON reads also turns its reaction.
+                let conditions = self.conditions.iter().map(|c| c.function);
+                let mut read = self.reads().components(conditions).into_iter().flatten();
+                read.any(|f| f == function)
             }
         }
     }
+
+    /// The first column behind those of unknowns, rates and the time.
+    pub(crate) fn first_seed(&self) -> usize {
+        3 * self.moving_unknowns + 1
+    }
+}
+
+/// Takes the columns of [`Seed`]s alone.
+pub(crate) struct Seeded {
+    pub first: usize,
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Sink for Seeded {
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        let at = column.checked_sub(self.first);
+        if let Some(column) = at.and_then(|at| self.columns.get_mut(at)) {
+            column[row] += value;
+        }
+    }
+
+    fn add_column(&mut self, _: usize, _: usize, _: &[f64]) {
+        // Blocks of the unknowns.
+    }
+
+    fn add_reaction(&mut self, _: usize, _: usize, _: &[f64]) {}
 }

@@ -1,7 +1,6 @@
 //! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from where they stand.
 
 use super::NoValue;
-use super::compiled_function::Source;
 use super::structure::{Drive, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
 use crate::constraint::{Measure, PairConstraint};
@@ -73,7 +72,7 @@ impl System {
         state: &mut State,
         scratch: &mut Scratch,
     ) -> Result<(), NoValue> {
-        self.look(parameters, state, scratch)?;
+        self.at(parameters, state, scratch).look_at_constraints()?;
         for joint in self.joints.iter().filter(|joint| joint.active) {
             let value = match joint.drive {
                 Drive::Function(function) => scratch.functions[function].value,
@@ -202,32 +201,9 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    /// A function of time alone at some time, and its derivative.
+    /// A function of time alone at some time, and its derivative; others were refused when the model was compiled.
     fn at_time(&mut self, number: usize, time: f64) -> Result<(f64, f64), NoValue> {
-        let function = &self.system.functions[number];
-        let replacement = self.parameters.theta()[function.replacement];
-        if !replacement.is_nan() {
-            return Ok((replacement, 0.0));
-        }
-        let Some(program) = &function.program else {
-            return Ok((0.0, 0.0));
-        };
-        let state = self.state;
-        let scratch = &mut *self.scratch;
-        scratch.inputs.clear();
-        for source in &function.sources {
-            scratch.inputs.push(match source {
-                Source::Time => time,
-                Source::Mode => f64::from(state.mode),
-                Source::Constant(value) => *value,
-                Source::Sensor(k) => state.sensors.get(*k).copied().unwrap_or(0.0),
-                // Refused when the model was compiled.
-                _ => 0.0,
-            });
-        }
-        let value = function.run(program, self.parameters.theta(), &[], scratch)?;
-        let by_time = function.sources.iter().zip(&scratch.by_input);
-        let slope = by_time.filter(|(source, _)| matches!(source, Source::Time));
-        Ok((value, slope.map(|(_, by)| by).sum()))
+        let found = self.in_time(number, time, false)?.unwrap_or_default();
+        Ok((found.value, found.slope))
     }
 }

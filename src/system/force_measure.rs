@@ -110,10 +110,13 @@ impl Configuration<'_> {
             // b . (d x F) = F . (b x d) = d . (F x b)
             let on_force = -a - b.cross(&d);
             weight = Vec6::new(on_force.x, on_force.y, on_force.z, -b.x, -b.y, -b.z);
-            let by_d = -F.cross(&b);
-            let by = Vec6::new(by_d.x, by_d.y, by_d.z, 0.0, 0.0, 0.0);
-            self.push_motion(i, &by);
-            self.push_motion(j, &-by);
+            // A floating marker goes with I.
+            if !self.system.floating.contains_key(&j) {
+                let by_d = -F.cross(&b);
+                let by = Vec6::new(by_d.x, by_d.y, by_d.z, 0.0, 0.0, 0.0);
+                self.push_motion(i, &by);
+                self.push_motion(j, &-by);
+            }
         }
         let scratch = &mut *self.scratch;
         scratch

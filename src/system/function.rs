@@ -2,14 +2,13 @@
 //!
 //! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::compiled_function::{CompiledFunction, Source};
 use super::contribution::FunctionValue;
 use super::{Configuration, NoValue, Reason, Scratch, State, System};
-use crate::function::{Measure, MeasureKind, Piece, Program, RateMeasure, measure, rate};
+use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
-use crate::model::MarkerIx;
 
 impl CompiledFunction {
     /// Zeros for the derivatives by inputs and literals.
@@ -43,14 +42,142 @@ impl CompiledFunction {
     }
 }
 
+/// A function of the time.
+#[derive(Clone, Copy, Default)]
+pub(super) struct InTime {
+    pub value: f64,
+    /// Its derivative.
+    pub slope: f64,
+    /// Its first and second derivative, where both exist.
+    pub rates: Option<[f64; 2]>,
+}
+
+impl InTime {
+    fn constant(value: f64) -> Self {
+        Self {
+            value,
+            slope: 0.0,
+            rates: Some([0.0; 2]),
+        }
+    }
+}
+
 impl Configuration<'_> {
-    /// Values and gradients of all functions of the equilibrium, into `scratch`.
-    pub(super) fn evaluate_functions(&mut self) -> Result<(), NoValue> {
+    /// Values and gradients of these functions, each after those it reads, into `scratch`; what was there is forgotten.
+    pub(super) fn evaluate_functions(&mut self, order: &[usize]) -> Result<(), NoValue> {
         self.scratch.gradient.clear();
-        for &function in &self.system.order {
+        self.scratch.looks += 1;
+        for &function in order {
             self.evaluate_function(function)?;
         }
         Ok(())
+    }
+
+    /// Value and gradient of a function that may be none of the equations, which [`Configuration::look`] has left out.
+    pub(super) fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
+        let system = self.system;
+        if !system.in_equations[function] {
+            let reads = system.reads();
+            let (mut open, mut missing) = (vec![function], BTreeSet::new());
+            while let Some(function) = open.pop() {
+                let known = self.scratch.looked[function] == self.scratch.looks;
+                if !system.in_equations[function] && !known && missing.insert(function) {
+                    open.extend(reads.of(function));
+                }
+            }
+            let mut missing: Vec<usize> = missing.into_iter().collect();
+            missing.sort_unstable_by_key(|&f| system.ranks[f]);
+            for function in missing {
+                self.evaluate_function(function)?;
+                self.scratch.looked[function] = self.scratch.looks;
+            }
+        }
+        Ok(self.scratch.functions[function].value)
+    }
+
+    /// The value of a VARIABLE, after [`Configuration::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if its function is undefined in this configuration.
+    pub(crate) fn read_variable(&mut self, variable: usize) -> Result<f64, NoValue> {
+        match self.system.reads().explicit(variable) {
+            Some(function) => self.value_of(function),
+            None => Ok(self.unknown_variable(variable)),
+        }
+    }
+
+    /// The gradient of a VARIABLE by the unknowns, after [`Configuration::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if its function is undefined in this configuration.
+    pub(crate) fn variable_gradient(
+        &mut self,
+        variable: usize,
+    ) -> Result<Vec<(usize, f64)>, NoValue> {
+        let Some(function) = self.system.reads().explicit(variable) else {
+            let unknown = self.system.variables[variable].unknown;
+            return Ok(unknown.map(|unknown| (unknown, 1.0)).into_iter().collect());
+        };
+        self.value_of(function)?;
+        let value = self.scratch.functions[function];
+        Ok(self.scratch.gradient[value.first..value.last].to_vec())
+    }
+
+    /// The value of a VARIABLE that is an unknown, or that is switched off.
+    fn unknown_variable(&self, variable: usize) -> f64 {
+        if self.system.variables[variable].active {
+            self.state.variables[variable]
+        } else {
+            0.0
+        }
+    }
+
+    /// The value of a VARIABLE that the equations read.
+    pub(super) fn variable(&self, variable: usize) -> f64 {
+        match self.system.reads().explicit(variable) {
+            Some(function) => self.scratch.functions[function].value,
+            None => self.unknown_variable(variable),
+        }
+    }
+
+    /// The gradient of such a VARIABLE, times a factor.
+    pub(super) fn each_of_variable(
+        &self,
+        variable: usize,
+        factor: f64,
+        mut put: impl FnMut(usize, f64),
+    ) {
+        match self.system.reads().explicit(variable) {
+            Some(function) => {
+                let value = self.scratch.functions[function];
+                for &(unknown, by) in &self.scratch.gradient[value.first..value.last] {
+                    put(unknown, factor * by);
+                }
+            }
+            None => {
+                if let Some(unknown) = self.system.variables[variable].unknown {
+                    put(unknown, factor);
+                }
+            }
+        }
+    }
+
+    /// Appends the gradient of such a VARIABLE, times a factor; gives its value.
+    fn push_variable(&mut self, variable: usize, factor: f64) -> f64 {
+        let mut gradient = std::mem::take(&mut self.scratch.gradient);
+        let at = gradient.len();
+        match self.system.reads().explicit(variable) {
+            Some(function) => {
+                let value = self.scratch.functions[function];
+                gradient.extend_from_within(value.first..value.last);
+                for (_, by) in &mut gradient[at..] {
+                    *by *= factor;
+                }
+            }
+            None => gradient.extend(self.system.variables[variable].unknown.map(|u| (u, factor))),
+        }
+        self.scratch.gradient = gradient;
+        self.variable(variable)
     }
 
     /// Value and gradient of one function, into `scratch`; those it reads must be there.
@@ -64,7 +191,12 @@ impl Configuration<'_> {
             // The pattern of the gradient is the same whether the function is replaced or not.
             self.scratch.inputs.clear();
             self.scratch.spans.clear();
+            let mut chained = false;
             for source in &function.sources {
+                chained |= matches!(
+                    source,
+                    Source::Variable(_) | Source::Output(_) | Source::Force(_)
+                );
                 let input = self.source(source)?;
                 self.scratch.inputs.push(input);
                 self.scratch.spans.push(self.scratch.gradient.len());
@@ -75,7 +207,16 @@ impl Configuration<'_> {
             } else {
                 let pieces = self.state.pieces.get(function.switches.clone());
                 let pieces = pieces.unwrap_or_default();
-                value = function.run(program, self.parameters.theta(), pieces, scratch)?;
+                match function.run(program, self.parameters.theta(), pieces, scratch) {
+                    Ok(found) => value = found,
+                    Err(why) => {
+                        let Some(lacking) = &mut scratch.lacking else {
+                            return Err(why);
+                        };
+                        *lacking += 1;
+                        function.forget(program, scratch);
+                    }
+                }
                 if !pieces.is_empty() {
                     let seen = &mut scratch.seen[function.switches.clone()];
                     seen.copy_from_slice(scratch.program.seen());
@@ -88,6 +229,21 @@ impl Configuration<'_> {
                 }
                 at = end;
             }
+            if chained {
+                merge(&mut scratch.gradient, first);
+            }
+        }
+        for k in 0..self.scratch.seeds.len() {
+            let seed = self.scratch.seeds[k];
+            if seed.function != number {
+                continue;
+            }
+            let by = match seed.literal {
+                None => 1.0,
+                Some(_) if replaced => 0.0,
+                Some(literal) => self.scratch.by_literal.get(literal).copied().unwrap_or(0.0),
+            };
+            self.scratch.gradient.push((seed.column, by));
         }
         self.scratch.functions[number] = FunctionValue {
             value,
@@ -97,49 +253,78 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// First and second rate of a function of the time and of variables that are such functions, at most so many one after the other; none of
-    /// another function, and where a derivative does not exist.
-    pub(super) fn rates_by_time(
+    /// A function of the time and of VARIABLEs that are such functions, at some time; none of another function. Its switches are held on
+    /// the pieces of the state, or as its arguments have them.
+    pub(super) fn in_time(
         &mut self,
         number: usize,
-        deep: usize,
-    ) -> Result<Option<[f64; 2]>, NoValue> {
+        time: f64,
+        on_pieces: bool,
+    ) -> Result<Option<InTime>, NoValue> {
         let (system, state) = (self.system, self.state);
-        let function = &system.functions[number];
-        let replaced = !self.parameters.theta()[function.replacement].is_nan();
-        let (Some(program), false) = (&function.program, replaced) else {
-            return Ok(Some([0.0; 2]));
-        };
-        let mut inputs = Vec::with_capacity(function.sources.len());
-        for source in &function.sources {
-            inputs.push(match source {
-                Source::Time => (state.time, [1.0, 0.0]),
-                Source::Mode => (f64::from(state.mode), [0.0; 2]),
-                Source::Constant(value) => (*value, [0.0; 2]),
-                Source::Sensor(sensor) => {
-                    (state.sensors.get(*sensor).copied().unwrap_or(0.0), [0.0; 2])
-                }
-                Source::Variable(k) if !system.variables[*k].active => {
-                    (state.variables[*k], [0.0; 2])
-                }
-                Source::Variable(k) if deep > 0 => {
-                    let read = system.variables[*k].function;
-                    match self.rates_by_time(read, deep - 1)? {
-                        Some(rates) => (state.variables[*k], rates),
-                        None => return Ok(None),
-                    }
-                }
-                _ => return Ok(None),
-            });
+        if !system.reads().only_time(number) {
+            return Ok(None);
         }
-        let scratch = &mut *self.scratch;
-        scratch.inputs.clear();
-        scratch.inputs.extend(inputs.iter().map(|(value, _)| value));
-        let pieces = state.pieces.get(function.switches.clone());
-        let theta = self.parameters.theta();
-        function.run(program, theta, pieces.unwrap_or_default(), scratch)?;
-        let rates: Vec<[f64; 2]> = inputs.iter().map(|(_, rates)| *rates).collect();
-        Ok(program.rates_along(&rates, &mut scratch.program))
+        let mut found = BTreeMap::new();
+        for read in system.in_turn(number) {
+            let function = &system.functions[read];
+            let replacement = self.parameters.theta()[function.replacement];
+            let program = match &function.program {
+                Some(program) if replacement.is_nan() => program,
+                _ => {
+                    let value = if replacement.is_nan() {
+                        0.0
+                    } else {
+                        replacement
+                    };
+                    found.insert(read, InTime::constant(value));
+                    continue;
+                }
+            };
+            let inputs: Vec<InTime> = function
+                .sources
+                .iter()
+                .map(|source| match source {
+                    Source::Time => InTime {
+                        value: time,
+                        slope: 1.0,
+                        rates: Some([1.0, 0.0]),
+                    },
+                    Source::Mode => InTime::constant(f64::from(state.mode)),
+                    Source::Constant(value) => InTime::constant(*value),
+                    Source::Sensor(k) => {
+                        InTime::constant(state.sensors.get(*k).copied().unwrap_or(0.0))
+                    }
+                    Source::Variable(k) => {
+                        let function = system.reads().explicit(*k);
+                        let known = function.and_then(|f| found.get(&f));
+                        known.copied().unwrap_or(InTime::constant(0.0))
+                    }
+                    _ => InTime::constant(0.0),
+                })
+                .collect();
+            let scratch = &mut *self.scratch;
+            scratch.inputs.clear();
+            scratch
+                .inputs
+                .extend(inputs.iter().map(|input| input.value));
+            let pieces = state.pieces.get(function.switches.clone());
+            let pieces = pieces.filter(|_| on_pieces).unwrap_or_default();
+            let value = function.run(program, self.parameters.theta(), pieces, scratch)?;
+            let slopes = inputs.iter().zip(&scratch.by_input);
+            let slope = slopes.map(|(input, by)| input.slope * by).sum();
+            let rates: Option<Vec<[f64; 2]>> = inputs.iter().map(|input| input.rates).collect();
+            let rates = rates.and_then(|rates| program.rates_along(&rates, &mut scratch.program));
+            found.insert(
+                read,
+                InTime {
+                    value,
+                    slope,
+                    rates,
+                },
+            );
+        }
+        Ok(found.remove(&number))
     }
 
     /// Value of an input; its gradient is appended.
@@ -157,25 +342,7 @@ impl Configuration<'_> {
             Source::Mode => f64::from(state.mode),
             Source::Constant(value) => *value,
             Source::Sensor(sensor) => state.sensors.get(*sensor).copied().unwrap_or(0.0),
-            Source::Variable(variable) => {
-                scratch
-                    .gradient
-                    .push((system.first_variable + variable, 1.0));
-                state.variables[*variable]
-            }
-            Source::Through { variable, function } => {
-                let value = scratch.functions[*function];
-                let at = scratch.gradient.len();
-                scratch.gradient.extend_from_within(value.first..value.last);
-                if !system.variables[*variable].active {
-                    // What is switched off is zero; the pattern of the gradient stays.
-                    for (_, by) in &mut scratch.gradient[at..] {
-                        *by = 0.0;
-                    }
-                    return Ok(0.0);
-                }
-                value.value
-            }
+            Source::Variable(variable) => self.push_variable(*variable, 1.0),
             Source::State(k) => {
                 if let Some(unknown) = system.state_unknown(*k, state.moves()) {
                     scratch.gradient.push((unknown, 1.0));
@@ -204,13 +371,14 @@ impl Configuration<'_> {
                     }
                 }
                 for &(k, d) in by_variable {
-                    value += d * state.variables[k];
-                    scratch.gradient.push((system.first_variable + k, d));
+                    value += d * self.push_variable(k, d);
                 }
                 value
             }
             Source::Measure(measure, angle) => {
-                let measured = measured(measure, scratch, state.measure_angles[*angle]);
+                let [i, j, k] = measured_poses(measure, scratch);
+                let reference = &state.measure_angles[*angle];
+                let measured = measure::evaluate(measure, &i, &j, &k, reference);
                 for (marker, by) in [
                     (measure.i, measured.by_i),
                     (measure.j, measured.by_j),
@@ -297,6 +465,21 @@ impl Configuration<'_> {
     }
 }
 
+/// Adds up what of a gradient stands at one column, from some place on: the same places every time.
+fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
+    gradient[first..].sort_unstable_by_key(|entry| entry.0);
+    let mut last = first;
+    for at in first + 1..gradient.len() {
+        if gradient[at].0 == gradient[last].0 {
+            gradient[last].1 += gradient[at].1;
+        } else {
+            last += 1;
+            gradient[last] = gradient[at];
+        }
+    }
+    gradient.truncate(gradient.len().min(last + 1));
+}
+
 impl System {
     /// The angles of functions whose turns are counted, each with its place in `State::measure_angles`.
     pub(crate) fn counted_angles(&self) -> BTreeMap<Measure, usize> {
@@ -306,12 +489,16 @@ impl System {
             _ => None,
         });
         counted
-            .filter(|(measure, _)| matches!(measure.kind, MeasureKind::ProjectedAngle(_)))
+            .filter(|(measure, _)| measure.kind.counts_turns())
             .collect()
     }
 
     /// Counts turns on from those of a model before it was changed: of every angle that it counted too, whichever function asks for it.
-    pub(crate) fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[f64])) {
+    pub(crate) fn count_on(
+        &self,
+        state: &mut State,
+        before: (&BTreeMap<Measure, usize>, &[Reference]),
+    ) {
         let (counted, angles) = before;
         for function in &self.functions {
             for source in &function.sources {
@@ -329,23 +516,17 @@ impl System {
         for function in &self.functions {
             for source in &function.sources {
                 if let Source::Measure(measure, angle) = source {
-                    let reference = state.measure_angles[*angle];
-                    state.measure_angles[*angle] = measured(measure, scratch, reference).value;
+                    let [i, j, k] = measured_poses(measure, scratch);
+                    let reference = &mut state.measure_angles[*angle];
+                    *reference = measure::next_reference(measure, &i, &j, &k, reference);
                 }
             }
         }
     }
 }
 
-/// A measure in a configuration whose markers are placed.
-fn measured(measure: &Measure, scratch: &Scratch, reference: f64) -> measure::Measured {
-    let pose =
-        |marker: Option<MarkerIx>| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]);
-    measure::evaluate(
-        measure,
-        &pose(measure.i),
-        &pose(measure.j),
-        &pose(measure.k),
-        reference,
-    )
+/// The poses of I, J and K of a measure, in a configuration whose markers are placed.
+fn measured_poses(measure: &Measure, scratch: &Scratch) -> [Pose; 3] {
+    [measure.i, measure.j, measure.k]
+        .map(|marker| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]))
 }

@@ -120,6 +120,19 @@ impl System {
         [distances, products, others]
     }
 
+    /// Of every equation the kind of those that may be left out in its place: scalar products of joints for each other, and distances; none of
+    /// the others.
+    pub(crate) fn exchangeable(&self) -> Vec<Option<u8>> {
+        let mut kinds = vec![None; self.equations];
+        let [distances, products, _] = self.in_order();
+        for (kind, equations) in [(0, distances), (1, products)] {
+            for equation in equations {
+                kinds[equation] = Some(kind);
+            }
+        }
+        kinds
+    }
+
     /// What one unit of each body unknown moves: 1 for translations, the length of the model for rotations.
     fn column_lengths(&self) -> Vec<f64> {
         let mut out = vec![1.0; self.first_equation];

@@ -113,11 +113,6 @@ impl Configuration<'_> {
         };
         self.value_of(function).map(Some)
     }
-
-    fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
-        self.evaluate_function(function)?;
-        Ok(self.scratch.functions[function].value)
-    }
 }
 
 impl System {

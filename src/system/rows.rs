@@ -141,7 +141,8 @@ impl System {
     ) -> Result<(), NoValue> {
         rows.clear();
         g.fill(0.0);
-        let mut here = self.look(parameters, state, scratch)?;
+        let mut here = self.at(parameters, state, scratch);
+        here.look_at_constraints()?;
         for number in 0..self.joints.len() {
             here.add_joint(number, g, rows);
         }
@@ -184,7 +185,7 @@ impl Configuration<'_> {
             }
             Rate::Linear(by_state, by_variable) => {
                 let own: f64 = by_state.iter().map(|&(k, a)| a * state.states[k]).sum();
-                let input = by_variable.iter().map(|&(k, b)| b * state.variables[k]);
+                let input = by_variable.iter().map(|&(k, b)| b * self.variable(k));
                 own + input.sum::<f64>()
             }
             Rate::Function(_) | Rate::Held => state.state_rates.get(k).copied().unwrap_or(0.0),
@@ -195,18 +196,19 @@ impl Configuration<'_> {
     fn rates_of_data(&self, of_state: impl Fn(usize, &StateEquation) -> f64) -> Vec<f64> {
         let system = self.system;
         let mut rates = vec![0.0; system.moving_unknowns - system.first_variable];
+        if !system.data_constrain {
+            // Nothing reads them, and what they follow from may not have been evaluated.
+            return rates;
+        }
         for (k, equation) in system.states.iter().enumerate() {
             rates[equation.moving_unknown - system.first_variable] = of_state(k, equation);
         }
         for _ in 0..PASSES {
             let mut change = 0.0_f64;
-            for (k, variable) in system.variables.iter().enumerate() {
-                if !variable.active {
-                    continue;
-                }
-                let rate = self.rate_along(variable.function, &rates);
-                change = change.max((rate - rates[k]).abs());
-                rates[k] = rate;
+            for (at, &k) in system.implicit.iter().enumerate() {
+                let rate = self.rate_along(system.variables[k].function, &rates);
+                change = change.max((rate - rates[at]).abs());
+                rates[at] = rate;
             }
             if change == 0.0 {
                 break;
@@ -352,7 +354,8 @@ impl Configuration<'_> {
         }
         let mut exact = Vec::with_capacity(functions.len());
         for &function in functions {
-            exact.push(self.rates_by_time(function, PASSES)?);
+            let found = self.in_time(function, self.state.time, true)?;
+            exact.push(found.and_then(|found| found.rates));
         }
         if let Some(rates) = exact.iter().copied().collect() {
             return Ok(rates);
@@ -378,7 +381,8 @@ impl Configuration<'_> {
                 *value += variables[equation.moving_unknown - system.first_variable] * h;
             }
             system.settle_variables(self.parameters, &mut near, &mut scratch)?;
-            let here = system.look(self.parameters, &near, &mut scratch)?;
+            let mut here = system.at(self.parameters, &near, &mut scratch);
+            here.look_at_constraints()?;
             let variables = here.data_rates();
             for (rate, &function) in rates.iter_mut().zip(functions) {
                 rate[1] += weight / step * here.rate_along(function, &variables);
@@ -392,10 +396,10 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Brings the variables to their functions, by passes.
+    /// Brings the VARIABLEs that read themselves to their functions, by passes; one without a value is zero.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value here.
+    /// [`NoValue`] if an element that a function measures has no value here.
     pub(crate) fn settle_variables(
         &self,
         parameters: &Parameters,
@@ -404,16 +408,12 @@ impl System {
     ) -> Result<(), NoValue> {
         for _ in 0..PASSES {
             let mut change = 0.0_f64;
-            if self.variables.is_empty() {
+            if self.implicit.is_empty() {
                 break;
             }
-            self.look(parameters, state, scratch)?;
-            for (k, variable) in self.variables.iter().enumerate() {
-                let value = if variable.active {
-                    scratch.functions[variable.function].value
-                } else {
-                    0.0
-                };
+            self.look_leniently(parameters, state, scratch)?;
+            for &k in &self.implicit {
+                let value = scratch.functions[self.variables[k].function].value;
                 change = change.max((value - state.variables[k]).abs());
                 state.variables[k] = value;
             }

@@ -14,6 +14,14 @@ pub(crate) struct Beside {
     pub step: Vec<f64>,
 }
 
+/// A number that a function changes with, as a column of its gradient: the whole function if it is none of its literals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seed {
+    pub function: usize,
+    pub literal: Option<usize>,
+    pub column: usize,
+}
+
 /// Memory of one assembly, used again and again.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
@@ -35,6 +43,13 @@ pub struct Scratch {
     /// A configuration close by, for differences.
     pub(crate) beside: Option<Box<Beside>>,
     pub(crate) functions: Vec<FunctionValue>,
+    /// How often functions were evaluated anew, and in which of these times each of those that are none of the equations was.
+    pub(crate) looks: u64,
+    pub(crate) looked: Vec<u64>,
+    /// How many functions had no value and count as zero; an error where there is no number.
+    pub(crate) lacking: Option<usize>,
+    /// Further columns of gradients, behind those of the unknowns.
+    pub(crate) seeds: Vec<Seed>,
     /// What was seen of each switch where the state is held on pieces.
     pub(crate) seen: Vec<Seen>,
     /// Displacement, its rate and second rate of the MOTIONs that prescribe a rate.
@@ -55,6 +70,7 @@ impl Scratch {
                 FunctionValue::default();
                 system.functions.len() + SLOTS * system.frictions.len()
             ],
+            looked: vec![u64::MAX; system.functions.len()],
             seen: vec![Seen::NOTHING; system.switches.len()],
             ..Self::default()
         }

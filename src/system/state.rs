@@ -1,4 +1,4 @@
-use crate::function::{Piece, half_width};
+use crate::function::{Piece, Reference, half_width};
 use crate::mechanics::{Mat3, Pose, Vec3};
 
 /// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
@@ -79,7 +79,7 @@ pub struct State {
     /// AX, AY, AZ of each pair at the last equilibrium: turns are counted from here.
     pub(crate) pair_angles: Vec<Vec3>,
     /// The same for angle measures of functions.
-    pub(crate) measure_angles: Vec<f64>,
+    pub(crate) measure_angles: Vec<Reference>,
     /// Velocity of each part; empty at rest, as in statics.
     pub velocities: Vec<Rates>,
     /// Acceleration of each part; empty at rest.
@@ -148,20 +148,28 @@ impl State {
         }
     }
 
-    /// The angles that turns are counted from, one after the other.
+    /// The angles that turns are counted from, one after the other; those that functions measure with their normals.
     pub(crate) fn turns(&self) -> Vec<f64> {
         let pairs = self.pair_angles.iter().flat_map(|angles| angles.iter());
-        pairs.chain(&self.measure_angles).copied().collect()
+        let measured = self.measure_angles.iter().flat_map(|from| {
+            let normal = from.normal.iter().copied();
+            std::iter::once(from.angle).chain(normal)
+        });
+        pairs.copied().chain(measured).collect()
     }
 
     /// Counts turns from these angles; those of another model are left.
     pub(crate) fn set_turns(&mut self, turns: &[f64]) {
         let pairs = 3 * self.pair_angles.len();
-        if turns.len() == pairs + self.measure_angles.len() {
+        if turns.len() == pairs + 4 * self.measure_angles.len() {
             for (angles, from) in self.pair_angles.iter_mut().zip(turns.chunks_exact(3)) {
                 *angles = Vec3::from_column_slice(from);
             }
-            self.measure_angles.copy_from_slice(&turns[pairs..]);
+            let measured = turns[pairs..].chunks_exact(4);
+            for (reference, from) in self.measure_angles.iter_mut().zip(measured) {
+                reference.angle = from[0];
+                reference.normal = Vec3::from_column_slice(&from[1..]);
+            }
         }
     }
 

@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -173,12 +174,14 @@ pub(crate) struct Condition {
     pub active: bool,
 }
 
-/// VARIABLE: value minus function is zero.
+/// VARIABLE: the value of a function.
 #[derive(Debug)]
 pub(crate) struct Algebraic {
     pub name: Name,
     pub function: usize,
     pub active: bool,
+    /// Its unknown, value minus function being zero, if the function reads the VARIABLE itself.
+    pub unknown: Option<usize>,
 }
 
 /// DIFF or a row of linear states: at rest.
@@ -212,7 +215,8 @@ pub(crate) struct StateEquation {
 /// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
 ///
 /// Unknowns, in this order: of every part a translation (ground axes) and a rotation vector (ground axes, `R <- exp(dphi) R`), of
-/// every point mass a translation; one multiplier per scalar constraint equation; VARIABLE values; dynamic states that are not held.
+/// every point mass a translation; one multiplier per scalar constraint equation; values of VARIABLEs that read themselves; dynamic states
+/// that are not held.
 /// Equations stand in the same order: force and torque about the part's origin (ground axes), constraints, `v - e`, rates.
 #[derive(Debug)]
 pub struct System {
@@ -221,6 +225,8 @@ pub struct System {
     pub(crate) owners: Vec<usize>,
     /// Which markers move with others.
     pub(crate) carried: Arc<Carried>,
+    /// Of each floating marker the I marker of its force, which it is always at.
+    pub(crate) floating: BTreeMap<usize, usize>,
     /// Names of the markers.
     pub(crate) markers: Vec<Name>,
     /// Markers whose place in ground is needed.
@@ -239,8 +245,19 @@ pub struct System {
     /// FUNCTION and EVALUATE of each SENSOR of the model.
     pub(crate) sensors: Vec<(usize, Option<usize>)>,
     pub(crate) functions: Vec<CompiledFunction>,
-    /// Functions of the equilibrium, each after those it reads.
+    /// Functions of the equations, each after those it reads: what forces, constraints, rates of states, SENSORs and unknown VARIABLEs need.
+    /// All others are evaluated where they are shown.
     pub(crate) order: Vec<usize>,
+    /// Those of them that MOTIONs and GCONs need.
+    pub(crate) order_of_constraints: Vec<usize>,
+    /// Whether MOTIONs or GCONs read states or unknown VARIABLEs: these are then all of [`Self::order`].
+    pub(crate) data_constrain: bool,
+    /// Whether a function is among [`Self::order`].
+    pub(crate) in_equations: Vec<bool>,
+    /// The place of every function in an order in which each comes after those it reads.
+    pub(crate) ranks: Vec<usize>,
+    /// The VARIABLEs that are unknowns, in the order of these.
+    pub(crate) implicit: Vec<usize>,
     /// First of three slots of gravity.
     pub(crate) gravity: usize,
     pub(crate) ucf: f64,
@@ -404,9 +421,8 @@ impl System {
             let name = self.constraint_equation_name(equation - self.first_equation);
             return name.to_string();
         }
-        let k = equation - self.first_variable;
-        if let Some(variable) = self.variables.get(k) {
-            return variable.name.to_string();
+        if let Some(&variable) = self.implicit.get(equation - self.first_variable) {
+            return self.variables[variable].name.to_string();
         }
         self.states
             .iter()

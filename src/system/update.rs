@@ -17,8 +17,8 @@ impl System {
         for (k, multiplier) in state.multipliers.iter_mut().enumerate() {
             *multiplier += correction[self.first_equation + k];
         }
-        for (k, variable) in state.variables.iter_mut().enumerate() {
-            *variable += correction[self.first_variable + k];
+        for (k, unknown) in self.implicit_variables() {
+            state.variables[k] += correction[unknown];
         }
         let moving = state.moves();
         for (k, value) in state.states.iter_mut().enumerate() {

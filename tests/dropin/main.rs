@@ -45,5 +45,6 @@ mod study_solver;
 mod task;
 mod together;
 mod toolkit;
+mod variables;
 #[cfg(windows)]
 mod windows;

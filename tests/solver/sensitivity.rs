@@ -220,6 +220,32 @@ fn measures() {
     }
 }
 
+/// Numbers of VARIABLEs act through all that reads them: through others, through loops, through forces that are measured.
+#[test]
+fn variables_of_variables() {
+    let solved = deck::solve(
+        "PART/2, MASS=1, CM=20, IP=100,100,100\nMARKER/20, PART=2, QP=3,4,5\nMARKER/21, PART=2, QP=10,-5,2\n\
+         MARKER/2, PART=1, QP=8,-9,4, REULER=20D,30D,10D\nMARKER/9, PART=1, FLOATING\n\
+         BUSHING/1, I=21, J=2, K=100,200,300, KT=4E3,5E3,6E3, FORCE=10,20,30\n\
+         VARIABLE/1, FUNCTION=40+2*DX(20,2,2)*VARVAL(2)/VARVAL(3)\nVARIABLE/2, FUNCTION=1.5+0.01*DM(20,1)\n\
+         VARIABLE/3, FUNCTION=SQRT(4+0.01*BUSH(1,0,3,2)**2)+0.1*VARVAL(2)\nVARIABLE/4, FUNCTION=0.3*VARVAL(4)+5*VARVAL(3)\n\
+         VARIABLE/5, FUNCTION=2*VARVAL(1)+VARVAL(4)\nVARIABLE/6, FUNCTION=12\n\
+         ARRAY/1, X, SIZE=1\nARRAY/2, U, SIZE=1, VARIABLES=6\nARRAY/3, Y, SIZE=1\n\
+         MATRIX/1, FULL=RORDER, ROWS=1, COLUMNS=1, VALUES=-2\nLSE/1, X=1, U=2, Y=3, A=1, B=1, C=1\n\
+         GFORCE/1, I=20, JFLOAT=9, RM=2, FX=VARVAL(1)\\, FY=3*VARVAL(4)\\, TX=20*ARYVAL(3,1)\\, TZ=10*VARVAL(2)\n\
+         REQUEST/1, F2=VARVAL(1)\\, F3=VARVAL(5)\\, F4=GFORCE(1,0,2,0)+VARVAL(4)\\, F6=10*AZ(21,2)",
+    );
+    let quantities: Vec<(Quantity, f64)> = [1, 2, 3, 5]
+        .map(|c| (Quantity::Request(0, c), 1.0))
+        .to_vec();
+    check(
+        &solved.system,
+        &solved.parameters,
+        &solved.state,
+        &quantities,
+    );
+}
+
 /// A GEAR whose first joint is cylindrical: its reaction there has two parts, what turns and what shifts. Both move with every number.
 #[test]
 fn reaction_of_a_gear_at_a_cylindrical_joint() {

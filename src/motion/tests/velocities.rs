@@ -134,12 +134,13 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=21, K=30, C=0.1, LENGTH=0.3
     ] {
         let variables = "VARIABLE/1, FUNCTION=0.2*TIME**2";
         let told = with(&format!("{variables}\nVARIABLE/2, FUNCTION={places}"));
-        let mut state = told.state.clone();
         let mut scratch = Scratch::new(&told.system);
-        told.system
-            .settle_variables(&told.parameters, &mut state, &mut scratch)
+        let here = told
+            .system
+            .look(&told.parameters, &told.state, &mut scratch);
+        let value = here
+            .and_then(|mut here| here.read_variable(1))
             .expect("no error");
-        let value = state.variables[1];
         let of_places = with(&format!(
             "{variables}\nGCON/1, FUNCTION={places}-({value:e})"
         ));
@@ -456,13 +457,13 @@ VARIABLE/3, FUNCTION=DY(20,2)",
     ] {
         // What is zero at the start.
         let probe = pulled(&format!("VARIABLE/9, FUNCTION={written}"));
-        let mut state = probe.state.clone();
         let mut scratch = Scratch::new(&probe.system);
-        let settled = probe
+        let here = probe
             .system
-            .settle_variables(&probe.parameters, &mut state, &mut scratch);
-        settled.expect("no error");
-        let value = state.variables[0];
+            .look(&probe.parameters, &probe.state, &mut scratch);
+        let value = here
+            .and_then(|mut here| here.read_variable(0))
+            .expect("no error");
         let direct = pulled(&format!("GCON/1, I=21, FUNCTION={written}-({value:e})"));
         let through = pulled(&format!(
             "{variables}\nGCON/1, I=21, FUNCTION={function}-({value:e})"

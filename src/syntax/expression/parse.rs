@@ -9,7 +9,7 @@ use crate::syntax::fix::did_you_mean;
 use crate::text::{Source, Span};
 
 /// How many parentheses, calls and signs may stand inside each other.
-const DEEPEST_NESTING: usize = 200;
+const DEEPEST_NESTING: usize = 300;
 /// How many levels the tree may have; a sum of n terms has n - 1. Keeps every walk of a tree within a small stack.
 const DEEPEST_TREE: usize = 1000;
 /// Names longer than this are not compared with known names.

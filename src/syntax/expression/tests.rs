@@ -118,8 +118,11 @@ fn depth_is_limited_and_size_is_not() {
     }
     let wide = vec!["1"; 1000].join("+");
     assert_eq!(Expression::parse_str(&wide).unwrap().literals.len(), 1000);
-    let deep = format!("{}1{}", "(".repeat(200), ")".repeat(200));
+    let deep = format!("{}1{}", "(".repeat(300), ")".repeat(300));
     assert_eq!(tree(&deep), "1");
+    // IFs in parentheses, two levels each.
+    let ifs = format!("{}1{}", "(IF(TIME-1:0,0,".repeat(149), "))".repeat(149));
+    assert!(Expression::parse_str(&ifs).is_ok());
 }
 
 #[test]

@@ -178,7 +178,6 @@ impl Compiler<'_> {
                     .help("give the displacement as a function of TIME"),
                 );
                 let function = self.function(&m.function, &owner, None, Dimension::NONE);
-                self.functions[function].apart = true;
                 let start_rate = m.initial_velocity.unwrap_or(0.0);
                 self.driven.push(crate::system::Driven {
                     time: 0.0,

@@ -203,6 +203,9 @@ impl Compiler<'_> {
                     .as_ref()
                     .map(|f| self.function(f, &owner, Some(ARGUMENTS[k]), dimension));
             }
+            if self.model.markers[v.jfloat.0].floating {
+                self.floating.entry(v.jfloat.0).or_insert(v.i.0);
+            }
             let reaction = Some(self.part_of(v.jfloat.0));
             self.push_element(
                 (kind, &v.header),

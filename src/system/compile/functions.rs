@@ -2,11 +2,11 @@
 
 use super::{Compiler, Function, Name, name, way_out};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::function::{ElementIx, ForceMeasure, Input, MeasureKind, time_breaks};
+use crate::function::{ElementIx, ForceMeasure, Input, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{Quantity, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
-use crate::system::structure::{Action, Drive, Element, Rate, Switch};
+use crate::system::structure::{Element, Rate};
 use crate::units::Dimension;
 
 impl Compiler<'_> {
@@ -20,11 +20,12 @@ impl Compiler<'_> {
     ) -> usize {
         let at = self.functions.len();
         let read_only = matches!(owner.kind, "REQUEST" | "SENSOR");
+        let mut breaks = Vec::new();
         let id = (owner.kind, Some(owner.id));
         let (program, literals) = match function {
             Function::Expression(expression) => {
                 if !read_only {
-                    self.breaks.extend(time_breaks(expression));
+                    breaks = time_breaks(expression);
                 }
                 let literals: Vec<f64> = expression.literals.iter().map(|n| n.value).collect();
                 match self.programs.compile(expression) {
@@ -57,23 +58,14 @@ impl Compiler<'_> {
         let replacement = self
             .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
             .start;
-        let first = self.switches.len();
-        if let Some(program) = program.as_ref().filter(|_| !read_only) {
-            let all = program.switches().iter().enumerate();
-            self.switches.extend(all.map(|(k, &of_time)| Switch {
-                function: at,
-                of_time,
-                jumps: program.may_jump(k),
-            }));
-        }
+        self.breaks.push(breaks);
         self.functions.push(CompiledFunction {
             owner: owner.clone(),
             program,
-            switches: first..self.switches.len(),
+            switches: 0..0,
             sources: Vec::new(),
             literals,
             replacement,
-            apart: false,
         });
         at
     }
@@ -150,20 +142,21 @@ impl Compiler<'_> {
         match *input {
             Input::Time => Source::Time,
             Input::Mode => Source::Mode,
-            Input::Measure(measure) => {
+            Input::Measure(mut measure) => {
                 let mut at = 0;
-                if matches!(measure.kind, MeasureKind::ProjectedAngle(_)) {
+                if measure.kind.counts_turns() {
                     at = self.measured_angles;
                     self.measured_angles += 1;
                 }
-                for marker in [measure.i, measure.j, measure.k].into_iter().flatten() {
-                    self.used[marker.0] = true;
+                let markers = [&mut measure.i, &mut measure.j, &mut measure.k];
+                for marker in markers.into_iter().flatten() {
+                    *marker = self.placed(*marker);
                 }
                 Source::Measure(measure, at)
             }
-            Input::Rate(measure) => {
-                for marker in measure.markers.into_iter().flatten() {
-                    self.used[marker.0] = true;
+            Input::Rate(mut measure) => {
+                for marker in measure.markers.iter_mut().flatten() {
+                    *marker = self.placed(*marker);
                 }
                 Source::Moved(measure)
             }
@@ -196,9 +189,10 @@ impl Compiler<'_> {
                 Source::Friction(self.model.frictions[friction].header.id, which)
             }
             Input::Force(ForceMeasure::Between { component, i, j, k }) => {
-                for marker in [Some(i), j, k].into_iter().flatten() {
+                for marker in [Some(i), j].into_iter().flatten() {
                     self.used[marker.0] = true;
                 }
+                let k = k.map(|k| self.placed(k));
                 let by = match j {
                     Some(_) => self.between(i, j),
                     None => self.acting_at(i),
@@ -215,9 +209,7 @@ impl Compiler<'_> {
                 component,
                 rm,
             }) => {
-                if let Some(rm) = rm {
-                    self.used[rm.0] = true;
-                }
+                let rm = rm.map(|rm| self.placed(rm));
                 Source::Force(Box::new(Force {
                     by: vec![(self.exerted_by(element), on_j)],
                     component,
@@ -225,6 +217,13 @@ impl Compiler<'_> {
                 }))
             }
         }
+    }
+
+    /// A marker whose place is measured: for a floating one the I marker of its force, at which it always is.
+    fn placed(&mut self, marker: MarkerIx) -> MarkerIx {
+        let marker = self.floating.get(&marker.0).copied().unwrap_or(marker.0);
+        self.used[marker] = true;
+        MarkerIx(marker)
     }
 
     /// Elements and constraints that act directly between two markers, and whether `i` is their J; with no J those that act on `i`
@@ -348,73 +347,6 @@ impl Compiler<'_> {
                 .collect(),
             _ => Vec::new(),
         }
-    }
-
-    /// The functions of the equilibrium, each after those it reads through forces. Circles are complained about.
-    pub(super) fn order(&mut self) -> Vec<usize> {
-        let mut out = Vec::new();
-        let mut mark = vec![0_u8; self.functions.len()];
-        for number in 0..self.functions.len() {
-            let function = &self.functions[number];
-            if !function.apart && !matches!(function.owner.kind, "REQUEST" | "SENSOR") {
-                self.visit(number, &mut mark, &mut out);
-            }
-        }
-        out
-    }
-
-    fn visit(&mut self, number: usize, mark: &mut [u8], out: &mut Vec<usize>) {
-        match mark[number] {
-            2 => return,
-            1 => {
-                let owner = &self.functions[number].owner;
-                self.diagnostics.push(
-                    Diagnostic::error(
-                        Code::NotSolvedNatively,
-                        format!("the function of {owner} reads its own force"),
-                    )
-                    .about(owner.object())
-                    .help("let a VARIABLE carry the force: it is solved for"),
-                );
-                return;
-            }
-            _ => mark[number] = 1,
-        }
-        for read in self.reads(number) {
-            self.visit(read, mark, out);
-        }
-        mark[number] = 2;
-        out.push(number);
-    }
-
-    fn reads(&self, number: usize) -> Vec<usize> {
-        let mut out = Vec::new();
-        for source in &self.functions[number].sources {
-            match source {
-                Source::StateRate(_, Some(function)) | Source::Through { function, .. } => {
-                    out.push(*function);
-                }
-                Source::Force(force) => {
-                    for (who, _) in &force.by {
-                        match who {
-                            Exerted::Element(k) => match &self.elements[*k].action {
-                                Action::Law(_, Drive::Function(f)) => out.push(*f),
-                                Action::Law(..) => {}
-                                Action::Vector(c) => out.extend(c.iter().flatten()),
-                            },
-                            Exerted::Joint(k, _) => {
-                                if let Drive::Function(f) = self.joints[*k].drive {
-                                    out.push(f);
-                                }
-                            }
-                            Exerted::Multi(..) => {}
-                        }
-                    }
-                }
-                _ => {}
-            }
-        }
-        out
     }
 }
 

@@ -8,6 +8,7 @@ mod forces;
 mod friction;
 mod functions;
 mod motion;
+mod order;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,13 +17,14 @@ use self::motion::{not_in_motion, reference_mass};
 
 use super::carried::Carried;
 use super::catalogue::{Catalogue, Group, Quantity, Role};
-use super::compiled_function::{CompiledFunction, Exerted, reads_velocities};
+use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, Switch, System,
+    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, System,
 };
 use super::surface::Friction;
 use super::{Driven, Grip, Name, Parameters, Scratch, State};
 use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::function::Reference;
 use crate::grammar::{self, ArgumentDef};
 use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::{
@@ -71,6 +73,8 @@ struct Compiler<'a> {
     theta: Vec<f64>,
     bodies: Vec<Body>,
     used: Vec<bool>,
+    /// Of each floating marker the I marker of its force.
+    floating: BTreeMap<usize, usize>,
     elements: Vec<Element>,
     multis: Vec<Multi>,
     joints: Vec<Joint>,
@@ -94,9 +98,8 @@ struct Compiler<'a> {
     users: Vec<Name>,
     /// Where MOTIONs that prescribe a rate begin.
     driven: Vec<Driven>,
-    /// Times at which functions of the time are not smooth.
-    breaks: Vec<f64>,
-    switches: Vec<Switch>,
+    /// Of every function the times at which it is not smooth.
+    breaks: Vec<Vec<f64>>,
 }
 
 /// An argument of a statement as the grammar has it.
@@ -123,6 +126,7 @@ impl<'a> Compiler<'a> {
             theta: Vec::new(),
             bodies: Vec::new(),
             used: vec![false; model.markers.len()],
+            floating: BTreeMap::new(),
             elements: Vec::new(),
             multis: Vec::new(),
             joints: Vec::new(),
@@ -144,7 +148,6 @@ impl<'a> Compiler<'a> {
             users: Vec::new(),
             driven: Vec::new(),
             breaks: Vec::new(),
-            switches: Vec::new(),
         }
     }
 
@@ -282,6 +285,7 @@ impl<'a> Compiler<'a> {
                 name: of,
                 function,
                 active: v.header.active,
+                unknown: None,
             });
         }
         for (k, d) in self.model.diffs.iter().enumerate() {
@@ -386,9 +390,16 @@ impl<'a> Compiler<'a> {
 
     fn finish(mut self) -> Checked<System> {
         self.sources();
-        self.read_through_variables();
-        let order = self.order();
         let model = self.model;
+        let freedoms: usize = self.bodies.iter().map(|b| b.freedoms).sum();
+        let first_variable = freedoms + self.equations;
+        let order = self.order(first_variable);
+        let (switches, breaks) = self.watched(&order);
+        let of_velocities = self.of_velocities();
+        let mut in_equations = vec![false; self.functions.len()];
+        for &function in &order.equations {
+            in_equations[function] = true;
+        }
         let poses: Vec<Pose> = model
             .parts
             .iter()
@@ -411,9 +422,7 @@ impl<'a> Compiler<'a> {
             .collect();
         let carried = Arc::new(Carried::of(model));
         let parameters = Parameters::new(self.theta, by_points, Arc::clone(&carried));
-        let freedoms: usize = self.bodies.iter().map(|b| b.freedoms).sum();
-        let first_variable = freedoms + self.equations;
-        let mut unknowns = first_variable + self.variables.len();
+        let mut unknowns = first_variable + order.implicit.len();
         let mut states = self.states;
         for state in &mut states {
             if !matches!(state.rate, Rate::Held) {
@@ -424,11 +433,6 @@ impl<'a> Compiler<'a> {
         let mut joint_of = vec![None; self.equations];
         for (number, joint) in self.joints.iter().enumerate() {
             joint_of[joint.first..joint.first + joint.count].fill(Some(number));
-        }
-        let mut of_velocities = vec![false; self.equations];
-        for condition in &self.conditions {
-            of_velocities[condition.equation] =
-                reads_velocities(&self.functions, condition.function);
         }
         let mut moving_unknowns = unknowns;
         for state in &mut states {
@@ -449,7 +453,7 @@ impl<'a> Compiler<'a> {
             states: self.state_values,
             redundant: Vec::new(),
             pair_angles: vec![Vec3::zeros(); self.pairs],
-            measure_angles: vec![0.0; self.measured_angles.max(1)],
+            measure_angles: vec![Reference::NONE; self.measured_angles.max(1)],
             velocities: Vec::new(),
             accelerations: Vec::new(),
             state_rates: Vec::new(),
@@ -466,8 +470,14 @@ impl<'a> Compiler<'a> {
                 .collect(),
             owners,
             carried,
+            floating: self.floating,
             used,
-            order,
+            order: order.equations,
+            order_of_constraints: order.constraints,
+            data_constrain: order.data_constrain,
+            in_equations,
+            ranks: order.ranks,
+            implicit: order.implicit,
             bodies: self.bodies,
             elements: self.elements,
             multis: self.multis,
@@ -497,11 +507,10 @@ impl<'a> Compiler<'a> {
             of_velocities,
             reference_mass: reference_mass(model),
             length,
-            breaks: self.breaks,
-            switches: self.switches,
+            breaks,
+            switches,
         };
         let mut system = system;
-        system.breaks.sort_by(f64::total_cmp);
         system.not_in_motion = not_in_motion(&system);
         // An angle next to 180 degrees may go beyond it on the way to the first equilibrium.
         let mut initial = system.initial.clone();

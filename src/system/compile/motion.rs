@@ -1,6 +1,6 @@
 //! What the equations of motion need besides those of statics, and what they leave out.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::function::{Degree, RateAxis};
@@ -33,7 +33,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     };
     for joint in system.joints.iter().filter(|joint| joint.active) {
         match joint.drive {
-            Drive::Rate(drive) if !only_of_time(system, drive.function) => refuse(
+            Drive::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
                 &joint.name,
                 format!(
                     "{} prescribes a rate by more than the time: it is not integrated",
@@ -73,29 +73,28 @@ fn reading(owner: &Name, what: &str) -> String {
     )
 }
 
-fn only_of_time(system: &System, function: usize) -> bool {
-    let mut sources = system.functions[function].sources.iter();
-    sources.all(|source| {
-        matches!(
-            source,
-            Source::Time | Source::Mode | Source::Constant(_) | Source::Sensor(_)
-        )
-    })
-}
-
 /// How a function depends on the velocities that it reads: VM and WM are not linear.
 fn degree_in_velocities(system: &System, function: usize) -> Degree {
-    let function = &system.functions[function];
-    let Some(program) = function.program.as_ref() else {
-        return Degree::Nothing;
-    };
-    let mut degrees = function.sources.iter().map(|source| match source {
-        Source::Moved(measure) if measure.axis == RateAxis::Magnitude => Degree::Higher,
-        Source::Moved(_) => Degree::Linear,
-        Source::Through { function, .. } => degree_in_velocities(system, *function),
-        _ => Degree::Nothing,
-    });
-    program.degree(|_| degrees.next().unwrap_or(Degree::Nothing))
+    let mut degrees = BTreeMap::new();
+    for read in system.in_turn(function) {
+        let function = &system.functions[read];
+        let Some(program) = function.program.as_ref() else {
+            continue;
+        };
+        let mut sources = function.sources.iter().map(|source| match source {
+            Source::Moved(measure) if measure.axis == RateAxis::Magnitude => Degree::Higher,
+            Source::Moved(_) => Degree::Linear,
+            Source::Variable(k) => {
+                let function = system.reads().explicit(*k);
+                let known = function.and_then(|f| degrees.get(&f));
+                known.copied().unwrap_or(Degree::Nothing)
+            }
+            _ => Degree::Nothing,
+        });
+        let degree = program.degree(|_| sources.next().unwrap_or(Degree::Nothing));
+        degrees.insert(read, degree);
+    }
+    degrees.remove(&function).unwrap_or(Degree::Nothing)
 }
 
 /// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts; velocities are allowed
@@ -104,6 +103,11 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
     let mut seen = BTreeSet::new();
     // What it is where places or velocities are read beside the function itself.
     let mut open = vec![(function, None)];
+    let read = |k: usize, inside: Option<&'static str>| {
+        let variable = &system.variables[k];
+        let itself = variable.unknown.map(|_| "a variable that reads itself");
+        (variable.function, inside.or(itself))
+    };
     while let Some((function, inside)) = open.pop() {
         if !seen.insert(function) {
             continue;
@@ -131,15 +135,9 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
                             return Some(what);
                         }
                     }
-                    let inside = Some("an output that places or velocities reach at once");
-                    let read = functions_of(system, by_variable);
-                    open.extend(read.map(|function| (function, inside)));
+                    open.extend(by_variable.iter().map(|(k, _)| read(*k, inside)));
                 }
-                Source::Variable(k) => {
-                    let inside = inside.or(Some("a variable that reads itself"));
-                    open.push((system.variables[*k].function, inside));
-                }
-                Source::Through { function, .. } => open.push((*function, inside)),
+                Source::Variable(k) => open.push(read(*k, inside)),
                 Source::Measure(..) if inside.is_some() => return inside,
                 Source::Time
                 | Source::Mode
@@ -205,7 +203,6 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                     functions.extend(functions_of(system, by_variable));
                 }
                 Source::Variable(k) => functions.push(system.variables[*k].function),
-                Source::Through { function, .. } => functions.push(*function),
                 Source::Time
                 | Source::Mode
                 | Source::Measure(..)
