@@ -193,6 +193,16 @@ impl Units {
     }
 }
 
+/// A unit as people write it: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
+pub(crate) fn short_unit(unit: &str) -> String {
+    let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
+    if starts("newton") || starts("knewton") {
+        unit.replace("newton-", "N ").replace("newton", "N")
+    } else {
+        unit.to_string()
+    }
+}
+
 impl Default for Units {
     /// A dataset without UNITS: ADAMS computes with UCF = 1; results are named as millimetres, newtons, kilograms, seconds.
     fn default() -> Self {

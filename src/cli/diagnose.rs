@@ -8,12 +8,13 @@ use crate::discrepancy::{
 use crate::front::fit::changed_lines;
 use crate::front::{foreign_parts, solver};
 use crate::identify::{LoadedStudy, estimate_noise};
-use crate::report::{DiagnosisReport, number};
+use crate::report::{DiagnosisReport, fit_in_words, sizes};
 use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
 use super::format::Format;
 use super::input::study;
+use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::plausibility::before_a_fit;
 use super::progress::{Count, Progress};
@@ -77,10 +78,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let watched = Watched::default();
     let seen = watched.clone();
+    interrupt::listen();
     let bar = Progress::new("diagnosing", shell, move || {
+        if interrupt::asked() {
+            seen.stop();
+        }
+        let budget = seen.budget();
         let count = Count {
             done: seen.sweeps(),
-            of: None,
+            of: (budget > 0).then_some(budget),
             what: "sweeps",
         };
         Some((seen.stage(), count))
@@ -96,7 +102,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
-    if loaded.study.solver.backend != BackendChoice::Native {
+    if loaded.study.solver.backend != BackendChoice::Native && !outcome.is_stopped() {
         compare(&loaded, &mut outcome, shell);
     }
     write(&loaded, &outcome, arguments, shell)?;
@@ -106,11 +112,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let report = arguments.out.join("report.html");
         shell.tell(&format!(
             "{}report: {}\n",
-            words(&outcome),
+            words(&loaded, &outcome),
             report.display()
         ));
     }
-    Ok(Exit::Fine)
+    Ok(if outcome.is_stopped() {
+        Exit::Interrupted
+    } else {
+        Exit::Fine
+    })
 }
 
 /// Holds the solver of the study against the built-in one, which searches, and fits the numbers to it. Without an answer of it the diagnosis
@@ -155,7 +165,7 @@ fn write(
 }
 
 /// The answer for a person.
-fn words(outcome: &Diagnosed<'_>) -> String {
+fn words(loaded: &LoadedStudy, outcome: &Diagnosed<'_>) -> String {
     let diagnosis = &outcome.diagnosis;
     let verdict = match diagnosis.verdict {
         Verdict::Consistent => {
@@ -164,12 +174,14 @@ fn words(outcome: &Diagnosed<'_>) -> String {
         Verdict::Discrepancy => "discrepancy",
         Verdict::Unexplained => "unexplained: structure remains that no known cause explains",
     };
-    let mut text = format!(
-        "{verdict} (chi-square per degree of freedom {:.2}, {} hypotheses tried)\n",
-        diagnosis.baseline.chi2_per_dof, outcome.places
-    );
+    let stopped = if outcome.is_stopped() {
+        "interrupted, so far "
+    } else {
+        ""
+    };
+    let mut text = format!("{stopped}{verdict}\n{}\n", fit_in_words(outcome));
     for finding in &diagnosis.findings {
-        text += &line(finding);
+        text += &line(finding, loaded);
     }
     for sentence in outcome.sentences() {
         text += &format!("{sentence}\n");
@@ -177,22 +189,14 @@ fn words(outcome: &Diagnosed<'_>) -> String {
     text
 }
 
-fn line(finding: &Finding) -> String {
-    let numbers: Vec<String> = finding
-        .parameters
-        .iter()
-        .map(|(name, value)| {
-            let error = finding.std_error.get(name).copied();
-            format!("{name} = {}", number(*value, error))
-        })
-        .collect();
+fn line(finding: &Finding, loaded: &LoadedStudy) -> String {
     let minor = if finding.minor { " (minor)" } else { "" };
     let mut text = format!(
         "  {} {}{minor}, probability {:.2}: {}\n",
         finding.cause,
         finding.address,
         finding.probability,
-        numbers.join(", ")
+        sizes(finding, loaded)
     );
     for rival in &finding.indistinguishable_from {
         text += &format!(

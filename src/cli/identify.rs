@@ -11,6 +11,7 @@ use crate::front::solver;
 use crate::identify::{Fit, LoadedStudy, Repeated};
 use crate::report::{IdentificationReport, Positions, VERSION, lead, number, status};
 use crate::rig::settings::Method;
+use crate::units::short_unit;
 
 use crate::identify::global::Marginal;
 use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
@@ -300,7 +301,7 @@ fn repeats_table(fit: &Fit) -> String {
     }
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let mut heads = vec!["95 % interval", "profile likelihood"];
+    let mut heads = vec!["95 % interval", "unit", "profile likelihood"];
     if fit.bootstrap.is_some() {
         heads.extend(["bootstrap", "width"]);
     }
@@ -318,6 +319,7 @@ fn repeats_table(fit: &Fit) -> String {
         let error = parameter.std_error;
         let mut cells = vec![
             parameter.address.clone(),
+            short_unit(&parameter.unit),
             ends(parameter.profile95.unwrap_or_default(), error),
         ];
         if let Some(found) = &parameter.bootstrap {
@@ -335,7 +337,7 @@ fn repeats_table(fit: &Fit) -> String {
         }
         table.add_row(cells);
     }
-    for column in table.column_iter_mut().skip(1).take(columns - 1) {
+    for column in table.column_iter_mut().skip(2).take(columns - 2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     format!("{}\n", table_text(&table))
@@ -347,7 +349,7 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let compares = reference.iter().any(Option::is_some);
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let mut head = vec!["number", "initial", "identified", "std error"];
+    let mut head = vec!["number", "unit", "initial", "identified", "std error"];
     if compares {
         head.extend(["reference", "ratio"]);
     }
@@ -357,6 +359,7 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
         let addresses = std::iter::once(&parameter.address).chain(&parameter.tied);
         let mut row = vec![
             addresses.cloned().collect::<Vec<_>>().join(" = "),
+            short_unit(&parameter.unit),
             number(parameter.initial, None),
             number(parameter.value, parameter.std_error),
             parameter
@@ -371,7 +374,7 @@ fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
         row.push(status(parameter.status).to_string());
         table.add_row(row);
     }
-    for column in table.column_iter_mut().skip(1).take(head.len() - 2) {
+    for column in table.column_iter_mut().skip(2).take(head.len() - 3) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     table_text(&table)

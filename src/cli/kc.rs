@@ -4,8 +4,12 @@ use comfy_table::{CellAlignment, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::front::{Watch as _, kc_page, measured};
-use crate::kc::{Bench, BenchError, Config, Convention, KcRun, deck_files, output, run_watched};
+use crate::kc::{
+    Bench, BenchError, Config, Convention, KcRun, Unit, deck_files, output, run_watched, shown,
+    slope,
+};
 use crate::model::Model;
+use crate::report::number;
 use crate::statics::{SolveError, history_table};
 use crate::syntax::Dataset;
 use crate::syntax::files::Files;
@@ -74,7 +78,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let curves = match &arguments.measured {
         Some(path) => {
             let source = shell.read(path)?;
-            let found = measured(&source, &config).map_err(|wrong| shell.fail(wrong))?;
+            let found = measured(&source, &config, &units).map_err(|wrong| shell.fail(wrong))?;
             shell.complain(&found.diagnostics);
             found.value
         }
@@ -255,7 +259,7 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
     ];
     let cell = |value: f64| {
         if value.is_finite() {
-            format!("{value:.6e}")
+            number(value, None)
         } else {
             String::new()
         }
@@ -268,20 +272,23 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
         let Some(any) = of("left").or_else(|| of("right")) else {
             continue;
         };
-        let value =
-            |side: &str| of(side).map_or_else(String::new, |r| cell(r.value_in(convention)));
+        let value = |side: &str| {
+            of(side).map_or_else(String::new, |r| {
+                cell(shown(r.value_in(convention), r.unit, units).0)
+            })
+        };
         table.add_row([
             name.to_string(),
             value("left"),
             value("right"),
-            any.unit.word(units),
+            shown(0.0, any.unit, units).1,
         ]);
     }
     for column in table.column_iter_mut().skip(1).take(2) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     out += &table_text(&table);
-    out += "\ntangents per unit of what is driven\n";
+    out += "\ntangents at ride height\n";
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
     table.set_header([
@@ -290,6 +297,7 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
         "toe right",
         "camber left",
         "camber right",
+        "unit",
         "samples",
     ]);
     for test in &run.tests {
@@ -297,7 +305,8 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
             let mut all = test.gradients.iter();
             let found = all.find(|g| g.entity == name && g.component == side);
             found.map_or_else(String::new, |g| {
-                cell(convention.factor(g.sense) * g.tangent)
+                let tangent = convention.factor(g.sense) * g.tangent;
+                cell(slope(tangent, g.unit, test.kind.driven(), units).0)
             })
         };
         table.add_row([
@@ -306,10 +315,11 @@ fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> 
             of("toe_angle", "right"),
             of("camber_angle", "left"),
             of("camber_angle", "right"),
+            slope(0.0, Unit::Angle, test.kind.driven(), units).1,
             test.samples.len().to_string(),
         ]);
     }
-    for column in table.column_iter_mut().skip(1) {
+    for column in table.column_iter_mut().skip(1).take(4) {
         column.set_cell_alignment(CellAlignment::Right);
     }
     out += &table_text(&table);

@@ -1,4 +1,4 @@
-//! How far a command is, on a terminal: stage, count, rate and the time that is left, from half a second on.
+//! How far a command is: stage, count, rate and the time that is left. On a terminal from half a second on, elsewhere a line a minute.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,11 +9,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::front::Watch;
 
+use super::format::Format;
 use super::interrupt;
 use super::shell::Shell;
 
 /// Before this nobody wonders.
 const PATIENCE: Duration = Duration::from_millis(500);
+/// Between two lines where no terminal is.
+const MINUTE: Duration = Duration::from_secs(60);
 /// Between two looks.
 const TICK: Duration = Duration::from_millis(120);
 
@@ -22,7 +25,7 @@ const TICK: Duration = Duration::from_millis(120);
 pub(super) struct Count {
     /// Done so far.
     pub done: usize,
-    /// Of so many, where that is known. A budget is none: a search ends long before it.
+    /// Of how many at most, where that is known.
     pub of: Option<usize>,
     /// What is counted.
     pub what: &'static str,
@@ -40,7 +43,7 @@ struct State {
     count: Option<Count>,
 }
 
-/// A line on a terminal that says how far a command is; it goes when this is dropped.
+/// A line on a terminal that says how far a command is; it goes when this is dropped. Without a terminal a line a minute.
 pub(super) struct Progress {
     state: Arc<Mutex<State>>,
     ended: Arc<AtomicBool>,
@@ -50,7 +53,7 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Begins to show; `look` is asked for stage and count at every tick, if the command does not tell it.
+    /// Begins to show; `look` gives stage and count at every tick, also where nothing is shown.
     pub(crate) fn new(
         stage: &str,
         shell: &Shell,
@@ -59,20 +62,20 @@ impl Progress {
         let state = Arc::new(Mutex::new(State::default()));
         let ended = Arc::new(AtomicBool::new(false));
         let shown = (Arc::clone(&state), Arc::clone(&ended));
-        let lines = shell.is_verbose() && !shell.shows_progress();
-        let painter = (lines || shell.shows_progress()).then(|| {
-            std::thread::spawn(move || {
-                if lines {
-                    tell(&shown.1, &look);
-                } else {
-                    paint(&shown.0, &shown.1, &look);
-                }
-            })
+        let terminal = shell.shows_progress();
+        let speaks = shell.format == Format::Text && !shell.is_quiet();
+        let lines = shell.is_verbose() && !terminal;
+        let painter = std::thread::spawn(move || {
+            if terminal {
+                paint(&shown.0, &shown.1, &look);
+            } else {
+                report(&shown.0, &shown.1, &look, (lines, speaks));
+            }
         });
         let progress = Self {
             state,
             ended,
-            painter,
+            painter: Some(painter),
             lines,
         };
         progress.stage(stage);
@@ -132,19 +135,39 @@ impl Drop for Progress {
     }
 }
 
-/// Says each stage that a command does not tell but is asked for, until the end.
-fn tell(ended: &AtomicBool, look: &dyn Fn() -> Option<(&'static str, Count)>) {
-    let mut last = "";
+/// A line a minute if the command `speaks`, and one at each stage that `look` gives if stages are wanted.
+fn report(
+    state: &Mutex<State>,
+    ended: &AtomicBool,
+    look: &dyn Fn() -> Option<(&'static str, Count)>,
+    (stages, speaks): (bool, bool),
+) {
+    let (began, mut last, mut minutes) = (Instant::now(), "", 1);
     while !ended.load(Ordering::Relaxed) {
-        if let Some((stage, _)) = look()
+        let now = present(state, look);
+        if let (true, Some((stage, _))) = (stages, look())
             && !stage.is_empty()
             && stage != last
         {
             eprintln!("{stage}");
             last = stage;
         }
+        if speaks && began.elapsed() >= MINUTE * minutes {
+            eprintln!("{}", line(&now, began.elapsed()));
+            minutes += 1;
+        }
         std::thread::park_timeout(TICK);
     }
+}
+
+/// What the command says of itself, or what `look` does.
+fn present(state: &Mutex<State>, look: &dyn Fn() -> Option<(&'static str, Count)>) -> State {
+    let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    if let Some((stage, count)) = look() {
+        now.stage = stage.to_string();
+        now.count = Some(count);
+    }
+    now
 }
 
 /// Paints the line until the end.
@@ -162,19 +185,14 @@ fn paint(
             bar.set_draw_target(ProgressDrawTarget::stderr());
             visible = true;
         }
-        let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        if let Some((stage, count)) = look() {
-            now.stage = stage.to_string();
-            now.count = Some(count);
-        }
-        bar.set_message(line(&now, began.elapsed()));
+        bar.set_message(line(&present(state, look), began.elapsed()));
         bar.tick();
         std::thread::park_timeout(TICK);
     }
     bar.finish_and_clear();
 }
 
-/// `cases: 812 of 3000 cases · 61/s · at most 36 s more · 13 s`; where nobody knows the end `search: 812 sweeps · 61/s · 13 s`.
+/// `cases: 812 of 3000 cases (27 %) · 61/s · at most 36 s more · 13 s`; where nobody knows the end `search: 812 sweeps · 61/s · 13 s`.
 fn line(state: &State, elapsed: Duration) -> String {
     let mut pieces = Vec::new();
     if !state.detail.is_empty() {
@@ -184,7 +202,10 @@ fn line(state: &State, elapsed: Duration) -> String {
     if let Some(Count { done, of, what }) = state.count.filter(|count| count.done > 0) {
         let rate = done as f64 / seconds.max(1e-3);
         pieces.push(match of {
-            Some(most) => format!("{done} of {most} {what}"),
+            Some(most) => {
+                let share = 100.0 * done as f64 / most.max(1) as f64;
+                format!("{done} of {most} {what} ({share:.0} %)")
+            }
             None => format!("{done} {what}"),
         });
         let digits = usize::from(rate < 10.0);
@@ -225,7 +246,7 @@ mod tests {
         };
         assert_eq!(
             line(&state, Duration::from_secs(10)),
-            "search: 600 of 3000 runs · 60/s · at most 40 s more · 10 s"
+            "search: 600 of 3000 runs (20 %) · 60/s · at most 40 s more · 10 s"
         );
         // Few, slow ones have a rate too, once there is more than one.
         let state = State {
@@ -238,7 +259,7 @@ mod tests {
         };
         assert_eq!(
             line(&state, Duration::from_secs(8)),
-            "search: 4 of 13 cases · 0.5/s · at most 18 s more · 8 s"
+            "search: 4 of 13 cases (31 %) · 0.5/s · at most 18 s more · 8 s"
         );
         // Where nobody knows the end there is none.
         let search = State {

@@ -6,6 +6,7 @@ use serde_json::json;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{SensitivityRow, SensitivityTable, Unavailable};
+use crate::units::short_unit;
 
 use super::Outcome;
 use super::addresses::complete;
@@ -17,8 +18,8 @@ use super::width::table_text;
 /// Show how the equilibrium changes with the numbers of a dataset.
 ///
 /// The derivatives of motions, forces or measures by stiffnesses, preloads, marker positions, spring lengths, loads: exact,
-/// from the tangent of the equilibrium, in the deck's units (angles in radians). By QP a marker moves as `admire set` moves it: without
-/// turning, ZP and XP along with it, and so do markers in its frame (RM).
+/// from the tangent of the equilibrium, in the deck's units, which are named (angles in radians). By QP a marker moves as `admire set`
+/// moves it: without turning, ZP and XP along with it, and so do markers in its frame (RM).
 #[derive(clap::Args, Debug)]
 #[command(after_help = "Examples:\n  admire sensitivity front.adm --of KNUCKLE --by BUSHING/1.K")]
 pub(super) struct Arguments {
@@ -45,7 +46,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } = solvable(&arguments.deck, &[], shell)?;
     let parts = (&dataset, &model, &system);
     let found = SensitivityTable::new(parts, &arguments.of, &arguments.by, arguments.time);
-    let SensitivityTable { of, by: rows } = match found {
+    let SensitivityTable {
+        of,
+        units,
+        by: rows,
+    } = match found {
         Ok(table) => table,
         Err(Unavailable::Word(refused)) => return Err(shell.fail(refused)),
         Err(Unavailable::NoAnswer(error)) => {
@@ -59,23 +64,30 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 .iter()
                 .map(|row| {
                     let value = Some(row.value).filter(|v| v.is_finite());
-                    json!({ "by": row.address, "value": value, "derivatives": row.derivatives })
+                    json!({ "by": row.address, "value": value, "unit": row.unit, "derivatives": row.derivatives })
                 })
                 .collect();
-            serde_json::to_string_pretty(&json!({ "of": of, "rows": rows }))
+            serde_json::to_string_pretty(&json!({ "of": of, "units": units, "rows": rows }))
                 .expect("JSON values print")
                 + "\n"
         }
-        _ => text(&of, &rows),
+        _ => text((&of, &units), &rows),
     });
     Ok(Exit::Fine)
 }
 
-fn text(of: &[String], rows: &[SensitivityRow]) -> String {
+fn text((of, units): (&[String], &[String]), rows: &[SensitivityRow]) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
-    let heads = ["d / d".to_string(), "value".to_string()];
-    table.set_header(heads.into_iter().chain(of.iter().cloned()));
+    let heads = ["d / d", "value", "unit"].map(str::to_string);
+    let columns = of
+        .iter()
+        .zip(units)
+        .map(|(name, unit)| match unit.as_str() {
+            "" => name.clone(),
+            unit => format!("{name} [{}]", short_unit(unit)),
+        });
+    table.set_header(heads.into_iter().chain(columns));
     for row in rows {
         let value = if row.value.is_nan() {
             "function".to_string()
@@ -83,10 +95,14 @@ fn text(of: &[String], rows: &[SensitivityRow]) -> String {
             format!("{}", row.value)
         };
         let cells = row.derivatives.iter().map(|d| format!("{d:.5e}"));
-        table.add_row([row.address.clone(), value].into_iter().chain(cells));
+        let first = [row.address.clone(), value, short_unit(&row.unit)];
+        table.add_row(first.into_iter().chain(cells));
     }
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    table_text(&table)
+    for column in table.column_iter_mut().skip(2).take(1) {
+        column.set_cell_alignment(CellAlignment::Left);
+    }
+    table_text(&table) + "each derivative is in the unit of its column per unit of its row\n"
 }

@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 use super::diagnosis::Parameter;
+use super::stiffness::UNIDENTIFIABLE;
 use super::subject::Subject;
 use super::visited::Visited;
 use crate::identify::Status;
@@ -11,8 +12,6 @@ use crate::identify::Status;
 const Z95: f64 = 1.959_963_985;
 /// Beyond this half width, as a part of the estimate, only the upper side is stated.
 const WIDE: f64 = 0.8;
-/// A number whose logarithm has a larger standard deviation is not identified.
-const UNIDENTIFIABLE: f64 = 0.5;
 
 /// Mean and variance of the mixture over fitted models, each number with its interval on the scale of the stiffness itself: there the
 /// posterior is closer to a Gaussian than in logarithms where a number is poorly known.

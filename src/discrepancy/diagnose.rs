@@ -11,13 +11,12 @@ use super::fit::{Fitted, Plain, fit, unguessed};
 use super::folds::{Blind, HeldOutTest};
 use super::frame::motions;
 use super::gain_check::GainCheck;
-use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
 use super::next_measurement::next_measurement;
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
 use super::searched::Searched;
-use super::sought::{Sought, probability};
+use super::sought::{Sought, none_of_these};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, is_significant, is_structured, least, structure};
 use super::subject::{Data, Subject};
@@ -129,6 +128,7 @@ pub fn diagnose_watched<'a>(
         surprised(after, &mut unexplained);
     }
     stacked(&findings, &mut unexplained);
+    at_bounds(&subject, &leading, &mut unexplained);
     let stand_in = leading.chosen.iter().position(|h| !h.is_named());
     if let Some(at) = stand_in {
         unexplained.structured = true;
@@ -163,7 +163,8 @@ pub fn diagnose_watched<'a>(
             .as_ref()
             .filter(|_| check == GainCheck::Folds)
             .and_then(|folds| folds.search(&unfitted, progress));
-        cross_validation = searched.or_else(|| folds.as_ref()?.validate(&none, &found.models));
+        let folds = folds.as_ref().filter(|_| !progress.is_stopped());
+        cross_validation = searched.or_else(|| folds?.validate(&none, &found.models));
     }
     if let Some(remainder) = &mut unexplained.remainder
         && subject.holds_out()
@@ -198,7 +199,7 @@ pub fn diagnose_watched<'a>(
                 held_out_rms: baseline_rms,
             },
             findings: listed,
-            none_of_these: probability(&found, |causes| !causes.iter().any(Hypothesis::is_named)),
+            none_of_these: none_of_these(&found),
             parameters: averaged(&subject, &found.models),
             tolerances: tolerances(&subject, &leading),
             detection_limits: detection_limits(&subject, &leading),
@@ -268,9 +269,9 @@ pub(super) fn tolerances(
             },
         );
     }
-    for (name, scale, factor, unit) in [
-        ("pose-noise", Scale::PoseShift, 1.0 / length, "mm"),
-        ("pose-noise-turn", Scale::PoseTurn, 1f64.to_degrees(), "deg"),
+    for (scale, factor, unit) in [
+        (Scale::PoseShift, 1.0 / length, "mm"),
+        (Scale::PoseTurn, 1f64.to_degrees(), "deg"),
     ] {
         if let (Some(at), false) = (
             sizes.scale(scale),
@@ -278,7 +279,7 @@ pub(super) fn tolerances(
         ) {
             let usual = sizes.scales[at - sizes.groups.len()].1.usual;
             out.insert(
-                name.to_string(),
+                scale.as_str().to_string(),
                 ToleranceFound {
                     sd: libm::exp(sizes.ln[at]) * factor,
                     usual: usual * factor,
@@ -302,6 +303,23 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
         remainder: None,
+    }
+}
+
+/// A group of errors that is as large as it may be has taken up what is none.
+fn at_bounds(subject: &Subject<'_>, fitted: &Fitted, unexplained: &mut Unexplained) {
+    let found = tolerances(subject, fitted);
+    let sizes = &fitted.sizes;
+    let groups = sizes.groups.iter().map(|(group, _)| group.as_str());
+    let names = groups.chain(sizes.scales.iter().map(|(scale, _)| scale.as_str()));
+    for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
+        if let (true, Some(own)) = (*ln >= size.bounds.1, found.get(name)) {
+            let (sd, unit) = (own.sd, own.unit);
+            unexplained.structured = true;
+            unexplained.places.push(format!(
+                "errors of the group {name}, which are as large as they may be ({sd:.3} {unit})"
+            ));
+        }
     }
 }
 

@@ -10,12 +10,12 @@ use super::fit::{Estimate, Fitted};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::hypothesis::{BY_DIRECTION, Hypothesis};
 use super::remainder::is_at_element_of;
-use super::sought::{NAMED, of_place, probability};
+use super::sought::{NAMED, none_of_these, of_place, probability};
 use super::subject::Subject;
 use super::visited::{Found, Visited};
 use crate::rig::orientation::chi_square_p_value;
 
-/// A finding matters when it moves marks by so many of their sigmas,
+/// A finding matters when, all else held, it moves marks by this part of their noise, rms,
 const MATTERS_MARKS: f64 = 0.2;
 /// or the wheel by so many degrees.
 const MATTERS_WHEEL_DEG: f64 = 0.01;
@@ -90,13 +90,10 @@ pub(super) fn findings(
         let without = without(found, leading, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
         let before = Blind::new(subject, &without);
-        let misfit = if h.is_slab() {
-            leading.misfit_without(k, subject.problem.unknowns.len())
-        } else {
-            // What the others could do without it, tolerances being no larger than they are with it.
-            without.at_sizes(&leading.sizes)
-        };
-        let (marks, wheel) = moved(subject, &leading.misfit, &misfit);
+        // By its own effect alone: what refitting would take up of it is wrong elsewhere then.
+        let moves = leading
+            .effect(subject, k)
+            .map(|effect| moved(subject, &effect));
         let advantage = folds
             .filter(|_| h.only_case(&subject.rows).is_none())
             .and_then(|folds| folds.advantage(leading, &without));
@@ -135,7 +132,8 @@ pub(super) fn findings(
                 .iter()
                 .map(|n| (n.name.clone(), n.std_error))
                 .collect(),
-            minor: marks < MATTERS_MARKS && wheel < MATTERS_WHEEL_DEG,
+            minor: moves
+                .is_some_and(|(marks, wheel)| marks < MATTERS_MARKS && wheel < MATTERS_WHEEL_DEG),
             evidence: Evidence {
                 statistic: "evidence",
                 value: evidence,
@@ -171,19 +169,19 @@ pub(super) fn findings(
     };
     let told = (0..leading.chosen.len()).filter(is_told);
     let mut out: Vec<(Finding, usize)> = told.map(of).collect();
-    // What makes the prediction of other cases worse is no cause.
-    out.retain(|(finding, k)| {
-        let worse = if leading.chosen[*k].is_slab() {
+    // What makes the prediction of other cases worse is no cause, unless some cause acts for sure and no other is left.
+    let predicts = |finding: &Finding, k: usize| {
+        let worse = if leading.chosen[k].is_slab() {
             WORSE.1
         } else {
             WORSE.0
         };
-        finding.group_probability > NAMED
-            && finding
-                .gain
-                .cross_validated_nats
-                .is_none_or(|nats| nats > -worse)
-    });
+        let nats = finding.gain.cross_validated_nats;
+        finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)
+    };
+    if none_of_these(found) > NAMED || out.iter().any(|(finding, k)| predicts(finding, *k)) {
+        out.retain(|(finding, k)| predicts(finding, *k));
+    }
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor
             .cmp(&b.minor)

@@ -12,7 +12,9 @@ use super::settle::{End, Settled, Sweep};
 use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use crate::identify::Problem;
-use crate::identify::global::{FitUnknowns, Memory, NuisanceLayout, Observations, Predictor};
+use crate::identify::global::{
+    FitUnknowns, Memory, NativePredictor, NuisanceLayout, Observations, Predictor,
+};
 use crate::system::{Parameters, State};
 use crate::tolerance::{self, ByClass, Linear, Posterior, Sizes, Whitening};
 
@@ -178,33 +180,60 @@ impl Fitted {
         )
     }
 
-    /// Prediction minus reading where the linear model would end with other sizes of tolerances.
-    pub fn at_sizes(&self, sizes: &Sizes) -> DVector<f64> {
-        match self.linear.posterior(sizes) {
-            Some(posterior) => &self.misfit + &self.jacobian * &posterior.step,
-            None => self.misfit.clone(),
+    /// What one cause does to each row, further parts of its law included: the prediction less that without it, stiffnesses, tolerances and
+    /// all else being what they are. `None` where a case has no equilibrium without it.
+    pub fn effect(&self, subject: &Subject<'_>, chosen: usize) -> Option<DVector<f64>> {
+        let inner = self.unknowns.len() + self.layout.sd.len();
+        let mut x = self.x.clone();
+        for (h, places) in self.chosen.iter().zip(&self.places) {
+            if !h.same_place(&self.chosen[chosen]) {
+                continue;
+            }
+            for (number, at) in h.numbers.iter().zip(places) {
+                x[*at] = number.absent(x[*at]);
+            }
         }
+        let on_rows = self.jacobian.columns_range(inner..);
+        let change = DVector::from_fn(self.x.len() - inner, |k, _| {
+            self.x[inner + k] - x[inner + k]
+        });
+        let mut effect = on_rows * change;
+        if x[..inner] != self.x[..inner] {
+            let problem = Problem {
+                dataset: &self.deck.dataset,
+                model: &self.deck.model,
+                ..subject.problem.clone()
+            };
+            let mut predictor = self.predictor(&problem)?;
+            let numbers = self.unknowns.numbers(
+                &self.deck.prepared.system.parameters(),
+                &x[..self.unknowns.len()],
+            );
+            let prediction = predictor.predict(&numbers, None);
+            subject.spend(1);
+            let cases: Vec<usize> = (0..self.states.len()).collect();
+            let rows = Observations::new(problem.measurement, problem.model, &cases);
+            let without = rows
+                .evaluate(&prediction, &self.layout, &x[..inner], 0)?
+                .residual;
+            effect +=
+                &self.misfit - on_rows * DVector::from_column_slice(&self.x[inner..]) - without;
+        }
+        Some(effect)
     }
 
-    /// Prediction minus reading without what a chosen hypothesis does to first order, `stiffnesses` refitted and all else as it is.
-    pub fn misfit_without(&self, chosen: usize, stiffnesses: usize) -> DVector<f64> {
-        let mut effect = DVector::zeros(self.misfit.len());
-        for at in &self.places[chosen] {
-            effect.axpy(self.x[*at], &self.jacobian.column(*at), 1.0);
+    /// What solves all cases of its deck, from where they are.
+    fn predictor<'p>(&'p self, problem: &'p Problem<'p>) -> Option<NativePredictor<'p>> {
+        let cases: Vec<usize> = (0..self.states.len()).collect();
+        let observed = Observations::new(problem.measurement, problem.model, &cases).observed;
+        let prepared = &self.deck.prepared;
+        let native = prepared.native(problem, observed).ok()?;
+        let mut predictor = native.remembering(self.memories.clone());
+        let parameters = prepared.system.parameters();
+        for (case, state) in self.states.iter().enumerate() {
+            predictor.start_from(case, state.clone(), parameters.clone());
         }
-        let weights = self.whitening.weights(&self.sizes.ln);
-        let own = self.jacobian.columns(0, stiffnesses).into_owned();
-        let mut own = self.whitening.apply(&own);
-        for (mut row, weight) in own.row_iter_mut().zip(weights.iter()) {
-            row *= *weight;
-        }
-        let target = self.whitening.apply_vector(&effect).component_mul(&weights);
-        let information = own.tr_mul(&own) + DMatrix::identity(stiffnesses, stiffnesses);
-        let taken = match nalgebra::Cholesky::new(information) {
-            Some(factor) => factor.solve(&own.tr_mul(&target)),
-            None => DVector::zeros(stiffnesses),
-        };
-        &self.misfit - effect + self.jacobian.columns(0, stiffnesses) * taken
+        Some(predictor)
     }
 
     /// The same linear model on other rows, at the same sizes: unknowns and their covariance, without any new solution.
@@ -389,6 +418,7 @@ pub(super) fn aimed(
             predictor,
             whitening: &whitening,
             stiffnesses: subject.problem.unknowns.len(),
+            progress: subject.progress(),
         })
     };
     let x = unknowns.start.clone();
@@ -518,17 +548,8 @@ impl Plain {
             model: &deck.model,
             ..subject.problem.clone()
         };
-        let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
-        let observations = Observations::new(problem.measurement, &deck.model, &cases);
-        let mut predictor = deck
-            .prepared
-            .native(&problem, observations.observed)
-            .ok()?
-            .remembering(fitted.memories.clone());
+        let mut predictor = fitted.predictor(&problem)?;
         let parameters = deck.prepared.system.parameters();
-        for (case, state) in fitted.states.iter().enumerate() {
-            predictor.start_from(case, state.clone(), parameters.clone());
-        }
         let mut x = fitted.x[..fitted.unknowns.len()].to_vec();
         for (k, x) in x.iter_mut().enumerate() {
             if !fitted.is_of_the_model(k) {
@@ -538,7 +559,7 @@ impl Plain {
         predictor.predict(&fitted.unknowns.numbers(&parameters, &x), None);
         subject.spend(1);
         let (mut thetas, mut states) = (Vec::new(), Vec::new());
-        for case in cases {
+        for case in 0..fitted.states.len() {
             let (state, theta) = predictor.answer(case)?;
             states.push(state.clone());
             thetas.push(theta.clone());

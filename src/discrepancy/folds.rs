@@ -130,9 +130,9 @@ pub(super) fn compared(subject: &Subject<'_>) -> Vec<usize> {
     unseen(subject).into_iter().filter(is_compared).collect()
 }
 
-/// By how much two models differ in their readings: rms of marks and channels in units of their noise, and of wheel angles in degrees.
+/// How large a change of all rows is: rms of marks and channels in units of their noise, and of wheel angles in degrees.
 /// Where there are neither marks nor channels all readings of the wheel stand for them.
-pub(super) fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -> (f64, f64) {
+pub(super) fn moved(subject: &Subject<'_>, rows: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles, mut wheel) = ((0.0, 0), (0.0, 0), (0.0, 0));
     let sigmas = subject.problem.measurement.wheel.as_ref();
     let angle = sigmas.map_or(0.0, |w| w.sigma_angle_deg);
@@ -142,7 +142,7 @@ pub(super) fn moved(subject: &Subject<'_>, a: &DVector<f64>, b: &DVector<f64>) -
         *count += 1;
     };
     for (k, row) in subject.rows.iter().enumerate() {
-        let change = a[k] - b[k];
+        let change = rows[k];
         match row {
             Row::Mark { .. } => add(&mut marks, change * unit),
             Row::Channel { .. } => add(&mut marks, change),

@@ -118,6 +118,9 @@ pub struct Hypothesis {
     pub with: Option<Box<Hypothesis>>,
 }
 
+/// A compliance of this part of its usual size is none.
+const ABSENT: f64 = 1e-3;
+
 /// Rubber that grows stiffer in one translation of a bushing does so in another with this probability, by each law.
 const ALONG_OTHERS: f64 = 0.15;
 
@@ -321,6 +324,15 @@ impl Hypothesis {
 }
 
 impl Number {
+    /// The unknown of a fit where the cause is absent; what alone does nothing, such as the slip length of friction, is where it is.
+    pub fn absent(&self, x: f64) -> f64 {
+        match self.unknown {
+            Unknown::Compliance(_) => x.max(-libm::log(ABSENT * self.sd)),
+            Unknown::Rate { .. } | Unknown::SlipLength { .. } => x,
+            _ => self.mean / self.sd,
+        }
+    }
+
     /// A number whose column holds for any size.
     pub fn linear(name: impl Into<String>, sd: f64, column: Column) -> Self {
         Self {

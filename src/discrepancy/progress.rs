@@ -29,8 +29,8 @@ impl Progress {
         self.sweeps.load(Ordering::Relaxed)
     }
 
-    /// How often they may be solved, searches up to the present one together.
-    fn budget(&self) -> usize {
+    /// How often they may be solved at most, searches up to the present one together.
+    pub fn budget(&self) -> usize {
         self.budget.load(Ordering::Relaxed)
     }
 
@@ -39,9 +39,14 @@ impl Progress {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Asks the search to end after its present step: its budget counts as spent, and so does that of any further one.
+    /// Ends every fit after its present step, and with them the search: its budget counts as spent, and so does that of any further one.
     pub fn stop(&self) {
         self.budget.store(0, Ordering::Relaxed);
+    }
+
+    /// True once it was stopped.
+    pub fn is_stopped(&self) -> bool {
+        self.budget() == 0
     }
 
     pub(super) fn begin(&self, stage: &'static str) {

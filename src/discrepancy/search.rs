@@ -284,6 +284,9 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut out: Vec<Candidate> = Vec::new();
         let mut best = f64::NEG_INFINITY;
         for k in 0..union.len() {
+            if self.tried.subject.progress().is_stopped() {
+                break;
+            }
             let (promise, at) = &union[k];
             let h = &catalogue.hypotheses[promise.at];
             let is_first = out.is_empty();
@@ -370,6 +373,9 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut winner: Option<Arc<Fitted>> = None;
         let mut ends: Vec<(&Hypothesis, &Weighed, Arc<Fitted>)> = Vec::new();
         for (h, weighed) in forms.into_iter().flatten() {
+            if self.tried.subject.progress().is_stopped() {
+                break;
+            }
             let leads = winner
                 .as_ref()
                 .map_or(least, |w| w.ln_posterior().max(least));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::aim::{Aim, is_still};
+use super::progress::Progress;
 use super::unknowns::{RowColumn, Unknowns};
 use crate::identify::global::gauss_newton::{LeastSquares, approach};
 use crate::identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
@@ -154,6 +155,8 @@ pub(super) struct Sweep<'a> {
     pub of_the_model: Vec<usize>,
     /// What acts on rows directly, per unit, at the last evaluation.
     pub on_rows: Vec<Vec<(usize, f64)>>,
+    /// Says when to stop.
+    pub progress: &'a Progress,
 }
 
 impl Sweep<'_> {
@@ -359,6 +362,9 @@ impl Sweep<'_> {
         // The objective where exact derivatives by small errors were found to promise what those of a point nearby did.
         let mut confirmed: Option<f64> = None;
         for step_number in 0.. {
+            if self.progress.is_stopped() {
+                return Settled::end(here, sizes);
+            }
             // Far from the answer the sizes would take up what is not fitted yet.
             let mut reached = here.linear.reached(&sizes, 0.0)?;
             if free || step_number >= HELD || reached.gain < NEAR {
@@ -531,6 +537,9 @@ struct Alone<'a, 'b> {
 
 impl LeastSquares for Alone<'_, '_> {
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        if self.sweep.progress.is_stopped() {
+            return None;
+        }
         let mut all = self.rest.clone();
         all[..x.len()].copy_from_slice(x);
         let active = if with_jacobian { x.len() } else { 0 };

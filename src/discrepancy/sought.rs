@@ -169,6 +169,11 @@ pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool)
     sum.min(1.0)
 }
 
+/// Probability that no cause of the catalogue acts.
+pub(super) fn none_of_these(found: &Found) -> f64 {
+    probability(found, |causes| !causes.iter().any(Hypothesis::is_named))
+}
+
 /// Probability of a cause at its place.
 pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
     probability(found, |causes| {
@@ -176,8 +181,8 @@ pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
     })
 }
 
-/// The model that is reported: the best fitted one that holds every place that is more probable than not; of those that hold no place
-/// without need, where none is probable.
+/// The model that is reported: the best fitted one that holds every place that is more probable than not, and a cause where it is more
+/// probable than not that one acts.
 fn leading(found: &Found) -> Arc<Fitted> {
     let mut named: Vec<&Hypothesis> = Vec::new();
     for h in found.models.iter().flat_map(|(model, _)| &model.causes) {
@@ -189,10 +194,12 @@ fn leading(found: &Found) -> Arc<Fitted> {
         .models
         .iter()
         .filter_map(|(model, _)| model.fitted.as_ref());
+    let acts = none_of_these(found) < NAMED;
     let holds = |fitted: &&Arc<Fitted>| {
-        named
-            .iter()
-            .all(|h| fitted.chosen.iter().any(|other| other.same_place(h)))
+        (!acts || fitted.chosen.iter().any(Hypothesis::is_named))
+            && named
+                .iter()
+                .all(|h| fitted.chosen.iter().any(|other| other.same_place(h)))
     };
     let mut holding = fitted.filter(holds);
     holding

@@ -12,7 +12,17 @@ pub struct CorrectedStiffness {
     pub after: (f64, f64),
 }
 
+/// A number whose logarithm has a larger standard deviation is not identified.
+pub(super) const UNIDENTIFIABLE: f64 = 0.5;
+
 impl CorrectedStiffness {
+    /// True where the readings determine it in both models; else its two estimates say nothing of each other.
+    pub fn is_identified(&self) -> bool {
+        [self.before, self.after]
+            .iter()
+            .all(|(value, error)| *error <= UNIDENTIFIABLE * value)
+    }
+
     /// By how much the wrong model had biased it, as a part of the corrected value.
     pub fn bias(&self) -> f64 {
         self.before.0 / self.after.0 - 1.0

@@ -361,6 +361,11 @@ impl<'a> Subject<'a> {
         self.progress.is_spent()
     }
 
+    /// Where sweeps are counted.
+    pub(super) const fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
     /// Counts the sweeps there from now on.
     pub fn watched_by(&mut self, progress: &Progress) {
         self.progress = progress.clone();

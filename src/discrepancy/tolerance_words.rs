@@ -3,7 +3,7 @@
 use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
 use crate::mechanics::Vec3;
-use crate::tolerance::{Group, Misplaced};
+use crate::tolerance::{Group, Misplaced, Size};
 
 /// A size whose logarithm moves by less says nothing.
 const SEEN: f64 = 0.05;
@@ -13,15 +13,21 @@ impl Outcome<'_> {
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
         // Where the readings do not see points their size stays where it was.
+        let usual = Size::HARDPOINTS;
         let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
         if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
-            let word = match points.sd / points.usual {
+            let word = match points.sd / usual {
                 ratio if ratio < 2.0 => "usual for a production axle",
                 ratio if ratio < 4.0 => "much for a production axle",
                 _ => "more than a production axle has",
             };
+            let stated = if libm::log(points.usual / usual).abs() < SEEN {
+                String::new()
+            } else {
+                format!("; the study states {:.2}", points.usual)
+            };
             out.push(format!(
-                "The readings look as if hardpoints were {:.2} {} off, {word}.",
+                "The readings look as if hardpoints were {:.2} {} off, {word} ({usual:.1}{stated}).",
                 points.sd, points.unit
             ));
         }

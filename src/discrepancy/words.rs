@@ -59,7 +59,9 @@ impl Outcome<'_> {
             out.push(format!("{more} more tests of structure fail."));
         }
         out.extend(self.remains());
-        if self.cut_short {
+        if self.is_stopped() {
+            out.push("The search was interrupted. Further causes, and rivals of those found, were not looked for.".to_string());
+        } else if self.cut_short {
             let sweeps = self.subject.sweeps();
             out.push(format!(
                 "The search was ended by its budget: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
@@ -88,6 +90,11 @@ impl Outcome<'_> {
             ("mark", _) => self.decimals().finer(),
             (_, unit) => Decimals::of_error(unit).finer(),
         }
+    }
+
+    /// True where the search was stopped, and not ended by its budget.
+    pub fn is_stopped(&self) -> bool {
+        self.subject.progress().is_stopped()
     }
 
     fn findings_matter(&self) -> bool {
@@ -260,7 +267,7 @@ impl Outcome<'_> {
         let mut out: Vec<String> = acting
             .map(|f| {
                 let minor = if f.minor {
-                    ", which does not matter"
+                    ", and its own effect is small"
                 } else {
                     ""
                 };
@@ -283,6 +290,11 @@ impl Outcome<'_> {
                 )
             })
             .collect();
+        if !out.is_empty() {
+            out.push(
+                "Places that are equivalent to those named were not all looked at.".to_string(),
+            );
+        }
         out.push(format!(
             "The probability that no cause of the catalogue acts is {}.",
             percent(self.diagnosis.none_of_these)
@@ -498,7 +510,8 @@ impl Outcome<'_> {
             .stiffnesses
             .iter()
             .filter(|s| {
-                (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1)
+                s.is_identified()
+                    && (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1)
             })
             .collect();
         biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));

@@ -73,7 +73,8 @@ impl Deck {
         let curves = match &beside.measured {
             Some(path) => {
                 let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
-                let found = measured(&source, &config).map_err(|wrong| refused(&[wrong]))?;
+                let found =
+                    measured(&source, &config, &units).map_err(|wrong| refused(&[wrong]))?;
                 told.extend(found.diagnostics);
                 found.value
             }

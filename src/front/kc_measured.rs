@@ -1,15 +1,17 @@
 //! Measured curves beside those of K&C tests.
 
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::kc::Config;
+use crate::kc::{Config, unit_in_deck};
 use crate::report::MeasuredCurve;
 use crate::text::Source;
+use crate::units::Units;
 
-/// Reads a table with the columns `test`, `value` and characteristics. Angles are in radians unless their head ends in `[deg]`; cells may be
-/// empty. Semicolons or tabs between the cells are read too, and then decimal commas.
+/// Reads a table with the columns `test`, `value` and characteristics. A head may end in a unit as `curves.csv` has it, such as `[deg]`; without one
+/// values are in the deck's units and radians. Cells may be empty. Semicolons or tabs between the cells are read too, and then decimal commas.
 pub(crate) fn measured(
     source: &Source,
     config: &Config,
+    units: &Units,
 ) -> Result<Checked<Vec<MeasuredCurve>>, Diagnostic> {
     let path = source.name();
     let refuse =
@@ -45,11 +47,7 @@ pub(crate) fn measured(
             .split_once('[')
             .map_or((head, ""), |(a, b)| (a, b.trim_end_matches([']', ' '])));
         if k != test && k != value && path.contains('.') {
-            let factor = if unit.trim().starts_with("deg") {
-                1f64.to_radians()
-            } else {
-                1.0
-            };
+            let factor = unit_in_deck(unit.trim(), units);
             columns.push((k, path.trim().to_string(), factor));
         }
     }

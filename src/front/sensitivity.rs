@@ -3,6 +3,7 @@ use crate::model::{Model, PartIx};
 use crate::statics::{Sensitivity, Settings, SolveError, solve};
 use crate::syntax::{Address, Dataset};
 use crate::system::{Quantity, Slot, System};
+use crate::units::Dimension;
 
 /// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians). By QP a marker moves
 /// without turning, and markers that are given in its frame (RM) move with it.
@@ -10,6 +11,8 @@ use crate::system::{Quantity, Slot, System};
 pub struct SensitivityTable {
     /// What changes: names of the columns, for example `PART/4 x`.
     pub of: Vec<String>,
+    /// Their units; empty where none is known.
+    pub units: Vec<String>,
     /// By which numbers, a row each.
     pub by: Vec<SensitivityRow>,
 }
@@ -21,6 +24,8 @@ pub struct SensitivityRow {
     pub address: String,
     /// Its value; NaN where it is a function.
     pub value: f64,
+    /// Its unit; empty without one. A derivative is in the unit of its column per this.
+    pub unit: String,
     /// The derivative of each column by it.
     pub derivatives: Vec<f64>,
 }
@@ -64,6 +69,7 @@ impl SensitivityTable {
             .map(|(&slot, derivatives)| SensitivityRow {
                 address: system.catalogue().info(slot).address.to_string(),
                 value: parameters.get(slot),
+                unit: model.units.name(system.catalogue().info(slot).dimension),
                 derivatives,
             });
         // Asked for by name even a zero is an answer; else only what has an effect.
@@ -71,6 +77,7 @@ impl SensitivityTable {
         let by = named.filter(|row| all || row.derivatives.iter().any(|d| *d != 0.0));
         Ok(Self {
             by: by.collect(),
+            units: columns.iter().map(|c| c.unit.clone()).collect(),
             of: columns.into_iter().map(|column| column.head).collect(),
         })
     }
@@ -79,6 +86,7 @@ impl SensitivityTable {
 /// A column of the table.
 struct Column {
     head: String,
+    unit: String,
     quantity: Quantity,
 }
 
@@ -89,13 +97,16 @@ fn quantities(
 ) -> Result<Vec<Column>, Diagnostic> {
     const MOTION: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
     const WRENCH: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+    const MOVED: [Dimension; 2] = [Dimension::LENGTH, Dimension::ANGLE];
+    const ACTS: [Dimension; 2] = [Dimension::FORCE, Dimension::TORQUE];
     let address = super::value::address(text, dataset)?;
     let id = address.id.unwrap_or_default();
     let kind = address.kind.as_str();
-    let six = |names: [&str; 6], make: &dyn Fn(usize) -> Quantity| {
+    let six = |names: [&str; 6], kinds: [Dimension; 2], make: &dyn Fn(usize) -> Quantity| {
         (0..6)
             .map(|k| Column {
                 head: format!("{text} {}", names[k]),
+                unit: model.units.name(kinds[k / 3]),
                 quantity: make(k),
             })
             .collect()
@@ -103,14 +114,14 @@ fn quantities(
     if matches!(kind, "PART" | "POINT_MASS") {
         let part = model.parts.iter().position(|p| p.header.id == id);
         if let Some(part) = part {
-            return Ok(six(MOTION, &|k| Quantity::Motion(PartIx(part), k)));
+            return Ok(six(MOTION, MOVED, &|k| Quantity::Motion(PartIx(part), k)));
         }
     }
     if let Some(element) = system.element(kind, id) {
-        return Ok(six(WRENCH, &|k| Quantity::Element(element, k)));
+        return Ok(six(WRENCH, ACTS, &|k| Quantity::Element(element, k)));
     }
     if let Some(constraint) = system.constraint(kind, id) {
-        return Ok(six(WRENCH, &|k| Quantity::Constraint(constraint, k)));
+        return Ok(six(WRENCH, ACTS, &|k| Quantity::Constraint(constraint, k)));
     }
     let component = address
         .argument
@@ -122,6 +133,7 @@ fn quantities(
     if let ("REQUEST", Some(component), Some(index)) = (kind, component, request) {
         return Ok(vec![Column {
             head: text.to_string(),
+            unit: String::new(),
             quantity: Quantity::Request(index, component - 1),
         }]);
     }

@@ -111,6 +111,16 @@ fn definition(address: &Address) -> Option<&'static ArgumentDef> {
     def.arguments.iter().find(|argument| argument.name == name)
 }
 
+/// The dimension of the number at an address; none for numbers inside of functions.
+pub(crate) fn dimension(address: &Address) -> Dimension {
+    match definition(address) {
+        Some(def) if def.kind == ValueKind::Real => {
+            def.dimension_of(address.index.map_or(0, |k| k.saturating_sub(1)))
+        }
+        _ => Dimension::NONE,
+    }
+}
+
 /// True if an address is that of an angle. Numbers inside of functions have no unit but that of their suffix.
 pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
     match definition(address) {

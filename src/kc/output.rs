@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::config::Config;
 use super::sample::Sample;
+use super::shown::{driven_unit, head, shown, slope};
 use super::sweep::{KcRun, TestRun};
 use super::test_settings::{LoadPoint, TestSettings};
-use super::{Convention, Reading, Side};
+use super::{Convention, Side};
 use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
 use crate::units::Units;
 
@@ -124,15 +125,6 @@ pub fn background(entity: &str) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-fn head(reading: &Reading, units: &Units) -> String {
-    let unit = reading.unit.word(units);
-    if unit.is_empty() {
-        reading.path()
-    } else {
-        format!("{} [{unit}]", reading.path())
-    }
-}
-
 fn finished(csv: csv::Writer<Vec<u8>>) -> Vec<u8> {
     csv.into_inner().expect("writing to memory does not fail")
 }
@@ -167,15 +159,16 @@ pub(crate) fn curves_csv(
             .expect("writing to memory does not fail");
     };
     let statement = Statement::new(config, None, convention);
-    let first = ["test", "branch", "value", "friction"].map(str::to_string);
+    let first = ["test", "branch", "value", "value_unit", "friction"].map(str::to_string);
     let said = statement.rows.iter().map(|row| row.0.to_string());
     let names = run.ride.readings.iter().map(|reading| head(reading, units));
     write(first.into_iter().chain(said).chain(names).collect());
-    let mut row = |name: &str, statement: &Statement, sample: &Sample| {
+    let mut row = |(name, unit): (&str, String), statement: &Statement, sample: &Sample| {
         let first = [
             name.to_string(),
             sample.branch.word().to_string(),
             sample.value.to_string(),
+            unit,
             friction(sample).to_string(),
         ];
         let said = statement.rows.iter().map(|row| row.1.clone());
@@ -184,15 +177,16 @@ pub(crate) fn curves_csv(
                 .readings
                 .iter()
                 .find(|r| r.entity == wanted.entity && r.component == wanted.component);
-            cell(found.map_or(f64::NAN, |r| r.value_in(convention)))
+            cell(found.map_or(f64::NAN, |r| shown(r.value_in(convention), r.unit, units).0))
         });
         write(first.into_iter().chain(said).chain(values).collect());
     };
-    row("ride_height", &statement, &run.ride);
+    row(("ride_height", String::new()), &statement, &run.ride);
     for test in &run.tests {
         let statement = Statement::new(config, Some(&test.settings), convention);
+        let unit = driven_unit(test.kind.driven(), units);
         for sample in &test.samples {
-            row(test.kind.name(), &statement, sample);
+            row((test.kind.name(), unit.clone()), &statement, sample);
         }
     }
     finished(csv)
@@ -218,8 +212,10 @@ pub(crate) fn gradients_csv(
         "tangent",
         "fitted",
         "hysteresis",
+        "hysteresis_unit",
         "linear_from",
         "linear_to",
+        "linear_unit",
         "left_right_asymmetry",
         "radius",
         "tyre_stiffness",
@@ -232,16 +228,22 @@ pub(crate) fn gradients_csv(
         for gradient in &test.gradients {
             let factor = convention.factor(gradient.sense);
             let (_, radius, tyre) = background(gradient.entity);
+            let driven = test.kind.driven();
+            let per = |value: f64| slope(factor * value, gradient.unit, driven, units);
+            let (tangent, unit) = per(gradient.tangent);
+            let (hysteresis, of_reading) = shown(gradient.hysteresis, gradient.unit, units);
             let first = [
                 test.kind.name().to_string(),
                 format!("{}.{}", gradient.entity, gradient.component),
-                gradient.unit.word(units),
+                unit,
                 test.kind.variable().to_string(),
-                cell(factor * gradient.tangent),
-                cell(factor * gradient.fitted),
-                cell(gradient.hysteresis),
+                cell(tangent),
+                cell(per(gradient.fitted).0),
+                cell(hysteresis),
+                of_reading,
                 cell(gradient.linear_range[0]),
                 cell(gradient.linear_range[1]),
+                driven_unit(driven, units),
                 cell(gradient.asymmetry(&test.gradients)),
                 radius.to_string(),
                 tyre.to_string(),

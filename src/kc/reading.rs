@@ -35,6 +35,24 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// All of them.
+    pub(crate) const ALL: [Self; 14] = [
+        Self::One,
+        Self::Percent,
+        Self::Angle,
+        Self::Length,
+        Self::Force,
+        Self::Torque,
+        Self::Rate,
+        Self::RollRate,
+        Self::AnglePerLength,
+        Self::LengthPerForce,
+        Self::AnglePerForce,
+        Self::AnglePerTorque,
+        Self::LengthPerG,
+        Self::Frequency,
+    ];
+
     /// The unit as results files spell it.
     pub(crate) fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);

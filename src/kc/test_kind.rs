@@ -1,4 +1,6 @@
+use super::Unit;
 use super::test_settings::{Hold, LoadPoint, TestSettings};
+use crate::units::Units;
 
 /// A standard test of an axle on a rig.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -118,6 +120,16 @@ impl TestKind {
             Self::Braking => "braking force",
             Self::Traction => "driving force",
             Self::Aligning | Self::AligningOpposed => "aligning torque",
+        }
+    }
+
+    /// The unit of its variable in units of the deck.
+    pub(crate) fn unit(self, units: &Units) -> String {
+        match self.driven() {
+            Driven::Height(_) => Unit::Length.word(units),
+            Driven::Steering => "unit driven".to_string(),
+            Driven::Fx(_) | Driven::Fy(_) => Unit::Force.word(units),
+            Driven::Mz(_) => Unit::Torque.word(units),
         }
     }
 

@@ -52,6 +52,22 @@ const ROOM: [f64; 4] = [66.0, 14.0, 12.0, 46.0];
 const LEGEND_ROW: f64 = 18.0;
 /// Colours of the style sheet; from here on they repeat with another dash.
 const COLOURS: usize = 8;
+/// Whose positions or readings a series has by its name, and the class of their colour: the same in all charts, tables and views of a page.
+const ROLES: [(&str, &str); 8] = [
+    ("measured", MEASURED),
+    ("as read", MEASURED),
+    ("initial", INITIAL),
+    ("as the model was", INITIAL),
+    ("identified", "s-fitted"),
+    ("as it is extended", EXTENDED),
+    ("two standard errors above", "s1"),
+    ("two standard errors below", "s1"),
+];
+const MEASURED: &str = "s-measured";
+/// The model before a fit or an extension.
+pub(super) const INITIAL: &str = "s-initial";
+/// The model with what was found.
+pub(super) const EXTENDED: &str = "s-extended";
 
 impl Chart {
     /// The picture as an `<svg>` element that takes its colours from the page. The names of the series stand below the plot, each beside
@@ -125,7 +141,7 @@ impl Chart {
                 .filter(usable)
                 .filter_map(|p| Some((px(p.0)?, py(p.1)?)))
                 .collect();
-            let class = class(k, series.mark);
+            let class = class(&series.name, k, series.mark);
             push(format_args!("<g class=\"{class}\">"));
             if series.mark != Mark::Points && spots.len() > 1 {
                 push(format_args!(
@@ -178,7 +194,7 @@ impl Chart {
         for (k, series) in self.series.iter().enumerate() {
             let x = 20.0 + (k % columns) as f64 * column;
             let y = SIZE.1 + (k / columns) as f64 * LEGEND_ROW + 6.0;
-            let class = class(k, series.mark);
+            let class = class(&series.name, k, series.mark);
             write!(out, "<g class=\"{class}\">").expect("a String takes all");
             if series.mark != Mark::Points {
                 write!(out, "<path class=\"line\" d=\"M{x} {y}h26\"/>")
@@ -229,13 +245,18 @@ fn path(spots: &[(f64, f64)]) -> String {
     out
 }
 
-fn class(k: usize, mark: Mark) -> String {
-    let dash = if mark == Mark::Dashed || k >= COLOURS {
+fn class(name: &str, k: usize, mark: Mark) -> String {
+    let own = name.split(',').next().unwrap_or_default();
+    let role = ROLES.iter().find(|(name, _)| *name == own);
+    let dash = if mark == Mark::Dashed || (k >= COLOURS && role.is_none()) {
         " dashed"
     } else {
         ""
     };
-    format!("s{}{dash}", 1 + k % COLOURS)
+    match role {
+        Some((_, class)) => format!("{class}{dash}"),
+        None => format!("s{}{dash}", 1 + k % COLOURS),
+    }
 }
 
 /// A dot, square, triangle or diamond, so that clouds differ in more than colour.
@@ -299,6 +320,31 @@ mod tests {
         // The plot and the legend: the same class twice for either series.
         assert_eq!(svg.matches("class=\"s2 dashed\"").count(), 2);
         assert_eq!(svg.matches("class=\"s1\"").count(), 2);
+    }
+
+    #[test]
+    fn a_role_has_one_colour_wherever_its_series_stands() {
+        let named = |name: &str, mark| Series {
+            name: name.to_string(),
+            points: vec![(0.0, 1.0), (1.0, 2.0)],
+            mark,
+        };
+        let drawn = |series: Vec<Series>| {
+            let svg = Chart {
+                series,
+                ..chart(false, vec![])
+            }
+            .svg()
+            .unwrap();
+            svg.matches("class=\"s-initial").count()
+        };
+        let (read, was) = (
+            named("as read", Mark::Points),
+            named("as the model was", Mark::Dashed),
+        );
+        assert_eq!(drawn(vec![read, was.clone()]), 2, "curve and legend");
+        let unseen = named("initial, cases no fit saw", Mark::Points);
+        assert_eq!(drawn(vec![was, unseen]), 4);
     }
 
     #[test]

@@ -4,7 +4,8 @@ use crate::discrepancy::{
 use crate::identify::global::Row;
 use crate::text::Decimals;
 
-use super::diagnosis_view::{curves, diagnosis_scene, headline};
+use super::chart::{EXTENDED, INITIAL};
+use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
 use super::interval::IntervalScale;
 use super::limits;
 use super::number::unbroken;
@@ -186,10 +187,7 @@ impl DiagnosisReport<'_> {
                 format!("SHA-256 {}", self.loaded.study.inputs_sha256()),
             ),
         ]);
-        page.paragraph(&format!(
-            "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
-            diagnosis.baseline.chi2_per_dof, self.outcome.places
-        ));
+        page.paragraph(&format!("{lead} {}", fit_in_words(self.outcome)));
         let channels = self.outcome.channels();
         let mut sentences = self.outcome.sentences();
         if channels.len() > 1 {
@@ -205,7 +203,7 @@ impl DiagnosisReport<'_> {
         );
         if !diagnosis.findings.is_empty() {
             page.heading("Causes");
-            page.table(&ranking(diagnosis, &self.loaded.model.units, &scene));
+            page.table(&ranking(diagnosis, self.loaded, &scene));
             page.note(
                 "Probabilities are those of the cause at its place, among all models looked at. Causes after \"or\" do as well on these \
                  readings, and are less probable by a factor of twenty at most.",
@@ -240,11 +238,11 @@ impl DiagnosisReport<'_> {
                     "Each group of like loads predicted from the others, by the model that those choose among all that were fitted."
                 });
             }
-            page.heading("Stiffnesses, corrected");
+            page.heading("Stiffnesses without and with the causes");
             page.table(&self.stiffnesses(&scene));
             page.note(
                 "The bar is the 95 percent interval with the cause in the model, on a logarithmic scale around its estimate; the diamond is what the \
-                 model without the cause had.",
+                 model without the cause had. Not determined: one of the two is known to no better than half of itself.",
             );
         }
         page.heading("The mechanism");
@@ -267,10 +265,9 @@ impl DiagnosisReport<'_> {
                 "How far off, in mm, a point of the car has to be along each axis of ground to be named with even odds among tolerances of \
                  the size above; empty where the readings do not see it.",
             );
-            page.table(&limits::of_causes(diagnosis, &scene));
+            page.table(&limits::of_causes(diagnosis, self.loaded, &scene));
             page.note(
-                "How large each other cause has to be, to first order and in units of the deck, at the places where it is seen best and \
-                 worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
+                "How large each other cause has to be, to first order, at the places where it is seen best and worst; and at how many places it is not seen. diagnosis.json lists all places, couplings and higher terms.",
             );
         }
         page.heading("Residuals");
@@ -355,7 +352,7 @@ impl DiagnosisReport<'_> {
             let [low, high] = sides(found.after);
             [low, high, found.before.0 / found.after.0]
         });
-        let scale = IntervalScale::over(widest);
+        let scale = IntervalScale::over(widest).coloured([EXTENDED, INITIAL]);
         let picture = scale.ends();
         let mut table = Table::new(&[
             ("number", Align::Left),
@@ -386,13 +383,19 @@ impl DiagnosisReport<'_> {
                 shown(before),
                 shown(after),
                 shown(after),
-                format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0),
+                if stiffness.is_identified() {
+                    format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0)
+                } else {
+                    "not determined".to_string()
+                },
             ]);
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
             let diamond = before.0 / after.0;
             table.picture(4, scale.svg(low, Some(high), Some(diamond), &shown(after)));
-            if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
+            if !stiffness.is_identified() {
+                table.mark(5, "soft");
+            } else if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }
         }

@@ -90,16 +90,43 @@ pub(super) fn curves(
     Ok(out)
 }
 
+/// How well the model fits, without causes and with them.
+pub(crate) fn fit_in_words(outcome: &Outcome<'_>) -> String {
+    let [before, after] =
+        [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
+    let tried = format!("{} hypotheses were tried.", outcome.places);
+    let sizes =
+        "noise and tolerances are fitted with it, which brings it near 1 for wrong models too";
+    if outcome.extended.chosen.is_empty() {
+        return format!("Chi-square per degree of freedom is {before:.2}; {sizes}. {tried}");
+    }
+    let nats = outcome.extended.ln_posterior() - outcome.baseline.ln_posterior();
+    format!(
+        "With the causes found the readings are 10^{:.1} times as probable. Chi-square per degree of freedom is {before:.2} without them and \
+         {after:.2} with them; {sizes}. {tried}",
+        nats / std::f64::consts::LN_10
+    )
+}
+
 /// The answer in a sentence or two for someone who decides: problem, cause, place, gain.
 pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
     let length = loaded.model.units.length.word;
+    let stopped = if outcome.is_stopped() {
+        "Interrupted; this is what was found so far. "
+    } else {
+        ""
+    };
     let Some(finding) = diagnosis.findings.iter().find(|finding| !finding.minor) else {
-        return match diagnosis.verdict {
-            Verdict::Unexplained => "The measurement holds something that the model does not have and that no known cause explains.",
-            Verdict::Consistent | Verdict::Discrepancy => "The model explains what was measured; nothing in it needs to be changed.",
-        }
-        .to_string();
+        let answer = match diagnosis.verdict {
+            Verdict::Unexplained => {
+                "The measurement holds something that the model does not have and that no known cause explains."
+            }
+            Verdict::Consistent | Verdict::Discrepancy => {
+                "The model explains what was measured; nothing in it needs to be changed."
+            }
+        };
+        return format!("{stopped}{answer}");
     };
     let rivals: Vec<String> = finding
         .indistinguishable_from
@@ -107,7 +134,7 @@ pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scen
         .map(|rival| format!("{} at {}", words(rival.cause), scene.named(&rival.address)))
         .collect();
     let mut text = format!(
-        "The model does not behave like the car: the cause is {} at {}, with a probability of {:.0} %.",
+        "{stopped}The model does not behave like the car: the cause is {} at {}, with a probability of {:.0} %.",
         words(finding.cause),
         scene.named(&finding.address),
         (100.0 * finding.probability).min(99.0)

@@ -2,8 +2,9 @@
 
 use super::convergence::convergence;
 use super::interval::IntervalScale;
-use super::number::{number, rounded, short_unit, unbroken};
+use super::number::{number, rounded, unbroken};
 use super::repeats::repeats;
+use super::short_unit;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
 use crate::identify::structure::{is_structured, worst};

@@ -8,6 +8,8 @@ const SIZE: (f64, f64) = (170.0, 20.0);
 pub(super) struct IntervalScale {
     /// The scale reaches from one over this to this.
     reach: f64,
+    /// Classes of the colours of the interval and of the reference.
+    colours: [&'static str; 2],
 }
 
 impl IntervalScale {
@@ -20,7 +22,13 @@ impl IntervalScale {
         let round = [1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0];
         Self {
             reach: round.into_iter().find(|r| *r >= widest).unwrap_or(10.0),
+            colours: ["s1", "s2"],
         }
+    }
+
+    /// The same in other colours: of the interval and of the reference.
+    pub(crate) const fn coloured(self, colours: [&'static str; 2]) -> Self {
+        Self { colours, ..self }
     }
 
     /// The ends of the scale, for the head of its column.
@@ -46,10 +54,11 @@ impl IntervalScale {
         };
         let mut out = format!(
             "<svg class=\"interval\" role=\"img\" aria-label=\"{}\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\
-             <path class=\"grid\" d=\"M{left} {middle}H{right}M{:.1} 2V{}\"/><g class=\"s1\">",
+             <path class=\"grid\" d=\"M{left} {middle}H{right}M{:.1} 2V{}\"/><g class=\"{}\">",
             super::escape(text),
             width / 2.0,
-            height - 2.0
+            height - 2.0,
+            self.colours[0]
         );
         let beyond = |side: Option<f64>| {
             side.is_none_or(|ratio| {
@@ -84,7 +93,8 @@ impl IntervalScale {
         if let Some(reference) = reference.filter(|ratio| *ratio > 0.0) {
             let at = place(reference);
             push(format_args!(
-                "<g class=\"s2\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
+                "<g class=\"{}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>",
+                self.colours[1]
             ));
         }
         push(format_args!("</svg>"));

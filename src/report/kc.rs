@@ -1,8 +1,8 @@
 use super::number::rounded;
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use crate::kc::{
-    Branch, Convention, Driven, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, Unit,
-    fitted_slope, loop_half_width, output,
+    Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, driven_unit,
+    fitted_slope, loop_half_width, output, shown, slope,
 };
 use crate::units::Units;
 
@@ -99,66 +99,8 @@ const AT_RIDE_HEIGHT: [&str; 22] = [
     "anti_squat_acceleration",
 ];
 
-/// True for decks in newtons and metric lengths: others are shown in their own units.
-fn metric(units: &Units) -> bool {
-    units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
-}
-
 /// So many digits are enough for a sentence.
 const LEAD: i32 = 3;
-
-/// Value and unit as people read them: angles in degrees, compliances per kilonewton.
-fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
-    let (force, length) = (units.force.si, units.length.si);
-    let people = match unit {
-        _ if !metric(units) => None,
-        Unit::Force => Some((1.0, "N")),
-        Unit::Rate => Some((force / length * 1e-3, "N/mm")),
-        Unit::RollRate => Some((force * length * 1f64.to_radians(), "Nm/deg")),
-        Unit::AnglePerLength => Some((1f64.to_degrees() / length, "deg/m")),
-        Unit::LengthPerForce => Some((length * 1e6 / force, "mm/kN")),
-        Unit::AnglePerForce => Some((1f64.to_degrees() * 1e3 / force, "deg/kN")),
-        Unit::AnglePerTorque => {
-            let torque = force * length;
-            Some((1f64.to_degrees() * 100.0 / torque, "deg/100 Nm"))
-        }
-        _ => None,
-    };
-    if unit == Unit::Percent {
-        return (value, "%".to_string());
-    }
-    if let Some((factor, word)) = people {
-        return (factor * value, word.to_string());
-    }
-    let word = super::short_unit(&unit.word(units));
-    if unit.is_angle() {
-        (value.to_degrees(), word.replacen("rad", "deg", 1))
-    } else {
-        (value, word)
-    }
-}
-
-/// A slope over a test's variable as people read it.
-fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
-    let (value, word) = shown(value, unit, units);
-    let (force, length) = (units.force.si, units.length.si);
-    let (factor, per) = match driven {
-        Driven::Steering => (1.0, " per unit driven"),
-        _ if !metric(units) => {
-            let variable = match driven {
-                Driven::Height(_) => Unit::Length,
-                Driven::Mz(_) => Unit::Torque,
-                _ => Unit::Force,
-            };
-            return (value, format!("{word} per {}", variable.word(units)));
-        }
-        Driven::Height(_) if unit == Unit::Force => (1e-3 / length, "/mm"),
-        Driven::Height(_) => (1.0 / length, "/m"),
-        Driven::Fx(_) | Driven::Fy(_) => (1e3 / force, "/kN"),
-        Driven::Mz(_) => (100.0 / (force * length), "/100 Nm"),
-    };
-    (factor * value, word + per)
-}
 
 /// The name of a request as people say it.
 fn called(entity: &str) -> String {
@@ -349,7 +291,7 @@ impl KcReport<'_> {
             test.kind.variable(),
             settings.range[0],
             settings.range[1],
-            self.variable_unit(test),
+            driven_unit(test.kind.driven(), self.units),
             if settings.point == crate::kc::LoadPoint::Patch {
                 "contact patch"
             } else {
@@ -477,22 +419,17 @@ impl KcReport<'_> {
         }
         let chart = Chart {
             title: title.to_string(),
-            x: format!("{} [{}]", test.kind.variable(), self.variable_unit(test)),
+            x: format!(
+                "{} [{}]",
+                test.kind.variable(),
+                driven_unit(test.kind.driven(), self.units)
+            ),
             y: format!("{} [{unit}]", title.to_lowercase()),
             series,
             log_y: false,
             level: None,
         };
         Figure::chart(&chart, "").map(Some)
-    }
-
-    fn variable_unit(&self, test: &TestRun) -> String {
-        match test.kind.driven() {
-            Driven::Height(_) => Unit::Length.word(self.units),
-            Driven::Steering => "as driven".to_string(),
-            Driven::Fx(_) | Driven::Fy(_) => shown(0.0, Unit::Force, self.units).1,
-            Driven::Mz(_) => Unit::Torque.word(self.units),
-        }
     }
 
     fn gradients(&self, test: &TestRun) -> Table {

@@ -1,7 +1,9 @@
 //! What the readings cannot see, as tables.
 
-use super::{Align, Scene, Table, number};
+use super::ranking::unit;
+use super::{Align, Scene, Table, number, short_unit};
 use crate::discrepancy::{Cause, CauseLimit, Diagnosis};
+use crate::identify::LoadedStudy;
 
 /// Higher terms of laws; the limit of the first term says more.
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
@@ -24,10 +26,11 @@ pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
 }
 
 /// How large all other causes have to be: a line for each kind of number.
-pub(crate) fn of_causes(diagnosis: &Diagnosis, scene: &Scene) -> Table {
+pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
         ("number", Align::Left),
+        ("unit", Align::Left),
         ("seen best", Align::Right),
         ("at", Align::Left),
         ("seen worst", Align::Right),
@@ -65,9 +68,13 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, scene: &Scene) -> Table {
         };
         let size = |(size, _): &(f64, &str)| number(*size, Some(size.abs() * 0.1));
         let at = |(_, address): &(f64, &str)| scene.named(address);
+        let one = places()
+            .next()
+            .map(|l| unit((l.cause, &l.address), &l.number, loaded));
         table.row([
             cause.as_str().to_string(),
             name,
+            short_unit(&one.unwrap_or_default()),
             size(best),
             at(best),
             size(worst),

@@ -38,6 +38,7 @@ pub use chart::Mark;
 pub(crate) use chart::{Chart, Series};
 pub use check::Verdict;
 pub(crate) use diagnosis::DiagnosisReport;
+pub(crate) use diagnosis_view::fit_in_words;
 pub use escape::escape;
 pub use figure::Figure;
 pub(crate) use heat_map::HeatMap;
@@ -45,9 +46,9 @@ pub(crate) use identification::IdentificationReport;
 pub use identification::{lead, status};
 pub(crate) use kc::{KcReport, MeasuredCurve};
 pub use number::number;
-pub(crate) use number::short_unit;
 pub(crate) use page::Page;
 pub(crate) use plausibility::Plausibility;
+pub(crate) use ranking::sizes;
 pub use reproduction::ReproductionReport;
 pub(crate) use scene::Scene;
 pub use study_view::Positions;
@@ -56,6 +57,8 @@ pub(crate) use table::Align;
 pub use table::Table;
 pub use topology_graph::Body;
 pub(crate) use topology_graph::TopologyGraph;
+
+pub(crate) use crate::units::short_unit;
 
 /// The version of this program with the commit it was built from.
 pub(crate) const VERSION: &str =

@@ -1,13 +1,3 @@
-/// A unit as people write it: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
-pub(crate) fn short_unit(unit: &str) -> String {
-    let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
-    if starts("newton") || starts("knewton") {
-        unit.replace("newton-", "N ").replace("newton", "N")
-    } else {
-        unit.to_string()
-    }
-}
-
 /// A short text that stays on one line.
 pub(super) fn unbroken(text: &str) -> String {
     text.replace(' ', "\u{a0}")

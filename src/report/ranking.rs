@@ -3,13 +3,14 @@
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
 use crate::discrepancy::{Cause, Diagnosis, Finding};
-use crate::units::Units;
+use crate::identify::LoadedStudy;
+use crate::syntax::Address;
 
 /// Width and height of a bar.
 const SIZE: (f64, f64) = (150.0, 14.0);
 
 /// Causes, the most important first, each followed by what would do as well.
-pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Table {
+pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
         ("where", Align::Left),
@@ -31,7 +32,7 @@ pub(super) fn ranking(diagnosis: &Diagnosis, units: &Units, scene: &Scene) -> Ta
             format!("{}{minor}", words(finding.cause)),
             place,
             finding.probability,
-            sizes(finding, units),
+            sizes(finding, loaded),
         );
         for rival in &finding.indistinguishable_from {
             line(
@@ -90,21 +91,39 @@ fn bar(probability: f64, text: &str) -> String {
     )
 }
 
-/// The numbers of a finding with their units and errors.
-fn sizes(finding: &Finding, units: &Units) -> String {
+/// The numbers of a finding with their units and errors, angles in degrees; of a wrong number of the deck also the old value, the new one and
+/// the change in percent.
+pub(crate) fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
+    let units = &loaded.model.units;
     let texts = finding.parameters.iter().map(|(name, value)| {
-        let error = finding
-            .std_error
-            .get(name)
-            .copied()
-            .filter(|error| *error > 0.0);
-        let unit = unit(finding, name, units);
-        let mut text = format!("{} {}", name.replace('_', " "), number(*value, error));
+        let unit = unit((finding.cause, &finding.address), name, loaded);
+        let (factor, unit) = match unit.as_str() {
+            "rad" => (1f64.to_degrees(), "deg".to_string()),
+            _ => (1.0, short_unit(&unit)),
+        };
+        let error = finding.std_error.get(name).copied();
+        let error = error
+            .filter(|error| *error > 0.0)
+            .map(|error| factor * error);
+        let mut text = format!(
+            "{} {}",
+            name.replace('_', " "),
+            number(factor * value, error)
+        );
         if let Some(error) = error {
             text += &format!(" ± {}", number(error, Some(error)));
         }
         if !unit.is_empty() {
-            text += &format!(" {}", short_unit(&unit));
+            text += &format!(" {unit}");
+        }
+        let address = Address::parse(&finding.address, &loaded.dataset).ok();
+        let old = address.and_then(|address| loaded.dataset.number_at(&address));
+        if let ("change", Some(old)) = (name.as_str(), old) {
+            let [from, to] = [old.value, old.value + value].map(|v| number(v, error));
+            text += &format!(", from {from} to {to} {unit}");
+            if old.value != 0.0 {
+                text += &format!(" ({:+.1} %)", 100.0 * value / old.value.abs());
+            }
         }
         // A stiffness is what an engineer has in mind.
         if name == "compliance" && *value > 0.0 {
@@ -136,10 +155,11 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
     }
 }
 
-/// The unit of a number of a finding; empty where it has none, or where only the deck knows it.
-fn unit(finding: &Finding, name: &str, units: &Units) -> String {
+/// The unit of a number of a cause; empty where it has none, or where only the deck knows it.
+pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedStudy) -> String {
+    let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);
-    let turns = finding.address.contains(".KT");
+    let turns = address.contains(".KT");
     let power = |power: u32| {
         if turns {
             format!("{force}-{length}/rad^{power}")
@@ -147,21 +167,39 @@ fn unit(finding: &Finding, name: &str, units: &Units) -> String {
             format!("{force}/{length}^{power}")
         }
     };
+    if cause == Cause::ChannelFault && !name.starts_with("gain") {
+        let mut channels = loaded.measurement.channels.iter();
+        let unit = channels.find(|channel| channel.name == address);
+        return unit
+            .and_then(|channel| channel.unit.clone())
+            .unwrap_or_default();
+    }
     // Numbers of further parts of a law.
     let name = name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit());
     match name {
-        _ if finding.cause == Cause::BushingCoupling => of_coupling(name, force, length),
+        _ if cause == Cause::BushingCoupling => of_coupling(name, force, length),
         "quadratic" => power(2),
-        "cubic" => power(3),
+        "cubic" | "hardening" => power(3),
         "quintic" => power(5),
         "compliance" => format!("{length}/{force}"),
-        "force" | "asymmetry" if turns => format!("{force}-{length}"),
-        "force" | "asymmetry" => force.to_string(),
+        "force" | "asymmetry" | "law_misfit" if turns => format!("{force}-{length}"),
+        "force" | "asymmetry" | "law_misfit" => force.to_string(),
         "stiffness" if turns => format!("{force}-{length}/rad"),
         "stiffness" | "contact" => format!("{force}/{length}"),
+        // A number of the deck, by its argument.
+        "change" => match address.split('.').nth(1) {
+            Some("K") => format!("{force}/{length}"),
+            Some("KT") => format!("{force}-{length}/rad"),
+            Some("TORQUE") => format!("{force}-{length}"),
+            Some("FORCE") => force.to_string(),
+            Some("LENGTH") => length.to_string(),
+            _ => String::new(),
+        },
         "anchor" if turns => "rad".to_string(),
-        "anchor" | "clearance_shift" | "play" => length.to_string(),
-        "x" | "y" | "z" => match finding.cause {
+        "anchor" | "clearance_shift" | "play" | "sigma" => length.to_string(),
+        "rx" | "ry" | "rz" => "rad".to_string(),
+        _ if name.starts_with("angle_") => "rad".to_string(),
+        "x" | "y" | "z" => match cause {
             Cause::HardpointError
             | Cause::AssemblyOffset
             | Cause::LoadPointError

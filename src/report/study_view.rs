@@ -1,5 +1,5 @@
 use super::Scene;
-use super::scene::{Arrow, Frame, Mark, Placed, Role, Set, point};
+use super::scene::{Arrow, Frame, Mark, Placed, Role, Set, along, point};
 use crate::backend::Sweep;
 use crate::identify::LoadedStudy;
 use crate::mechanics::{Pose, Vec3};
@@ -34,6 +34,9 @@ pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scen
     let model = &loaded.model;
     let measurement = &loaded.measurement;
     let mut scene = Scene::of(model, Some(&loaded.dataset));
+    if let Some(wheel) = &measurement.wheel {
+        scene.along = along(&Vec3::from(scene.up), &wheel.spin.s0);
+    }
     scene.per = "case".to_string();
     let mut marks = Vec::new();
     for (part, marked) in measurement.parts.iter().enumerate() {

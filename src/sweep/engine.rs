@@ -285,10 +285,13 @@ pub(crate) fn layout(
     folder: &SweepFolder,
     shard: Shard,
 ) -> Layout {
-    let units: serde_json::Map<String, serde_json::Value> = runner
-        .outputs
-        .iter()
-        .filter_map(|output| Some((output.name.clone(), output.unit.clone()?.into())))
+    let of_deck = runner.units();
+    let outputs = runner.outputs.iter();
+    let outputs = outputs.map(|output| (&output.name, output.unit.clone()));
+    let inputs = plan.variations.iter().map(|v| (&v.name, v.unit(&of_deck)));
+    let units: serde_json::Map<String, serde_json::Value> = inputs
+        .chain(outputs)
+        .filter_map(|(name, unit)| Some((name.clone(), unit?.into())))
         .collect();
     let nominal: serde_json::Map<String, serde_json::Value> = runner
         .outputs

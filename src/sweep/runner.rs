@@ -10,6 +10,7 @@ use crate::results::{Catalogue, Selection};
 use crate::session::{Stop, Trial, TrialInput};
 use crate::syntax::Dataset;
 use crate::text::{Source, Span};
+use crate::units::Units;
 
 use super::answers::Answers;
 use super::kept::{Keep, Origin, Output};
@@ -178,13 +179,14 @@ impl<'p> Runner<'p> {
                         );
                     }
                     let name = name.clone().unwrap_or_else(|| format!("mode_{number}"));
-                    for (what, origin) in [
-                        ("frequency", Origin::Frequency(number - 1)),
-                        ("damping_ratio", Origin::Damping(number - 1)),
+                    let per_time = format!("1/{}", self.units().time.word);
+                    for (what, unit, origin) in [
+                        ("frequency", Some(per_time), Origin::Frequency(number - 1)),
+                        ("damping_ratio", None, Origin::Damping(number - 1)),
                     ] {
                         self.outputs.push(Output {
                             name: format!("{name}.{what}"),
-                            unit: None,
+                            unit,
                             origin,
                         });
                     }
@@ -195,7 +197,7 @@ impl<'p> Runner<'p> {
     }
 
     fn find_characteristics(&mut self, run: &KcRun, wrong: &mut Vec<Diagnostic>) {
-        let Ok(model) = self.model() else { return };
+        let units = self.units();
         for (keep, name, span) in &self.plan.keeps {
             let Keep::Characteristic { path, test } = keep else {
                 continue;
@@ -203,15 +205,16 @@ impl<'p> Runner<'p> {
             let unit = match test {
                 None => {
                     let mut all = run.ride.readings.iter();
-                    all.find(|r| r.path() == *path).map(|r| r.unit)
+                    let found = all.find(|r| r.path() == *path);
+                    found.map(|r| r.unit.word(&units))
                 }
                 Some(test) => run
                     .tests
                     .iter()
                     .filter(|run| run.kind.name() == test)
-                    .flat_map(|run| &run.gradients)
-                    .find(|g| format!("{}.{}", g.entity, g.component) == *path)
-                    .map(|g| g.unit),
+                    .flat_map(|run| run.gradients.iter().map(|g| (g, run.kind)))
+                    .find(|(g, _)| format!("{}.{}", g.entity, g.component) == *path)
+                    .map(|(g, kind)| format!("{} per {}", g.unit.word(&units), kind.unit(&units))),
             };
             let Some(unit) = unit else {
                 let place = test
@@ -233,8 +236,7 @@ impl<'p> Runner<'p> {
             };
             self.outputs.push(Output {
                 name: name.clone().unwrap_or(own),
-                // A slope is per unit of what the test drives.
-                unit: test.is_none().then(|| unit.word(&model.units)),
+                unit: (!unit.is_empty()).then_some(unit),
                 origin: Origin::Characteristic(path.clone(), test.clone()),
             });
         }
@@ -265,6 +267,12 @@ impl<'p> Runner<'p> {
                 });
             }
         }
+    }
+
+    /// The units of the deck.
+    pub(crate) fn units(&self) -> Units {
+        self.model()
+            .map_or_else(|_| Units::default(), |model| model.units)
     }
 
     fn model(&self) -> Result<Model, String> {

@@ -199,7 +199,9 @@ impl Summary {
         let (ins, outs) = (columns.inputs.len(), columns.outputs.len());
         let mut inputs = Vec::new();
         for (k, name) in columns.inputs.iter().enumerate() {
-            inputs.push(Spread::of(name, None, &table.numbers(1 + k)?));
+            let unit = units.get(name).and_then(|unit| unit.as_str());
+            let unit = unit.map(str::to_string);
+            inputs.push(Spread::of(name, unit, &table.numbers(1 + k)?));
         }
         let mut outputs = Vec::new();
         for (k, name) in columns.outputs.iter().enumerate() {

@@ -1,8 +1,10 @@
 use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::front::dimension;
 use crate::syntax::{Address, Dataset};
 use crate::text::{Edit, Source, apply_edits};
+use crate::units::Units;
 
 use super::distribution::Distribution;
 
@@ -36,6 +38,17 @@ pub struct Variation {
 }
 
 impl Variation {
+    /// The unit of its numbers; `None` for a factor, and where its values have none.
+    pub(crate) fn unit(&self, units: &Units) -> Option<String> {
+        let (address, _) = self.targets.first()?;
+        let unit = match self.apply {
+            Apply::Factor => String::new(),
+            _ if self.degrees => "deg".to_string(),
+            _ => units.name(dimension(address)),
+        };
+        (!unit.is_empty()).then_some(unit)
+    }
+
     /// The values of the deck for a number of this variation.
     pub(crate) fn values(&self, number: f64) -> impl Iterator<Item = (&Address, f64)> {
         let plain = if self.degrees {

@@ -90,6 +90,9 @@ const YIELDED: f64 = 0.02;
 const LOOSE: f64 = 1.0;
 
 impl Size {
+    /// The usual error of a hardpoint of a production axle, mm.
+    pub(crate) const HARDPOINTS: f64 = 0.2;
+
     fn new(usual: f64, ln_sd: f64) -> Self {
         let middle = libm::log(usual);
         Self {
@@ -210,7 +213,7 @@ impl Sizes {
         let groups = [
             (
                 Group::Hardpoints,
-                of(s.hardpoints, mm, Size::new(0.2 * mm, 0.7)),
+                of(s.hardpoints, mm, Size::new(Size::HARDPOINTS * mm, 0.7)),
             ),
             (Group::LoadPoints, Some(Size::new(0.5 * mm, 0.7))),
             (
@@ -347,6 +350,17 @@ impl Group {
             Self::Preloads => "spring-preloads",
             Self::SpringRates => "spring-rates",
             Self::KnownStiffnesses => "known-stiffnesses",
+        }
+    }
+}
+
+impl Scale {
+    /// Its name in `diagnosis.json`; empty for a noise whose size is not written there.
+    pub(crate) const fn as_str(self) -> &'static str {
+        match self {
+            Self::PoseShift => "pose-noise",
+            Self::PoseTurn => "pose-noise-turn",
+            _ => "",
         }
     }
 }

@@ -4,6 +4,7 @@ mod arm;
 mod axles;
 mod blind;
 mod causes;
+mod chain;
 #[path = "../common/mod.rs"]
 mod common;
 mod extension;

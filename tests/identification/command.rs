@@ -125,6 +125,37 @@ fn a_refused_licence_is_waited_for() {
     assert_eq!(sweep.cases.len(), loaded.programme.cases.len());
 }
 
+/// Ctrl-C ends a diagnosis after its step: it writes what it has, marked, and says where.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_diagnosis_writes_what_it_has() {
+    let study = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/kc-experiment");
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_admire"))
+        .args(["diagnose", "--out"])
+        .args([&out, &study])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stdout);
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.starts_with("interrupted, so far "), "{said}");
+    assert!(said.contains("out/report.html"), "{said}");
+    let json = std::fs::read_to_string(out.join("diagnosis.json")).unwrap();
+    assert!(json.contains("\"interrupted\": true"), "{json}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Interrupted; this is what was found so far."));
+    assert!(out.join("extended.adm").exists());
+}
+
 /// Ctrl-C: the run ends after its step, keeps what it has, says so, and exits with 130 as shells do.
 #[test]
 #[cfg(unix)]

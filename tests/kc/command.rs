@@ -300,6 +300,69 @@ fn wrong_files_are_refused_at_their_place() {
     assert!(!folder.path().join("far").exists());
 }
 
+/// Toe per lateral force: degrees per kilonewton on the terminal, in the table and on the page, from the same run as kc.json in radians per
+/// newton. A table of curves can be read again as a measurement.
+#[test]
+fn units_are_the_same_on_the_terminal_in_tables_and_on_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (deck, config) = (corpus("multilink/model.adm"), corpus("multilink/kc.toml"));
+    let arguments = ["kc", &deck, "--config", &config, "--out", "out"];
+    let run = admire(folder.path(), &arguments);
+    said(&run, 0);
+    let terminal = String::from_utf8_lossy(&run.stdout).into_owned();
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    let json: Value = serde_json::from_str(&read("kc.json")).unwrap();
+    let mut tests = json["tests"].as_array().unwrap().iter();
+    let lateral = tests.find(|test| test["test"] == "lateral").unwrap();
+    let mut gradients = lateral["gradients"].as_array().unwrap().iter();
+    let toe = gradients
+        .find(|g| g["quantity"] == "toe_angle.left")
+        .unwrap();
+    let shown = toe["tangent"].as_f64().unwrap().to_degrees() * 1000.0;
+    let gradients = read("gradients.csv");
+    let mut table = csv::Reader::from_reader(gradients.as_bytes());
+    let heads = table.headers().unwrap().clone();
+    let at = |name: &str| heads.iter().position(|head| head == name).unwrap();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    let row = rows
+        .iter()
+        .find(|row| &row[at("test")] == "lateral" && &row[at("quantity")] == "toe_angle.left")
+        .unwrap();
+    assert_eq!(&row[at("unit")], "deg/kN");
+    let tangent: f64 = row[at("tangent")].parse().unwrap();
+    assert!(
+        (tangent - shown).abs() < 1e-9 * shown.abs(),
+        "{tangent} {shown}"
+    );
+    assert_eq!(&row[at("hysteresis_unit")], "deg");
+    let line = terminal
+        .lines()
+        .find(|line| line.trim().starts_with("lateral "))
+        .unwrap();
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let said: f64 = words[1].parse().unwrap();
+    assert!((said - shown).abs() < 1e-4 * shown.abs(), "{line}");
+    assert!(words.contains(&"deg/kN"), "{line}");
+    assert!(!terminal.contains("rad"), "{terminal}");
+    assert!(read("report.html").contains("deg/kN"));
+    let curves = read("curves.csv");
+    let head = curves.lines().next().unwrap();
+    assert!(
+        head.contains("toe_angle.left [deg]") && !head.contains("[rad"),
+        "{head}"
+    );
+    assert!(
+        head.contains("lat_force_steer_compliance.left [deg/kN]"),
+        "{head}"
+    );
+    let mut again = arguments.to_vec();
+    again.extend(["--measured", "out/curves.csv"]);
+    again[5] = "again";
+    self::said(&admire(folder.path(), &again), 0);
+    let page = std::fs::read_to_string(folder.path().join("again/report.html")).unwrap();
+    assert!(page.contains("measured, fitted"), "curves of itself");
+}
+
 /// Curves of another deck and of a measurement stand in the report.
 #[test]
 fn the_report_compares() {

@@ -32,6 +32,8 @@ pub struct SceneSeen {
     pub slider: Option<bool>,
     /// Whether the next step or case moved it; absent without one.
     pub step: Option<bool>,
+    /// Per named view left, right, top and bottom of what is drawn, as parts of the canvas, and where across it its upper third is.
+    pub views: std::collections::BTreeMap<String, [f64; 5]>,
 }
 
 /// The browser, or `None` with a printed notice.

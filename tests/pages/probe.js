@@ -8,6 +8,22 @@ setTimeout(() => {
     }
     return [print, drawn];
   };
+  // Left, right, top and bottom of what is drawn above the axes and the scale, as parts of width and height; and where its upper third is.
+  const extent = (canvas) => {
+    const [wide, tall] = [canvas.width, canvas.height];
+    const data = canvas.getContext("2d").getImageData(0, 0, wide, tall).data;
+    const rows = Math.floor(tall * (1 - 76 / canvas.clientHeight));
+    const box = [1, 0, 1, 0], columns = [];
+    for (let y = 0; y < rows; y++) for (let x = 0; x < wide; x++) {
+      const isAxes = x < wide * 100 / canvas.clientWidth && y > tall * (1 - 120 / canvas.clientHeight);
+      if (isAxes || !data[4 * (y * wide + x) + 3]) continue;
+      box[0] = Math.min(box[0], x / wide); box[1] = Math.max(box[1], x / wide);
+      box[2] = Math.min(box[2], y / tall); box[3] = Math.max(box[3], y / tall);
+      columns.push([x / wide, y / tall]);
+    }
+    const high = columns.filter(([, y]) => y < box[2] + (box[3] - box[2]) / 3);
+    return [...box, high.reduce((sum, [x]) => sum + x / high.length, 0)];
+  };
   const used = (canvas, action) => { const before = look(canvas)[0]; action(); return look(canvas)[0] !== before; };
   const scenes = [...document.querySelectorAll(".scene")].map((scene) => {
     const canvas = scene.querySelector("canvas");
@@ -20,6 +36,14 @@ setTimeout(() => {
       step: steps ? used(canvas, () => set(steps, Math.floor((Number(steps.max) + (Number(steps.value) === 0 ? 2 : 0)) / 2))) : null,
       slider: slider ? used(canvas, () => set(slider, slider.max)) : null,
       key: used(canvas, () => canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft", bubbles: true }))),
+      views: (() => {
+        const labels = [...scene.querySelectorAll(".scene-bar label")].find((label) => label.textContent === "labels").querySelector("input");
+        if (labels.checked) labels.click();
+        return Object.fromEntries(["Front", "Side", "Top"].map((name) => {
+          [...scene.querySelectorAll(".scene-bar button")].find((button) => button.textContent === name).click();
+          return [name, extent(canvas)];
+        }));
+      })(),
       drag: used(canvas, () => { point("pointerdown", 100, 100); point("pointermove", 140, 120); point("pointerup", 140, 120); }),
     };
   });

@@ -36,6 +36,58 @@ fn the_view_of_a_deck_turns_under_mouse_and_keys() {
     assert_eq!(seen.scenes[0].slider, None, "nothing moves without results");
 }
 
+/// A frame 1,000 mm wide across the car (y), 700 mm high on the side of negative y, and 200 mm long (x). A load acts against a marker on
+/// ground 5 m away, which holds nothing.
+const FRAME: &str = "a frame
+UNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND
+PART/1,GROUND
+MARKER/1,PART=1,QP=0,-500,0
+MARKER/2,PART=1,QP=200,500,0
+MARKER/3,PART=1,QP=100,-500,700
+MARKER/4,PART=1,QP=5000,0,-5000
+PART/2,MASS=1,CM=11,IP=1,1,1
+MARKER/11,PART=2,QP=0,-500,0
+MARKER/12,PART=2,QP=200,500,0
+MARKER/13,PART=2,QP=100,-500,700
+BUSHING/1,I=11,J=1,K=1E4,1E4,1E4,KT=1E6,1E6,1E6
+BUSHING/2,I=12,J=2,K=1E4,1E4,1E4,KT=1E6,1E6,1E6
+BUSHING/3,I=13,J=3,K=1E4,1E4,1E4,KT=1E6,1E6,1E6
+SFORCE/1,TRANSLATIONAL,ACTIONONLY,I=12,J=4,FUNCTION=10
+ACCGRAV/KGRAV=-9806.65
+END
+";
+
+/// Front looks along the car, Side across it; all of the mechanism is in the picture, no mirror image, and what holds nothing does not
+/// shrink it.
+#[test]
+fn the_front_view_shows_the_width_of_the_car() {
+    let Some(chromium) = chromium() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let (deck, page) = (
+        folder.path().join("frame.adm"),
+        folder.path().join("view.html"),
+    );
+    std::fs::write(&deck, FRAME).unwrap();
+    view(&[&deck], &page);
+    let seen = sound(&chromium, &page);
+    let views = &seen.scenes[0].views;
+    println!("{views:?}");
+    let size = |name: &str| {
+        let [left, right, top, bottom, _] = views[name];
+        ((right - left), (bottom - top))
+    };
+    let ((wide, high), (long, tall)) = (size("Front"), size("Side"));
+    // 1,000 by 700 mm, and 200 by 700 mm.
+    assert!(wide / high > 2.0 * long / tall, "{views:?}");
+    for [left, right, top, bottom, _] in views.values() {
+        assert!(*left > 0.01 && *right < 0.99 && *top > 0.01, "{views:?}");
+        let filled = (right - left).max(bottom - top);
+        assert!(filled > 0.4, "{views:?}");
+    }
+    // Seen along +x, z up, negative y is on the right.
+    assert!(views["Front"][4] > 0.5, "{views:?}");
+}
+
 /// Results of our own: the wheel of a double wishbone travels and is steered.
 #[test]
 fn the_view_of_results_moves_with_step_and_slider() {

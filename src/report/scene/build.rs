@@ -24,6 +24,7 @@ impl Scene {
             length: model.units.length.word.to_string(),
             force: short_unit(model.units.force.word),
             up: point(&up),
+            along: along(&up, &up.cross(&Vec3::x())),
             parts: bodies(model, &objects, &shapes.unwrap_or_default()),
             objects,
             marks: Vec::new(),
@@ -141,6 +142,21 @@ impl Scene {
             .iter()
             .position(|object| object.address == address)
     }
+}
+
+/// The axis of ground that a vehicle travels along whose wheels spin about `spin`: the one nearest to level and across the spin axis, x where
+/// that says nothing.
+pub(crate) fn along(up: &Vec3, spin: &Vec3) -> [f64; 3] {
+    let across = spin.cross(up);
+    let sizes = across.map(f64::abs);
+    let sizes = if sizes.max() > 0.0 {
+        sizes
+    } else {
+        Vec3::new(0.0, 1.0, 0.0)
+    };
+    let mut axis = [0.0; 3];
+    axis[sizes.imax()] = 1.0;
+    axis
 }
 
 /// The frame of a marker in its part.

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::mechanics::{Pose, Vec3};
 
+pub(super) use build::along;
 pub(crate) use hull::Hull;
 pub use motion::{Motion, bodies, motion};
 
@@ -176,6 +177,8 @@ pub struct Scene {
     pub force: String,
     /// Against gravity; +z without gravity.
     pub up: [f64; 3],
+    /// The axis of travel, level: that of ground along which the front view looks.
+    pub along: [f64; 3],
     /// Parts, in the order of the model.
     pub parts: Vec<Body>,
     /// Joints, force elements and forces.

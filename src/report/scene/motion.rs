@@ -110,6 +110,7 @@ pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
         length: units.length.clone(),
         force: String::new(),
         up: [0.0, 0.0, 1.0],
+        along: [1.0, 0.0, 0.0],
         parts: parts.collect(),
         objects: Vec::new(),
         marks: Vec::new(),

@@ -2,9 +2,13 @@
 (() => {
 "use strict";
 
-const ROLE_COLOUR = { model: "--c1", measured: "--c2", initial: "--soft", fitted: "--c1", extended: "--c3" };
+// The same colours as the charts of a page have for the same roles.
+const ROLE_COLOUR = { model: "--c1", measured: "--c4", initial: "--soft", fitted: "--c1", extended: "--c3" };
 const ROLE_DASH = { model: [], measured: [2, 3], initial: [7, 4], fitted: [], extended: [] };
-const VIEWS = { "3-D": [-0.65, 0.42], Front: [-Math.PI / 2, 0], Side: [0, 0], Top: [0, Math.PI / 2] };
+// Yaw and pitch. At yaw 0 the camera looks along the axis of travel.
+const VIEWS = { "3-D": [0.65, 0.42], Front: [0, 0], Side: [Math.PI / 2, 0], Top: [Math.PI / 2, Math.PI / 2] };
+// Room in pixels for labels, the caption above and the axes below: left and right, top, bottom.
+const ROOM = [70, 48, 76];
 
 // Frames are [x, y, z, w, i, j, k]; matrices are 12 numbers: rotation by rows, then the origin.
 function matrix(f) {
@@ -48,20 +52,28 @@ function start(root) {
   const main = scene.sets.length - 1;
   const measured = scene.sets.findIndex((set) => set.role === "measured");
   const state = {
-    yaw: VIEWS["3-D"][0], pitch: VIEWS["3-D"][1], zoom: 1, pan: [0, 0], frame: 0, factor: 1, mode: "design",
+    yaw: 0, pitch: 0, zoom: 1, pan: [0, 0], frameOf: null, frame: 0, factor: 1, mode: "design",
     sets: scene.sets.map(() => true), labels: scene.objects.length <= 24, shapes: true, hidden: new Set(),
     playing: false, hover: null, from: null,
   };
 
   // A turntable: up is always up on the screen.
   const up = unit(scene.up);
-  const side = unit(Math.abs(up[0]) < 0.9 ? cross(up, [1, 0, 0]) : cross(up, [0, 1, 0]));
+  const side = unit(cross(up, scene.along));
   const ahead = cross(side, up);
 
   const design = scene.parts.map((part) => matrix(part.design));
   const frames = scene.frames;
   const poses = frames.map((frame) => frame.poses.map((set) => set.map((pose) => pose && matrix(pose))));
-  // What moves decides the size; ends of forces far away on ground do not.
+  // Where something is attached to ground. The far end of a force holds nothing.
+  const holds = (object) => object.kind !== "force" && object.kind !== "motion" || object.address.startsWith("SFORCE") && object.form === "translational";
+  const held = new Map();
+  scene.objects.filter(holds).forEach((object) => [object.i, object.j].forEach((end) => {
+    if (!end || !scene.parts[end.part].ground) return;
+    const p = apply(design[end.part], end.at);
+    held.set(p.map((x) => x.toPrecision(6)).join(), p);
+  }));
+  // What moves decides the size, with what holds it.
   const cloud = [];
   scene.parts.forEach((part, k) => {
     if (part.ground) return;
@@ -76,14 +88,23 @@ function start(root) {
     return low <= high ? (low + high) / 2 : 0;
   });
   const radius = Math.max(cloud.reduce((r, p) => Math.max(r, norm(add(p, centre, -1))), 0), 1e-9);
-  // Half the width and height of the mechanism as first seen, with the ends on ground that are near it.
-  const reach = (() => {
+  const seen = cloud.concat([...held.values()].filter((p) => norm(add(p, centre, -1)) < 3 * radius));
+  // Middle, width and height of the mechanism as the camera stands, in perspective at unit scale.
+  const away = 6 * radius;
+  function framed() {
     const view = camera();
-    const ends = scene.objects.flatMap((object) => [object.i, object.j]).filter((end) => end && design[end.part]);
-    const near = ends.map((end) => apply(design[end.part], end.at)).filter((p) => norm(add(p, centre, -1)) < 1.3 * radius);
-    return [view.right, view.above].map((axis) => cloud.concat(near).reduce((r, p) => Math.max(r, Math.abs(dot(add(p, centre, -1), axis))), 0.5 * radius));
-  })();
-  const pixels = () => Math.min(0.42 * stage.clientWidth / reach[0], 0.4 * stage.clientHeight / reach[1]) * state.zoom;
+    const ends = [0, 1].map((k) => {
+      const flat = seen.map((p) => {
+        const d = add(p, centre, -1);
+        return dot(d, k ? view.above : view.right) * away / Math.max(away - dot(d, view.toward), 0.2 * radius);
+      });
+      return flat.reduce(([l, h], x) => [Math.min(l, x), Math.max(h, x)], [Infinity, -Infinity]);
+    });
+    return ends.map(([low, high]) => low <= high ? [(low + high) / 2, Math.max(high - low, 0.2 * radius)] : [0, radius]);
+  }
+  const look = (name) => { [state.yaw, state.pitch] = VIEWS[name]; state.zoom = 1; state.pan = [0, 0]; state.frameOf = framed(); };
+  const pixels = () => Math.min(Math.max(stage.clientWidth - 2 * ROOM[0], 50) / state.frameOf[0][1],
+    Math.max(stage.clientHeight - ROOM[1] - ROOM[2], 50) / state.frameOf[1][1]) * state.zoom;
   const glyph = 0.028 * radius;
   const strongest = Math.max(1e-30, ...frames.flatMap((frame) => (frame.arrows || []).map((arrow) => norm(arrow.force))));
 
@@ -105,7 +126,7 @@ function start(root) {
     return element("label", {}, box, ...(swatch ? [swatch] : []), label);
   };
   bar.append(group(...Object.keys(VIEWS).map((name) => button(name, `Look from: ${name}`, () => {
-    [state.yaw, state.pitch] = VIEWS[name]; state.zoom = 1; state.pan = [0, 0]; draw();
+    look(name); draw();
   }))));
   let select = null, slider = null, play = null;
   if (frames.length > 1) {
@@ -202,7 +223,7 @@ function start(root) {
   function camera() {
     const [cy, sy, cp, sp] = [Math.cos(state.yaw), Math.sin(state.yaw), Math.cos(state.pitch), Math.sin(state.pitch)];
     const flat = add(ahead.map((x) => x * cy), side, sy);
-    const right = add(side.map((x) => x * cy), ahead, -sy);
+    const right = add(ahead.map((x) => x * sy), side, -cy);
     const toward = add(flat.map((x) => -x * cp), up, sp);
     const above = add(up.map((x) => x * cp), flat, sp);
     return { right, above, toward };
@@ -213,7 +234,7 @@ function start(root) {
     const m = placed(main, part) || design[part];
     const p = end ? apply(m, end.at) : apply(m, middle(scene.parts[part].points));
     const view = camera(), d = add(p, centre, -1);
-    state.pan = [-dot(d, view.right) / radius, -dot(d, view.above) / radius];
+    state.pan = [view.right, view.above].map((axis, k) => (state.frameOf[k][0] - dot(d, axis)) / radius);
   }
   const middle = (points) => points.length ? points.reduce((s, p) => add(s, p, 1 / points.length), [0, 0, 0]) : [0, 0, 0];
 
@@ -222,7 +243,7 @@ function start(root) {
   function readColours(print) {
     const style = getComputedStyle(root);
     const value = (name) => style.getPropertyValue(name).trim();
-    colours = { ink: value("--ink"), soft: value("--soft"), paper: value("--paper"), line: value("--line"), bad: value("--c2") };
+    colours = { ink: value("--ink"), soft: value("--soft"), paper: value("--paper"), line: value("--line"), bad: value("--bad") };
     for (let k = 1; k <= 8; k++) colours["--c" + k] = value("--c" + k);
     colours["--soft"] = colours.soft;
     if (print) Object.assign(colours, { ink: "#1b1f24", soft: "#57606a", paper: "#fff", line: "#d0d7de" });
@@ -238,11 +259,13 @@ function start(root) {
     const g = canvas.getContext("2d");
     g.setTransform(density, 0, 0, density, 0, 0);
     g.clearRect(0, 0, width, height);
-    const view = camera(), scale = pixels(), away = 6 * radius;
+    const view = camera(), scale = pixels();
+    // The middle of the frame lies in the middle of the room.
+    const [ox, oy] = [width / 2 + (state.pan[0] * radius - state.frameOf[0][0]) * scale, (height + ROOM[1] - ROOM[2]) / 2 - (state.pan[1] * radius - state.frameOf[1][0]) * scale];
     const project = (p) => {
       const d = add(p, centre, -1), depth = dot(d, view.toward);
       const s = scale * away / Math.max(away - depth, 0.2 * radius);
-      return [width / 2 + s * dot(d, view.right) + state.pan[0] * scale * radius, height / 2 - s * dot(d, view.above) - state.pan[1] * scale * radius, depth, s / scale];
+      return [ox + s * dot(d, view.right), oy - s * dot(d, view.above), depth, s / scale];
     };
     const items = [];
     const fade = (depth) => Math.max(0.35, Math.min(1, 0.78 + 0.3 * depth / radius));
@@ -333,8 +356,9 @@ function start(root) {
       if (!i) return;
       const [p, q] = [[i[9], i[10], i[11]], [j[9], j[10], j[11]]];
       const lit = state.from === object || state.hover === object, culprit = culprits.has(object);
-      const colour = culprit ? colours.bad : lit ? colours["--c2"] : object.kind === "bushing" || object.kind === "field" ? colours["--c3"]
-        : object.kind === "force" || object.kind === "motion" ? colours["--c5"] : colours.ink;
+      // Where colours tell whose positions these are, what joins the parts has none.
+      const colour = culprit ? colours.bad : lit ? colours["--c2"] : scene.sets.length > 1 ? colours.ink
+        : object.kind === "bushing" || object.kind === "field" ? colours["--c3"] : object.kind === "force" || object.kind === "motion" ? colours["--c5"] : colours.ink;
       const thick = lit || culprit ? 2.6 : 1.3, gap = norm(add(p, q, -1)) > 0.004 * radius;
       const z = unit(column(j, 2)), axis = (r) => stroke(add(p, z, -r * glyph), add(p, z, r * glyph), colour, thick);
       if (object.kind === "joint" || object.kind === "primitive") {
@@ -398,19 +422,18 @@ function start(root) {
       } else if (lit || (state.labels && object.kind !== "motion")) label(p, object.name, colour, lit, lit);
     });
 
-    // ---- ground where something stands on it
-    scene.parts.forEach((part, k) => {
-      if (!part.ground || part.points.length > 400) return;
-      part.points.slice(0, part.lines.length ? Math.min(...part.lines.map((line) => line[0])) : undefined).forEach((p) => {
-        const at = apply(design[k], p), q = project(at);
-        items.push([q[2] - 0.02 * radius, () => {
-          g.globalAlpha = 0.75; g.strokeStyle = colours.soft; g.lineWidth = 1.2; g.setLineDash([]);
-          g.beginPath(); g.moveTo(q[0], q[1]); g.lineTo(q[0] - 7, q[1] + 10); g.lineTo(q[0] + 7, q[1] + 10); g.closePath();
-          for (const x of [-7, -2, 3]) { g.moveTo(q[0] + x + 4, q[1] + 10); g.lineTo(q[0] + x, q[1] + 15); }
-          g.stroke();
-        }]);
-      });
-      if (state.shapes) part.lines.forEach((line) => strokes(line.map((c) => apply(design[k], part.points[c])), colours.soft, 0.7));
+    // ---- ground where something is attached to it
+    if (held.size <= 400) held.forEach((at) => {
+      const q = project(at);
+      items.push([q[2] - 0.02 * radius, () => {
+        g.globalAlpha = 0.75; g.strokeStyle = colours.soft; g.lineWidth = 1.2; g.setLineDash([]);
+        g.beginPath(); g.moveTo(q[0], q[1]); g.lineTo(q[0] - 7, q[1] + 10); g.lineTo(q[0] + 7, q[1] + 10); g.closePath();
+        for (const x of [-7, -2, 3]) { g.moveTo(q[0] + x + 4, q[1] + 10); g.lineTo(q[0] + x, q[1] + 15); }
+        g.stroke();
+      }]);
+    });
+    if (state.shapes) scene.parts.forEach((part, k) => {
+      if (part.ground) part.lines.forEach((line) => strokes(line.map((c) => apply(design[k], part.points[c])), colours.soft, 0.7));
     });
 
     // ---- marks: a dot where a set has them, a cross where they were read
@@ -425,7 +448,7 @@ function start(root) {
       const still = apply(base(mark.part), mark.p), at = state.factor === 1 ? read : blend(still, read, state.factor);
       const q = project(at);
       items.push([q[2] + 0.06 * radius, () => {
-        g.globalAlpha = 1; g.setLineDash([]); g.strokeStyle = colours["--c2"]; g.lineWidth = 1.6;
+        g.globalAlpha = 1; g.setLineDash([]); g.strokeStyle = colours[ROLE_COLOUR.measured]; g.lineWidth = 1.6;
         g.beginPath(); g.moveTo(q[0] - 4, q[1] - 4); g.lineTo(q[0] + 4, q[1] + 4); g.moveTo(q[0] - 4, q[1] + 4); g.lineTo(q[0] + 4, q[1] - 4); g.stroke();
       }]);
     });
@@ -519,7 +542,7 @@ function start(root) {
     else if (step) turn(0.1 * step[0], 0.1 * step[1]);
     else if (event.key === "+" || event.key === "=") zoom(1.15);
     else if (event.key === "-") zoom(1 / 1.15);
-    else if (event.key === "0") { [state.yaw, state.pitch] = VIEWS["3-D"]; state.zoom = 1; state.pan = [0, 0]; }
+    else if (event.key === "0") look("3-D");
     else if (event.key === " " && play) toggle();
     else if (event.key === "]" && frames.length) show(state.frame + 1);
     else if (event.key === "[" && frames.length) show(state.frame - 1);
@@ -527,7 +550,7 @@ function start(root) {
     event.preventDefault(); draw();
   });
   const zoom = (by) => { state.zoom = Math.max(0.2, Math.min(60, state.zoom * by)); };
-  const turn = (dx, dy) => { state.yaw += dx; state.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, state.pitch + dy)); };
+  const turn = (dx, dy) => { state.yaw -= dx; state.pitch = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, state.pitch + dy)); };
   const move = (dx, dy) => {
     const scale = pixels() * radius;
     state.pan = [state.pan[0] + dx / scale, state.pan[1] - dy / scale];
@@ -557,6 +580,7 @@ function start(root) {
   // The case with the largest loads tells most.
   const weight = (frame) => (frame.arrows || []).reduce((s, a) => s + norm(a.force), 0);
   const first = frames.reduce((best, frame, k) => weight(frame) > weight(frames[best]) ? k : best, 0);
+  look("3-D");
   if (frames.length) show(first); else draw();
 }
 

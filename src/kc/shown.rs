@@ -1,0 +1,94 @@
+//! Values with the units that people read: the same on the page, on the terminal and in tables.
+
+use super::test_kind::Driven;
+use super::{Reading, Unit};
+use crate::units::{Units, short_unit};
+
+/// True for decks in newtons and metric lengths: others are shown in their own units.
+fn metric(units: &Units) -> bool {
+    units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
+}
+
+/// Value and unit as people read them: angles in degrees, compliances per kilonewton.
+pub(crate) fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
+    let (force, length) = (units.force.si, units.length.si);
+    let people = match unit {
+        _ if !metric(units) => None,
+        Unit::Force => Some((1.0, "N")),
+        Unit::Rate => Some((force / length * 1e-3, "N/mm")),
+        Unit::RollRate => Some((force * length * 1f64.to_radians(), "Nm/deg")),
+        Unit::AnglePerLength => Some((1f64.to_degrees() / length, "deg/m")),
+        Unit::LengthPerForce => Some((length * 1e6 / force, "mm/kN")),
+        Unit::AnglePerForce => Some((1f64.to_degrees() * 1e3 / force, "deg/kN")),
+        Unit::AnglePerTorque => {
+            let torque = force * length;
+            Some((1f64.to_degrees() * 100.0 / torque, "deg/100 Nm"))
+        }
+        _ => None,
+    };
+    if unit == Unit::Percent {
+        return (value, "%".to_string());
+    }
+    if let Some((factor, word)) = people {
+        return (factor * value, word.to_string());
+    }
+    let word = short_unit(&unit.word(units));
+    if unit.is_angle() {
+        (value.to_degrees(), word.replacen("rad", "deg", 1))
+    } else {
+        (value, word)
+    }
+}
+
+/// A slope over a test's variable as people read it.
+pub(crate) fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
+    let (value, word) = shown(value, unit, units);
+    let (force, length) = (units.force.si, units.length.si);
+    let (factor, per) = match driven {
+        Driven::Steering => (1.0, " per unit driven"),
+        _ if !metric(units) => {
+            let variable = match driven {
+                Driven::Height(_) => Unit::Length,
+                Driven::Mz(_) => Unit::Torque,
+                _ => Unit::Force,
+            };
+            return (value, format!("{word} per {}", variable.word(units)));
+        }
+        Driven::Height(_) if unit == Unit::Force => (1e-3 / length, "/mm"),
+        Driven::Height(_) => (1.0 / length, "/m"),
+        Driven::Fx(_) | Driven::Fy(_) => (1e3 / force, "/kN"),
+        Driven::Mz(_) => (100.0 / (force * length), "/100 Nm"),
+    };
+    (factor * value, word + per)
+}
+
+/// The unit of what a test drives.
+pub(crate) fn driven_unit(driven: Driven, units: &Units) -> String {
+    match driven {
+        Driven::Height(_) => Unit::Length.word(units),
+        Driven::Steering => "as driven".to_string(),
+        Driven::Fx(_) | Driven::Fy(_) => shown(0.0, Unit::Force, units).1,
+        Driven::Mz(_) => shown(0.0, Unit::Torque, units).1,
+    }
+}
+
+/// What one unit of a column with this word in its head is in the deck's units and radians: a word of [`shown`], or one that begins with
+/// `deg`; any other is the deck's own.
+pub(crate) fn unit_in_deck(word: &str, units: &Units) -> f64 {
+    let mut all = Unit::ALL.iter().map(|unit| shown(1.0, *unit, units));
+    match all.find(|(_, known)| known == word) {
+        Some((factor, _)) => 1.0 / factor,
+        None if word.starts_with("deg") => 1f64.to_radians(),
+        None => 1.0,
+    }
+}
+
+/// The head of a column of readings: `toe_angle.left [deg]`.
+pub(super) fn head(reading: &Reading, units: &Units) -> String {
+    let unit = shown(0.0, reading.unit, units).1;
+    if unit.is_empty() {
+        reading.path()
+    } else {
+        format!("{} [{unit}]", reading.path())
+    }
+}

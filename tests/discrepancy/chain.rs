@@ -1,0 +1,132 @@
+//! Springs in series, marks on the last body: places that no reading tells apart, and effects that a refit would take up whole.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use admire::discrepancy::{Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out};
+use admire::identify::LoadedStudy;
+use rand::SeedableRng;
+use rand_distr::{Distribution, Normal};
+
+/// Springs of 1,000 N/mm in a row.
+const SPRINGS: usize = 5;
+/// Standard deviation of a coordinate, mm.
+const SIGMA: f64 = 0.01;
+const LOADS: [f64; 9] = [
+    -2000.0, -1500.0, -1000.0, -500.0, 0.0, 500.0, 1000.0, 1500.0, 2000.0,
+];
+/// Marks of the last body in its own frame.
+const MARKS: [[f64; 3]; 4] = [
+    [50.0, 0.0, 0.0],
+    [0.0, 50.0, 0.0],
+    [0.0, 0.0, 50.0],
+    [-40.0, -40.0, 20.0],
+];
+
+/// A study of the chain whose third spring has this part of its rate. The last body moves by `F sum(1 / k)`.
+fn write(folder: &Path, part: f64) {
+    let mut deck = String::from(
+        "chain\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/100,PART=1\n",
+    );
+    for b in 1..=SPRINGS {
+        let (own, below, guide, z) = (100 + b, 99 + b, 200 + b, 100 * b);
+        write!(
+            deck,
+            "PART/{},MASS=1,CM={own},IP=1E4,1E4,1E4,QG=0,0,{z}\nMARKER/{own},PART={}\nMARKER/{guide},PART=1,QP=0,0,{z}\n\
+             JOINT/{b},TRANSLATIONAL,I={own},J={guide}\n\
+             SPRINGDAMPER/{b},TRANSLATIONAL,I={own},J={below},K=1000,LENGTH=100\n",
+            b + 1,
+            b + 1
+        )
+        .unwrap();
+    }
+    let (last, end) = (100 + SPRINGS, 100 * SPRINGS);
+    write!(
+        deck,
+        "MARKER/300,PART=1,QP=0,0,{end}\nSFORCE/1,TRANSLATIONAL,ACTIONONLY,I={last},J=300,FUNCTION=0\nEND\n"
+    )
+    .unwrap();
+    let file = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    file("model.adm", &deck);
+    let compliance = ((SPRINGS - 1) as f64 + 1.0 / part) / 1000.0;
+    let noise = Normal::new(0.0, SIGMA).unwrap();
+    let mut random = rand_pcg::Pcg64::seed_from_u64(1);
+    let mut on_parts = String::from("part,mark,x,y,z\n");
+    let (mut loads, mut read) = (
+        String::from("case,axial\n"),
+        String::from("case,part,mark,x,y,z\n"),
+    );
+    let body = SPRINGS + 1;
+    for (m, [x, y, z]) in MARKS.iter().enumerate() {
+        writeln!(on_parts, "{body},{m},{x},{y},{z}").unwrap();
+    }
+    for (case, force) in LOADS.iter().enumerate() {
+        writeln!(loads, "{case},{force}").unwrap();
+        for (m, mark) in MARKS.iter().enumerate() {
+            let place = [mark[0], mark[1], mark[2] + end as f64 + force * compliance];
+            let [x, y, z] = place.map(|p| p + noise.sample(&mut random));
+            writeln!(read, "{case},{body},{m},{x},{y},{z}").unwrap();
+        }
+    }
+    file("marks_on_parts.csv", &on_parts);
+    file("load_cases.csv", &loads);
+    file("marks_measured.csv", &read);
+    let study = format!(
+        "[model]\ndeck = \"model.adm\"\n[loads]\nfile = \"load_cases.csv\"\ncolumns = {{ axial = \"SFORCE/1\" }}\n\
+         [marks]\non_parts = \"marks_on_parts.csv\"\nmeasured = \"marks_measured.csv\"\nsigma = {SIGMA}\n[identify]\nbushings = []\n"
+    );
+    file("study.toml", &study);
+}
+
+/// What is said of the chain, and in which sentences.
+fn diagnosed(part: f64, progress: &Progress) -> (Diagnosis, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), part);
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let held = held_out(&loaded.study, &loaded.measurement);
+    let problem = loaded.problem();
+    let found = diagnose_watched(&problem, held, GainCheck::default(), progress).unwrap();
+    let sentences = found.sentences();
+    (found.diagnosis, sentences)
+}
+
+/// A spring of 0.6 of its rate moves the last body by 1.3 mm, 130 times the noise, and refitting would take it up whole: it matters.
+#[test]
+fn the_verdict_follows_the_evidence_whatever_a_refit_would_take_up() {
+    for part in [0.6, 1.5] {
+        let (found, sentences) = diagnosed(part, &Progress::default());
+        println!("{}", sentences.join("\n"));
+        assert!(
+            found.none_of_these < 0.01,
+            "{part}: {}",
+            found.none_of_these
+        );
+        assert_ne!(found.verdict, Verdict::Consistent, "{part}");
+        assert!(
+            found.findings.iter().any(|f| !f.minor),
+            "{part}: {:?}",
+            found.findings
+        );
+        let equivalent = |text: &String| text.contains("equivalent");
+        assert!(sentences.iter().any(equivalent), "{sentences:?}");
+    }
+}
+
+#[test]
+fn a_sound_chain_is_consistent() {
+    let (found, sentences) = diagnosed(1.0, &Progress::default());
+    assert_eq!(found.verdict, Verdict::Consistent);
+    assert!(found.none_of_these > 0.5);
+    assert!(sentences.iter().all(|text| !text.contains("equivalent")));
+}
+
+/// A diagnosis that was stopped says what it has, and that it was stopped.
+#[test]
+fn what_was_stopped_is_marked() {
+    let progress = Progress::default();
+    progress.stop();
+    let (found, sentences) = diagnosed(0.6, &progress);
+    assert!(found.interrupted);
+    let said = |text: &String| text.starts_with("The search was interrupted.");
+    assert!(sentences.iter().any(said), "{sentences:?}");
+}
