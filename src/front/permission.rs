@@ -67,7 +67,7 @@ impl NamedProgram {
     /// # Errors
     /// When the configuration of the user cannot be written.
     pub(crate) fn allow(&self) -> io::Result<()> {
-        remember(&self.hash(), &self.words.join(" "))
+        remember(&self.hash(), &self.shown())
     }
 
     /// Why it is not started; `help` says how it is allowed.
@@ -75,7 +75,7 @@ impl NamedProgram {
         let message = format!(
             "{} names a program that was not allowed yet: {}",
             self.file.display(),
-            self.words.join(" ")
+            self.shown()
         );
         Diagnostic::error(Code::RunsProgram, message).help(help.to_string())
     }
@@ -85,8 +85,18 @@ impl NamedProgram {
         format!(
             "{} names a program that is started for every run:\n  {}\nstart it, now and later? [no] ",
             self.file.display(),
-            self.words.join(" ")
+            self.shown()
         )
+    }
+
+    /// The command as a line; words with blanks have quotes.
+    fn shown(&self) -> String {
+        let quoted = |word: &String| match word.contains(char::is_whitespace) {
+            true => format!("'{word}'"),
+            false => word.clone(),
+        };
+        let words: Vec<String> = self.words.iter().map(quoted).collect();
+        words.join(" ")
     }
 
     /// Hash of the command, and of every file among its words that came with the study.

@@ -6,9 +6,9 @@ use crate::mechanics::{Pose, psi_theta_phi};
 use crate::model::{MarkerIx, Model, Orientation, PartKind};
 use crate::results::{GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape};
 use crate::syntax::{Dataset, Statement};
-use crate::system::{ConstraintIx, ElementIx, State, System};
+use crate::system::{State, System};
 
-use super::measures::Measures;
+use super::measures::{Exerting, Measures};
 
 /// SEG of a spring whose statement has none, as ADAMS writes it.
 const SEGMENTS: i64 = 20;
@@ -33,13 +33,6 @@ struct ForceGraphic {
     marker: u32,
     /// Where they are in the model as it is now.
     place: Option<(Exerting, MarkerIx)>,
-}
-
-/// What exerts a force.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Exerting {
-    Element(ElementIx),
-    Constraint(ConstraintIx),
 }
 
 /// The head of the graphics file of a model, and what its frames have.

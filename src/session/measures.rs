@@ -6,7 +6,6 @@ use crate::system::{
 };
 
 use super::columns::{Columns, Item};
-use super::graphics::Exerting;
 
 /// Reads one state of a system: forces, reactions, requests.
 ///
@@ -16,6 +15,13 @@ pub(super) struct Measures<'s> {
     parameters: &'s Parameters,
     pub state: &'s State,
     scratch: &'s mut Scratch,
+}
+
+/// What exerts a force.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Exerting {
+    Element(ElementIx),
+    Constraint(ConstraintIx),
 }
 
 impl<'s> Measures<'s> {

@@ -195,8 +195,9 @@ fn the_global_fit_says_why_it_got_no_answer() {
 fn no_link_leads_recordings_out_of_the_study() {
     let (place, outside) = (folder(&[]), folder(&[]));
     let link = std::os::unix::fs::symlink::<&Path, &Path>;
-    link(outside.path(), &place.path().join("up")).unwrap();
-    link(&outside.path().join("new"), &place.path().join("dangling")).unwrap();
+    let (up, dangling) = (place.path().join("up"), place.path().join("dangling"));
+    link(outside.path(), &up).unwrap();
+    link(&outside.path().join("new"), &dangling).unwrap();
     for recordings in [
         "up",
         "up/new",
