@@ -10,7 +10,9 @@ mod files {
     pub mod completion;
     pub mod editing;
     pub mod folder;
+    pub mod from_elsewhere;
     pub mod functions;
+    pub mod graphics;
     pub mod hostile;
     pub mod left_out;
     pub mod lint;

@@ -5,7 +5,7 @@ function curves = read_kc(file, names)
 %   per component of the first entity with that name.
 %
 %   The quick way many post-processors go, without looking at the structure of the file: after the line with <Entity name="...">
-%   the numbers id="..." of the lines below, then, after each line with "quasiStatic", the numbers of the lines below up to the
+%   the numbers id="..." of the lines below, then, after each line with "quasiStatic" or "static", the numbers of the lines below up to the
 %   first line that is not made of numbers.
 
 in = fopen(file, 'r');
@@ -32,7 +32,7 @@ while ischar(line)
             ids{here}(end+1) = str2double(id{1});
             line = fgetl(in);
         end
-    elseif ~isempty(strfind(line, '"quasiStatic"'))
+    elseif ~isempty(strfind(line, '"quasiStatic"')) || ~isempty(strfind(line, '"static"'))
         values = [];
         line = fgetl(in);
         while ischar(line)

@@ -1,6 +1,5 @@
 //! What a run left behind, read as an answer; nothing of a bad run is taken for one.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use std::time::Duration;
@@ -14,6 +13,7 @@ use crate::mechanics::{Pose, Vec3, euler313};
 use crate::model::{Model, PartKind};
 use crate::results::{Entity, StepKind, XrfReader};
 use crate::system::Equilibrium;
+use crate::text::open_to_read;
 use crate::units::LENGTH_UNITS;
 
 /// An answer and what was found out about its file.
@@ -132,8 +132,8 @@ pub(super) fn read(
     };
     let model = request.model;
     let path = folder.join(format!("{STEM}.res"));
-    let file =
-        File::open(&path).map_err(|error| broken(format!("there is no results file: {error}")))?;
+    let file = open_to_read(&path)
+        .map_err(|error| broken(format!("there is no results file: {error}")))?;
     let mut reader = XrfReader::open(path.display().to_string(), BufReader::new(file))
         .map_err(|error| broken(error.into_diagnostic().message))?;
     same_model(model, &reader).map_err(broken)?;

@@ -11,7 +11,7 @@ use super::run_folder::{RunFiles, STEM};
 use super::{Recording, RunError};
 use crate::results::{Catalogue, StepKind, XrfReader};
 use crate::syntax::Dataset;
-use crate::text::Source;
+use crate::text::{Source, open_to_read};
 
 /// The program.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -150,7 +150,7 @@ fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, Run
         reason,
         tail: tail(folder),
     };
-    let file = std::fs::File::open(path).map_err(|error| wrong(error.to_string()))?;
+    let file = open_to_read(path).map_err(|error| wrong(error.to_string()))?;
     let name = path.display().to_string();
     let mut reader =
         XrfReader::open(name, BufReader::new(file)).map_err(|error| wrong(error.to_string()))?;

@@ -9,7 +9,8 @@ use super::shell::{Exit, Shell};
 /// Turn the commands that a message file records into a command file.
 ///
 /// A run under Simulink or another program is driven by commands from outside; ADAMS writes each into its message file. As a command file
-/// they repeat the run without that program.
+/// they repeat the run without that program. Simulations that the file does not echo, as in a co-simulation, are rebuilt from what it
+/// says of them: end and steps.
 #[derive(clap::Args, Debug)]
 #[command(
     after_help = "Examples:\n  admire commands plant.msg --out replay.acf\n  admire solve replay.acf"
@@ -31,16 +32,27 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let stem = arguments.messages.file_stem();
     let usual = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let model = arguments.model.as_deref().unwrap_or(&usual);
-    let text = String::from_utf8_lossy(source.bytes());
-    let Some(commands) = recorded_commands(&text, model) else {
+    let Some(commands) = recorded_commands(&source, model) else {
         let message = format!("`{}` records no commands", arguments.messages.display());
         shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
             .help("a message file has them behind `command:`")]);
         return Err(Exit::Findings);
     };
+    if commands.simulations == 0 {
+        let message = format!("`{}` records no simulation", arguments.messages.display());
+        shell.complain(&[Diagnostic::error(Code::UnsupportedResults, message)
+            .help("it has commands, but neither a SIMULATE or LINEAR among them nor a block `Begin Simulation` with a table of times")]);
+        return Err(Exit::Findings);
+    }
     match &arguments.out {
-        Some(path) => shell.write(path, commands.as_bytes())?,
-        None => shell.print(&commands),
+        Some(path) => shell.write(path, commands.text.as_bytes())?,
+        None => shell.print(&commands.text),
+    }
+    if commands.rebuilt > 0 {
+        shell.say(&format!(
+            "{} of {} simulations are not echoed and were rebuilt from their tables of times\n",
+            commands.rebuilt, commands.simulations
+        ));
     }
     Ok(Exit::Fine)
 }

@@ -6,7 +6,7 @@ use crate::discrepancy::{
     held_out,
 };
 use crate::front::fit::changed_lines;
-use crate::front::{foreign_parts, solver};
+use crate::front::{foreign_parts, permission::NamedProgram, solver};
 use crate::identify::{LoadedStudy, estimate_noise};
 use crate::report::{DiagnosisReport, fit_in_words, sizes};
 use crate::rig::settings::BackendChoice;
@@ -16,6 +16,7 @@ use super::format::Format;
 use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::permission::Permission;
 use super::plausibility::before_a_fit;
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
@@ -38,6 +39,8 @@ pub(super) struct Arguments {
     check_gain: CheckChoice,
     #[command(flatten)]
     replacing: Replacing,
+    #[command(flatten)]
+    permission: Permission,
 }
 
 /// What stands for a [`GainCheck`].
@@ -69,6 +72,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&foreign);
         return Err(Exit::Findings);
     }
+    let program = NamedProgram::of_study(&loaded.study);
+    arguments.permission.ask(program.as_ref(), shell)?;
     before_a_fit(&loaded, arguments.replacing.force, shell)?;
     estimate_noise(&mut loaded, None).map_err(|error| {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));

@@ -7,9 +7,10 @@ use crate::report::VERSION;
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
 
-use crate::front::solver::found_on_path;
+use crate::front::{permission::NamedProgram, solver::found_on_path};
 
 use super::Outcome;
+use super::permission::Permission;
 use super::shell::{Exit, Shell};
 
 /// Say what is installed here: which `mdi` a script would find, whether a study's program answers, Octave, write permissions.
@@ -22,6 +23,8 @@ use super::shell::{Exit, Shell};
 pub(super) struct Arguments {
     /// A study whose external program is asked, too.
     study: Option<PathBuf>,
+    #[command(flatten)]
+    permission: Permission,
 }
 
 /// A program that says nothing for so long does not answer.
@@ -32,7 +35,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut report = Report::default();
     programs(&mut report);
     if let Some(folder) = &arguments.study {
-        of_study(folder, &mut report);
+        of_study(folder, arguments.permission, &mut report, shell)?;
     }
     let octave = ["octave-cli", "octave"].into_iter().find_map(found_on_path);
     match octave {
@@ -133,21 +136,27 @@ fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
 }
 
 /// The program that a study's `[solver]` names.
-fn of_study(folder: &Path, report: &mut Report) {
+fn of_study(
+    folder: &Path,
+    permission: Permission,
+    report: &mut Report,
+    shell: &Shell,
+) -> Result<(), Exit> {
     let Some(study) = Study::read(folder).value else {
-        return report.broken(
-            "study",
-            &format!(
-                "`{}` cannot be read: admire check says why",
-                folder.display()
-            ),
+        let why = format!(
+            "`{}` cannot be read: admire check says why",
+            folder.display()
         );
+        report.broken("study", &why);
+        return Ok(());
     };
     if study.solver.backend == BackendChoice::Native {
-        return report.fine("study", "solved by the built-in solver");
+        report.fine("study", "solved by the built-in solver");
+        return Ok(());
     }
     let Some(program) = study.solver.command.first() else {
-        return report.broken("study", "solver.command is empty");
+        report.broken("study", "solver.command is empty");
+        return Ok(());
     };
     let beside = study.folder.join(program);
     let found = if Path::new(program).components().count() > 1 {
@@ -156,8 +165,11 @@ fn of_study(folder: &Path, report: &mut Report) {
         found_on_path(program)
     };
     let Some(found) = found else {
-        return report.broken("program of study", &format!("`{program}` is not there"));
+        report.broken("program of study", &format!("`{program}` is not there"));
+        return Ok(());
     };
+    let named = NamedProgram::named_in(&study.folder.join("study.toml"), &study.solver.command);
+    permission.ask(named.as_ref(), shell)?;
     // `exit` leaves ADAMS' menu of commands before any product, and its licence, is asked for.
     match first_words(&found, &["-c", "exit"]) {
         Some(words) => report.fine(
@@ -169,6 +181,7 @@ fn of_study(folder: &Path, report: &mut Report) {
             &format!("{} starts but says nothing", found.display()),
         ),
     }
+    Ok(())
 }
 
 /// The first line with words that a program says; `None` if it says none or does not end.

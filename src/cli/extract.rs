@@ -7,6 +7,7 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::front::Before;
 use crate::model::{Model, extract};
 use crate::syntax::{Address, Dataset};
+use crate::text::printable;
 
 use super::Outcome;
 use super::addresses::complete;
@@ -76,10 +77,28 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     refuse_faults(&Before::of(&parsed), &deck, arguments.force, shell)?;
     arguments
         .target
-        .deliver(&arguments.deck, deck.value.bytes(), shell)?;
+        .deliver(&arguments.deck, &harmless(deck.value.bytes()), shell)?;
     let worst = edits.diagnostics.iter().map(|found| found.severity).max();
     Ok(match worst {
         Some(Severity::Error) => Exit::Findings,
         _ => Exit::Fine,
     })
+}
+
+/// A deck as it may be printed: what names and comments hold that commands a terminal is spelled out. An extract is a dataset of its own,
+/// so that nothing has to stay as it is. Bytes that are no UTF-8 and line ends do.
+fn harmless(deck: &[u8]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(deck.len());
+    for line in deck.split_inclusive(|byte| matches!(byte, b'\n' | b'\r')) {
+        let (text, end) = match line.split_last() {
+            Some((end @ (b'\n' | b'\r'), text)) => (text, Some(*end)),
+            _ => (line, None),
+        };
+        for chunk in text.utf8_chunks() {
+            out.extend_from_slice(printable(chunk.valid()).as_bytes());
+            out.extend_from_slice(chunk.invalid());
+        }
+        out.extend(end);
+    }
+    out
 }

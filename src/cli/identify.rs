@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::front::fit::{
     changed_lines, identify_with, not_repeatable, nothing_to_identify, positions,
 };
-use crate::front::solver;
+use crate::front::{permission::NamedProgram, solver};
 use crate::identify::{Fit, LoadedStudy, Repeated};
 use crate::report::{IdentificationReport, Positions, VERSION, lead, number, status};
 use crate::rig::settings::Method;
@@ -21,6 +21,7 @@ use super::format::Format;
 use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
+use super::permission::Permission;
 use super::plausibility::before_a_fit;
 use super::progress::{Count, Progress as Bar};
 use super::shell::{Exit, Shell};
@@ -62,6 +63,8 @@ pub(super) struct Arguments {
     jobs: Option<u16>,
     #[command(flatten)]
     replacing: Replacing,
+    #[command(flatten)]
+    permission: Permission,
 }
 
 impl Arguments {
@@ -129,6 +132,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(shell.fail(refused));
     }
     before_a_fit(&loaded, arguments.replacing.force, shell)?;
+    let program = NamedProgram::of_study(&loaded.study);
+    arguments.permission.ask(program.as_ref(), shell)?;
     let keep = arguments.keep.then(|| arguments.out.join("runs"));
     let told = |note: &Diagnostic| shell.complain(std::slice::from_ref(note));
     let mut backend = solver::backend(&loaded.study, keep, &told);

@@ -40,6 +40,7 @@ mod merge;
 mod new;
 mod notices;
 mod output_folder;
+mod permission;
 mod plan;
 mod plausibility;
 mod progress;

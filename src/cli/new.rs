@@ -3,6 +3,7 @@ use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
+use crate::front::permission::trust_study;
 use crate::model::Model;
 use crate::rig::{Kind, Starter};
 use crate::syntax::Dataset;
@@ -132,6 +133,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let names: Vec<&str> = files.iter().filter_map(|(name, _)| name.to_str()).collect();
     refuse_replacing(&arguments.study, &names, arguments.replacing, shell)?;
     write_folder(&arguments.study, &files, arguments.replacing, shell)?;
+    if let Err(error) = trust_study(&arguments.study)
+        && shell.is_verbose()
+    {
+        shell.say(&format!(
+            "programs that the study names will be asked for: {error}\n"
+        ));
+    }
     let study = arguments.study.display();
     let mut text = String::new();
     for (name, _) in &files {
@@ -146,7 +154,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 }
 
 /// A line that a person typed; empty where the input ended.
-fn answer(question: &str, shell: &Shell) -> String {
+pub(super) fn answer(question: &str, shell: &Shell) -> String {
     shell.say(question);
     let _ = std::io::stderr().flush();
     let mut line = String::new();

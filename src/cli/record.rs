@@ -2,13 +2,14 @@ use std::path::PathBuf;
 
 use crate::backend::Recording;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::front::{fit::fitted, solver};
+use crate::front::{fit::fitted, permission::NamedProgram, solver};
 use crate::rig::settings::BackendChoice;
 
 use super::Outcome;
 use super::identify::MethodChoice;
 use super::input::study;
 use super::interrupt;
+use super::permission::Permission;
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 
@@ -29,6 +30,8 @@ pub(super) struct Arguments {
     /// The method, instead of the study's own.
     #[arg(long, value_enum)]
     method: Option<MethodChoice>,
+    #[command(flatten)]
+    permission: Permission,
 }
 
 /// Runs the study and keeps its runs.
@@ -39,6 +42,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     // Whatever the study asks for otherwise: a native run has nothing to record.
     loaded.study.solver.backend = BackendChoice::Command;
+    let program = NamedProgram::of_study(&loaded.study);
+    arguments.permission.ask(program.as_ref(), shell)?;
     let mut backend = solver::command(&loaded.study, None, &|note| {
         shell.complain(std::slice::from_ref(note));
     });

@@ -1,12 +1,12 @@
 //! New values in a results file: the file is written whole, and only the numbers that change are spelled anew.
 
-use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{leftover, permissions::as_new_files, take_place};
 use crate::results::{Change, ResultsError, StepFilter, rewrite};
+use crate::text::open_to_read;
 
 use super::Outcome;
 use super::results_file::{open, refused, selection};
@@ -91,7 +91,7 @@ pub(super) fn run(
     let mut scratch = as_new_files(builder.prefix(&leftover::prefix()))
         .tempfile_in(folder.unwrap_or(Path::new(".")))
         .map_err(cannot)?;
-    let again = || File::open(file).map_err(cannot);
+    let again = || open_to_read(file).map_err(cannot);
     let text = BufReader::with_capacity(1 << 16, again()?);
     let out = BufWriter::with_capacity(1 << 16, scratch.as_file_mut());
     let name = file.display().to_string();

@@ -79,11 +79,12 @@ impl From<Programme> for LoadTable {
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut effects = Vec::new();
     for file in &arguments.effects {
-        let text = std::fs::read_to_string(file).map_err(|error| {
-            let message = format!("{} cannot be read: {error}", file.display());
+        let source = shell.read(file)?;
+        let text = source.utf8().map_err(|_| {
+            let message = format!("{} is not UTF-8 text", file.display());
             shell.fail(Diagnostic::error(Code::CannotRead, message))
         })?;
-        effects.extend(EffectSpec::parse_list(&text).map_err(|why| shell.fail(why))?);
+        effects.extend(EffectSpec::parse_list(text).map_err(|why| shell.fail(why))?);
     }
     for text in &arguments.effect {
         effects.push(EffectSpec::parse(text).map_err(|why| shell.usage(why))?);

@@ -295,12 +295,16 @@ impl Shell {
         read
     }
 
-    /// Writes bytes to a file, or to standard output if there is none.
+    /// Writes bytes to a file, or to standard output if there is none. What they hold cannot command a terminal.
     pub(super) fn deliver(&self, target: Option<&Path>, bytes: &[u8]) -> Result<(), Exit> {
         if let Some(path) = target.filter(|path| *path != Path::new("-")) {
             return self.write(path, bytes);
         }
-        self.put(bytes);
+        if std::io::stdout().is_terminal() {
+            self.print(&String::from_utf8_lossy(bytes));
+        } else {
+            self.put(bytes);
+        }
         Ok(())
     }
 

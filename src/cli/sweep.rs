@@ -13,9 +13,10 @@ use crate::sweep::{
 
 use super::Outcome;
 use super::interrupt;
+use super::permission::Permission;
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
-use super::sweep_slurm;
+use super::sweep_slurm::{self, Submitted};
 
 /// Run thousands of variants of a deck and collect the answers in one table.
 ///
@@ -53,6 +54,8 @@ pub(super) struct Arguments {
     /// So many cases at a time; as many as there are cores if absent.
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
+    #[command(flatten)]
+    permission: Permission,
 }
 
 const EXAMPLES: &str = "Examples:
@@ -72,6 +75,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let Some(plan) = read.value else {
         return Err(Exit::Findings);
     };
+    let program = plan.named_program();
+    arguments.permission.ask(program.as_ref(), shell)?;
     if let Some(command) = plan.program.as_ref().and_then(|p| p.command.as_ref()) {
         shell.complain(&[Diagnostic::note(
             Code::RunsProgram,
@@ -98,7 +103,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })?;
     let folder = SweepFolder::begin(&arguments.out, manifest).map_err(|wrong| shell.fail(wrong))?;
     if arguments.slurm {
-        return sweep_slurm::submit(&arguments.plan, &folder, &arguments.sbatch, shell);
+        let submitted = Submitted {
+            plan: &arguments.plan,
+            options: &arguments.sbatch,
+            starts_program: program.is_some(),
+        };
+        return sweep_slurm::submit(&submitted, &folder, shell);
     }
     let threads = arguments.jobs.map_or_else(
         || std::thread::available_parallelism().map_or(1, usize::from),

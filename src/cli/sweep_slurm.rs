@@ -9,13 +9,19 @@ use crate::sweep::SweepFolder;
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
+/// What is submitted.
+pub(super) struct Submitted<'a> {
+    /// SWEEP.toml.
+    pub(super) plan: &'a Path,
+    /// Options for every `sbatch`.
+    pub(super) options: &'a [String],
+    /// It names a program, which was allowed here; nobody is asked where the jobs run.
+    pub(super) starts_program: bool,
+}
+
 /// Writes both scripts and submits them. Shards that are finished are left out.
-pub(super) fn submit(
-    plan: &Path,
-    folder: &SweepFolder,
-    options: &[String],
-    shell: &Shell,
-) -> Outcome {
+pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Shell) -> Outcome {
+    let (plan, options) = (submitted.plan, submitted.options);
     let cannot = |what: &Path, error: &dyn std::fmt::Display| {
         shell.fail(Diagnostic::error(
             Code::CannotWrite,
@@ -41,10 +47,15 @@ pub(super) fn submit(
     };
     let array = format!(
         "#!/bin/sh\n#SBATCH --job-name=admire-sweep\n#SBATCH --requeue\n#SBATCH --open-mode=append\nexec {} sweep {} --out {} \
-         --shard \"$SLURM_ARRAY_TASK_ID/{of}\" --jobs \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
+         --shard \"$SLURM_ARRAY_TASK_ID/{of}\" --jobs \"${{SLURM_CPUS_PER_TASK:-1}}\"{}\n",
         quoted(&own),
         quoted(&plan),
-        quoted(&out)
+        quoted(&out),
+        if submitted.starts_program {
+            " --allow-command"
+        } else {
+            ""
+        }
     );
     let merge = format!(
         "#!/bin/sh\n#SBATCH --job-name=admire-merge\n#SBATCH --open-mode=append\nexec {} merge {}\n",

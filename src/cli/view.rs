@@ -7,6 +7,7 @@ use crate::report::scene::{bodies, motion};
 use crate::report::{Page, Scene};
 use crate::results::{ResultsReader, Timestamp};
 use crate::syntax::Dataset;
+use crate::text::open_to_read;
 
 use super::Outcome;
 use super::results_file::{open, refused};
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
 /// Whether a file is a results file, by how it begins; those may be too large to be read whole.
 fn is_results(path: &Path) -> bool {
     let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| file.take(64).read_to_end(&mut head));
+    let read = open_to_read(path).and_then(|file| file.take(64).read_to_end(&mut head));
     let begins = head.trim_ascii_start();
     read.is_ok() && (begins.starts_with(b"<?xml") || begins.starts_with(b"FILE TYPE AND SOURCE"))
 }

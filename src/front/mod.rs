@@ -11,6 +11,7 @@ mod foreign;
 mod kc_measured;
 mod kc_page;
 pub(crate) mod leftover;
+pub(crate) mod permission;
 pub(crate) mod permissions;
 mod results;
 mod run;

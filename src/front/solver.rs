@@ -1,13 +1,15 @@
 //! Who solves a study: the backend `[solver]` asks for, announced before it runs.
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::backend::{Backend, CommandBackend, NativeBackend, Recording, ReplayBackend};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::rig::Study;
 use crate::rig::settings::BackendChoice;
+
+use super::permission::beside;
 
 /// The backend of a study. `keep`: run folders of an external program are made there and stay.
 pub(crate) fn backend(
@@ -27,34 +29,24 @@ pub(crate) fn recording(study: &Study) -> Recording {
     Recording::new(study.folder.join(&study.solver.recordings.text))
 }
 
-/// The external program of a study. Says which one it is before it is ever started: only `study.toml` names a program, and
-/// whoever runs a study of somebody else wants to know.
+/// The external program of a study. Says which one it is before it is ever started. Whether it may be is the matter of
+/// [`permission`](super::permission).
 pub(crate) fn command(
     study: &Study,
     keep: Option<PathBuf>,
     tell: &dyn Fn(&Diagnostic),
 ) -> CommandBackend {
     let solver = &study.solver;
-    let mut words = solver.command.clone();
-    let mut shown = words.join(" ");
-    if let Some(program) = words.first_mut() {
-        // A program beside the study; runs have folders of their own.
-        if Path::new(program.as_str()).components().count() > 1 {
-            let beside = study.folder.join(program.as_str());
-            *program = std::path::absolute(&beside)
-                .unwrap_or(beside)
-                .display()
-                .to_string();
-        }
-        let found = found_on_path(program);
-        shown = format!(
-            "{shown} ({})",
-            found.map_or_else(
-                || "there is no such program here".to_string(),
-                |path| path.display().to_string()
-            )
-        );
-    }
+    let words = beside(&study.folder, &solver.command);
+    let found = words.first().and_then(found_on_path);
+    let shown = format!(
+        "{} ({})",
+        solver.command.join(" "),
+        found.map_or_else(
+            || "there is no such program here".to_string(),
+            |path| path.display().to_string()
+        )
+    );
     tell(&Diagnostic::note(
         Code::RunsProgram,
         format!("every equilibrium is solved by a program that study.toml names: {shown}"),

@@ -15,6 +15,7 @@ use crate::text::{Source, read_at_most};
 use super::error::{Complaint, Error, ErrorKind};
 use super::fit;
 use super::foreign::foreign_parts;
+use super::permission::NamedProgram;
 use super::solver;
 use super::suggested::suggested;
 use super::watch::Watch;
@@ -26,6 +27,8 @@ const LARGEST_SHOWN: u64 = 64 << 20;
 #[derive(Clone, Debug)]
 pub struct Study {
     loaded: LoadedStudy,
+    /// The program it names may be started.
+    allowed: bool,
     complaints: Vec<Complaint>,
     sources: Sources,
 }
@@ -98,6 +101,7 @@ impl Study {
         match read.value {
             Some(loaded) => Ok(Self {
                 loaded,
+                allowed: false,
                 complaints: read
                     .diagnostics
                     .iter()
@@ -130,6 +134,22 @@ impl Study {
         (solver.backend == BackendChoice::Command).then_some(&solver.command)
     }
 
+    /// Lets it start the program that it names, this time. Without, it does where the user has allowed the command before, or has begun
+    /// the study by `admire new`.
+    pub fn allow_command(&mut self) {
+        self.allowed = true;
+    }
+
+    fn may_start(&self) -> Result<(), Error> {
+        match NamedProgram::of_study(&self.loaded.study) {
+            Some(program) if !self.allowed && !program.is_allowed() => {
+                let help = "`allow_command` allows it; so does `admire identify` on a terminal, which asks once";
+                Err(Error::plain(ErrorKind::Usage, &program.refusal(help)))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Identifies the stiffnesses. With `force` also of a study that cannot be meant.
     ///
     /// # Errors
@@ -158,6 +178,7 @@ impl Study {
             return Err(self.refused(&[refused]));
         }
         self.plausible(force)?;
+        self.may_start()?;
         let mut backend = backend(&loaded);
         let found = fit::identify_with(&mut loaded, backend.as_mut(), watch, again.is_some());
         let (mut fit, marginal) = found.map_err(|error| no_fit(&error.to_string()))?;
@@ -208,6 +229,7 @@ impl Study {
         check: GainCheck,
         watch: &dyn Watch,
     ) -> Result<DiagnosisAnswer, Error> {
+        self.may_start()?;
         let (loaded, progress) = self.for_diagnosis(force, watch)?;
         let held = held_out(&loaded.study, &loaded.measurement);
         let problem = loaded.problem();

@@ -26,6 +26,7 @@ mod signature;
 mod snippets;
 mod symbols;
 mod typing;
+mod wire;
 mod worker;
 mod workspace;
 
@@ -39,10 +40,10 @@ pub(crate) use server::Ended;
 /// # Errors
 /// When the first messages are not those of the protocol, or cannot be read or written.
 pub(crate) fn serve_stdio() -> std::io::Result<Ended> {
-    let (connection, threads) = Connection::stdio();
+    let (connection, wire) = wire::stdio();
     let ended = serve(&connection).map_err(std::io::Error::other);
     drop(connection);
-    threads.join()?;
+    wire.join()?;
     ended
 }
 

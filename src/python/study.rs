@@ -50,7 +50,7 @@ impl Study {
 
     /// `identification.json`, the answer in a sentence, the deck, the report, remarks, and for bootstrap and posterior their numbers, a
     /// row for each repeat.
-    #[pyo3(signature = (method, force, repeats, progress))]
+    #[pyo3(signature = (method, force, repeats, progress, allow_command))]
     #[allow(clippy::type_complexity)]
     fn identify<'py>(
         &self,
@@ -59,6 +59,7 @@ impl Study {
         force: bool,
         repeats: (Option<u64>, Option<u64>, u64, Option<usize>),
         progress: Option<Bound<'py, PyAny>>,
+        allow_command: bool,
     ) -> PyResult<(
         String,
         String,
@@ -67,7 +68,7 @@ impl Study {
         Vec<String>,
         [Option<Block>; 2],
     )> {
-        let mut study = self.0.clone();
+        let mut study = self.permitted(allow_command);
         match method {
             None => {}
             Some("gauss-newton") => study.set_method(Method::GaussNewton),
@@ -95,7 +96,7 @@ impl Study {
     }
 
     /// `diagnosis.json`, sentences, the extended deck and its command file, the report, remarks.
-    #[pyo3(signature = (force, check, progress))]
+    #[pyo3(signature = (force, check, progress, allow_command))]
     #[allow(clippy::type_complexity)]
     fn diagnose<'py>(
         &self,
@@ -103,6 +104,7 @@ impl Study {
         force: bool,
         check: &str,
         progress: Option<Bound<'py, PyAny>>,
+        allow_command: bool,
     ) -> PyResult<(
         String,
         Vec<String>,
@@ -120,7 +122,7 @@ impl Study {
                 return Err(PyValueError::new_err(message));
             }
         };
-        let study = self.0.clone();
+        let study = self.permitted(allow_command);
         let watched = Watched::default();
         let watch = watched.clone();
         let job = move || study.diagnose_checked(force, check, &watch);
@@ -161,6 +163,17 @@ impl Study {
         let job = move || study.plan(aim, count, force, &watch);
         let found = work(py, &watched, progress.as_ref(), job)?;
         Ok((found.plan.to_json(), found.suggested))
+    }
+}
+
+impl Study {
+    /// The study for one answer, which may start its program or not.
+    fn permitted(&self, allow_command: bool) -> front::Study {
+        let mut study = self.0.clone();
+        if allow_command {
+            study.allow_command();
+        }
+        study
     }
 }
 

@@ -14,7 +14,7 @@ use super::work::work;
 
 /// Runs what is left of a sweep or of one of its shards, joins it where it is whole; `summary.json`, or nothing after a shard.
 #[pyfunction]
-#[pyo3(signature = (plan, out, jobs, shard, progress))]
+#[pyo3(signature = (plan, out, jobs, shard, progress, allow_command))]
 pub(super) fn sweep<'py>(
     py: Python<'py>,
     plan: PathBuf,
@@ -22,10 +22,11 @@ pub(super) fn sweep<'py>(
     jobs: Option<usize>,
     shard: Option<(u64, u64)>,
     progress: Option<Bound<'py, PyAny>>,
+    allow_command: bool,
 ) -> PyResult<Option<String>> {
     let watched = Watched::default();
     let watch = watched.clone();
-    let job = move || run(&plan, &out, jobs, shard, &watch);
+    let job = move || run((&plan, allow_command), &out, jobs, shard, &watch);
     work(py, &watched, progress.as_ref(), job)
 }
 
@@ -61,7 +62,7 @@ fn failed(code: Code, error: &dyn std::fmt::Display) -> Error {
 }
 
 fn run(
-    path: &Path,
+    (path, allow_command): (&Path, bool),
     out: &Path,
     jobs: Option<usize>,
     shard: Option<(u64, u64)>,
@@ -91,6 +92,14 @@ fn run(
         return Err(refused(&errors, &sources));
     };
     let one = |wrong: Diagnostic| refused(&[wrong], &sources);
+    if let Some(program) = plan.named_program()
+        && !allow_command
+        && !program.is_allowed()
+    {
+        let help =
+            "`allow_command=True` starts it; so does `admire sweep` on a terminal, which asks once";
+        return Err(Error::plain(ErrorKind::Usage, &program.refusal(help)));
+    }
     let manifest = Manifest::of(&plan, shard.of, VERSION);
     SweepFolder::look(out, manifest.clone()).map_err(one)?;
     let runner = Runner::prepare(&plan).map_err(|wrong| refused(&wrong, &sources))?;

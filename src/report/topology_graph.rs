@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use crate::syntax::{Dataset, Object, Statement, Topology};
 
 use super::escape;
+use crate::text::printable;
 
 /// Bodies and what joins them, as a picture or as text for Graphviz.
 #[derive(Clone, PartialEq, Debug)]
@@ -41,7 +42,7 @@ pub(crate) struct Link {
 }
 
 impl TopologyGraph {
-    /// Bodies and elements of a dataset. What hangs on one body only, or measures and draws, is left out.
+    /// Bodies and elements of a dataset, names as they may be printed. What hangs on one body only, or measures and draws, is left out.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let topology = Topology::of(dataset);
         let address = |statement: &Statement| {
@@ -49,7 +50,7 @@ impl TopologyGraph {
             format!("{kind}/{}", statement.number().unwrap_or_default())
         };
         let name = |statement: &Statement| match statement.view_name {
-            Some(name) => dataset.source().text(name).into_owned(),
+            Some(name) => printable(&dataset.source().text(name)).into_owned(),
             None => address(statement),
         };
         let (mut bodies, mut places) = (Vec::new(), BTreeMap::<Object, usize>::new());
@@ -100,7 +101,7 @@ impl TopologyGraph {
             }
         }
         Self {
-            title: dataset.title().into_owned(),
+            title: printable(&dataset.title()).into_owned(),
             bodies,
             links,
         }

@@ -120,14 +120,55 @@ impl Column<'_> {
     pub fn path(&self) -> String {
         let name = &self.entity.name;
         let component = &self.component.name;
-        match self
-            .entity
-            .entity
-            .as_deref()
-            .and_then(|e| e.rsplit_once('.'))
-        {
-            Some((owner, _)) => format!("{owner}.{name}.{component}"),
-            None => format!("{name}.{component}"),
+        let full = self.entity.entity.as_deref();
+        let owner = full.and_then(|full| full.rsplit_once('.'));
+        match owner {
+            // A result set may be called by its full name already: `Brake.Brake_Moment`.
+            Some((owner, _)) if !is_in(name, owner) => format!("{owner}.{name}.{component}"),
+            _ => format!("{name}.{component}"),
+        }
+    }
+}
+
+/// True for a name that begins with its owner's.
+fn is_in(name: &str, owner: &str) -> bool {
+    let rest = name.strip_prefix(owner);
+    rest.is_some_and(|rest| rest.starts_with('.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_word_of_a_name_is_there_twice() {
+        let component = Component {
+            name: "X".to_string(),
+            units: None,
+            plot_label: None,
+            id: 2,
+        };
+        for (name, full, path) in [
+            ("arm_XFORM", "testrig.arm", "testrig.arm_XFORM.X"),
+            (
+                "Brake.Brake_Moment",
+                "Brake.Brake_Moment",
+                "Brake.Brake_Moment.X",
+            ),
+            ("Brake_Moment", "Brake.Brake_Moment", "Brake.Brake_Moment.X"),
+            ("Brakes", "Brake.Brakes", "Brake.Brakes.X"),
+            ("travel", "travel", "travel.X"),
+        ] {
+            let entity = Entity {
+                name: name.to_string(),
+                entity: Some(full.to_string()),
+                ..Entity::default()
+            };
+            let column = Column {
+                entity: &entity,
+                component: &component,
+            };
+            assert_eq!(column.path(), path);
         }
     }
 }

@@ -1,7 +1,11 @@
 use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
 
-/// What a `.gra` file (format A.G8) holds: where the parts are, frame by frame. The shapes that hang on them are in the dataset.
+use super::StepKind;
+use super::graphics_file::{INPUT, STATIC};
+
+/// What a `.gra` file (format A.G8) holds: where the parts are and which forces act, frame by frame. The shapes that hang on the parts
+/// are in the dataset.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct GraphicsFile {
     /// When the run was made.
@@ -10,17 +14,23 @@ pub struct GraphicsFile {
     pub title: String,
     /// Ids of the parts that move, in the order of the frames.
     pub parts: Vec<i64>,
-    /// The time of each frame.
+    /// Ids of the GRAPHICS statements of forces, in the order of the frames; from 1 where the head does not tell them.
+    pub forces: Vec<i64>,
+    /// The time of each frame; of a static solution, which has none in the file, that of the frame before.
     pub times: Vec<f64>,
+    /// `Static` or `Unlisted` of each frame: the file does not tell more.
+    pub kinds: Vec<StepKind>,
     /// For each frame X, Y, Z, PSI, THETA, PHI (radians) of each part.
     pub poses: Vec<Vec<[f64; 6]>>,
+    /// For each frame FX, FY, FZ, TX, TY, TZ of each force, in ground axes.
+    pub loads: Vec<Vec<[f64; 6]>>,
 }
-
-/// The number that ends the list of markers.
-const SENTINEL: f64 = -9.999_99e5;
 
 impl GraphicsFile {
     /// Reads a file. A frame that is cut off is left out with a warning.
+    ///
+    /// A frame has a line for each part and one for each force. How many that are is what stands between the label of the model as it was
+    /// read and the next one, so that counts of the head that are not known do no harm.
     pub fn parse(source: &Source) -> Checked<Self> {
         let text = source.text(Span::new(0, source.bytes().len()));
         let mut lines = text.lines();
@@ -35,14 +45,6 @@ impl GraphicsFile {
             title: lines.next().unwrap_or_default().trim().to_string(),
             ..Self::default()
         };
-        let mut diagnostics = Vec::new();
-        let mut complain = |message: &str| {
-            diagnostics.push(Diagnostic::warning(Code::TruncatedResults, message).label(
-                source.name(),
-                Span::at(source.bytes().len()),
-                "it ends here",
-            ));
-        };
         let count = lines
             .next()
             .and_then(|line| line.split_whitespace().next()?.parse::<usize>().ok())
@@ -54,45 +56,90 @@ impl GraphicsFile {
                     .and_then(|id| id.parse::<i64>().ok()),
             );
         }
-        // The first part is the ground: its pose stands once, behind the markers.
+        // The first part is the ground, which stays where it is.
         if !file.parts.is_empty() {
             file.parts.remove(0);
         }
-        let found = lines
-            .by_ref()
-            .any(|line| line.trim().parse() == Ok(SENTINEL));
-        if !found || lines.next().is_none() {
-            complain("the file ends before its first frame");
-            return Checked {
-                value: file,
-                diagnostics,
-            };
-        }
-        'frames: while let Some(line) = lines.next() {
-            let Ok(time) = line.trim().parse::<f64>() else {
-                complain("a line is not the time of a frame; the frames before it are read");
-                break;
-            };
-            let mut poses = Vec::with_capacity(file.parts.len());
-            for _ in &file.parts {
-                let pose: Option<[f64; 6]> = lines.next().and_then(|line| {
-                    let values: Option<Vec<f64>> = numbers(line).collect();
-                    values?.try_into().ok()
-                });
-                let Some(pose) = pose else {
-                    complain("the last frame is cut off; the frames before it are read");
-                    break 'frames;
-                };
-                poses.push(pose);
-            }
-            file.times.push(time);
-            file.poses.push(poses);
-        }
+        let cut = file.frames(&mut lines);
+        let complain = |message| {
+            let warning = Diagnostic::warning(Code::TruncatedResults, message);
+            let end = Span::at(source.bytes().len());
+            warning.label(source.name(), end, "it ends here")
+        };
         Checked {
             value: file,
-            diagnostics,
+            diagnostics: cut.err().map(complain).into_iter().collect(),
         }
     }
+
+    /// Reads what is behind the parts.
+    ///
+    /// # Errors
+    /// Why it is not read to its end.
+    fn frames(&mut self, lines: &mut std::str::Lines<'_>) -> Result<(), &'static str> {
+        const NONE: &str = "the file ends before its first frame";
+        let mut forces = Vec::new();
+        let mut before: Vec<i64> = Vec::new();
+        loop {
+            let line = lines.next().ok_or(NONE)?;
+            if line.trim().parse() == Ok(INPUT) {
+                break;
+            }
+            let whole: Option<Vec<i64>> = line.split_whitespace().map(|n| n.parse().ok()).collect();
+            let whole = whole.unwrap_or_default();
+            // The record of a force is its id, 5, and 2, which are the numbers in the next line.
+            if let ([id, 5, 2], 2) = (before.as_slice(), whole.len()) {
+                forces.push(*id);
+            }
+            before = whole;
+        }
+        let mut size = 0_usize;
+        let mut label = loop {
+            match lines.next().map(values) {
+                Some(Some(numbers)) if numbers.len() == 6 => size += 1,
+                Some(Some(numbers)) if numbers.len() == 1 => break Some(numbers[0]),
+                None => break None,
+                Some(_) => return Err(NONE),
+            }
+        };
+        let Some(loads) = size.checked_sub(self.parts.len()) else {
+            return Err(NONE);
+        };
+        self.forces = if forces.len() == loads {
+            forces
+        } else {
+            (1..=loads as i64).collect()
+        };
+        while let Some(time) = label {
+            let mut frame = Vec::with_capacity(size);
+            for _ in 0..size {
+                let six = lines.next().and_then(values);
+                let six: Option<[f64; 6]> = six.and_then(|numbers| numbers.try_into().ok());
+                frame.push(six.ok_or("the last frame is cut off; the frames before it are read")?);
+            }
+            let (kind, time) = if time == STATIC {
+                (StepKind::Static, self.times.last().copied().unwrap_or(0.0))
+            } else {
+                (StepKind::Unlisted, time)
+            };
+            self.kinds.push(kind);
+            self.times.push(time);
+            self.loads.push(frame.split_off(self.parts.len()));
+            self.poses.push(frame);
+            label = match lines.next() {
+                None => None,
+                Some(line) => Some(line.trim().parse().map_err(
+                    |_| "a line is not the time of a frame; the frames before it are read",
+                )?),
+            };
+        }
+        Ok(())
+    }
+}
+
+/// The numbers of a line, if it is nothing else.
+fn values(line: &str) -> Option<Vec<f64>> {
+    numbers(line).collect()
 }
 
 /// Numbers of a line of 13 columns each: a minus sign may touch the number before it.
@@ -117,37 +164,47 @@ fn numbers(line: &str) -> impl Iterator<Item = Option<f64>> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{GraphicsWriter, Timestamp};
-    use crate::units::Units;
+    use crate::results::{GraphicsHead, GraphicsShape, GraphicsWriter, Timestamp};
 
     #[test]
     fn what_is_written_is_read_and_a_cut_frame_is_told() {
-        let mut writer = GraphicsWriter::create(
-            Vec::new(),
-            "a title",
-            &Units::default(),
-            Timestamp::now(),
-            1,
-            &[2, 3],
-            &[],
-        )
-        .unwrap();
+        let head = GraphicsHead {
+            title: "a title".to_string(),
+            ground: 1,
+            parts: vec![2, 3],
+            shapes: vec![GraphicsShape::Force { id: 70, marker: 4 }],
+            input: vec![[0.0; 6]; 2],
+            ..GraphicsHead::default()
+        };
+        let mut writer = GraphicsWriter::create(Vec::new(), Timestamp::now(), &head).unwrap();
         let poses = [
             [1.0, -2.0, 3.0, -0.5, 0.25, 0.0],
             [-1e-10, 0.0, 0.0, 0.0, 1.5, 0.0],
         ];
-        writer.frame(0.0, &poses).unwrap();
-        writer.frame(0.5, &poses).unwrap();
+        let loads = [[0.0, -6.0, 0.0, 0.0, 0.0, 2.5]];
+        let mut frame = |kind, time| writer.frame(kind, time, &poses, &loads).unwrap();
+        frame(StepKind::Dynamic, 0.0);
+        frame(StepKind::Dynamic, 0.5);
+        frame(StepKind::Static, 0.5);
         let bytes = writer.finish();
         let read = GraphicsFile::parse(&Source::new("a.gra", bytes.clone()));
         assert!(read.diagnostics.is_empty());
+        let file = &read.value;
         assert_eq!(
-            (read.value.title.as_str(), read.value.parts.as_slice()),
+            (file.title.as_str(), &*file.parts),
             ("a title", &[2, 3][..])
         );
-        assert_eq!(read.value.times, [0.0, 0.5]);
-        assert_eq!(read.value.poses[1], poses);
+        assert_eq!(file.forces, [70]);
+        assert_eq!(file.times, [0.0, 0.5, 0.5]);
+        assert_eq!(file.kinds[1..], [StepKind::Unlisted, StepKind::Static]);
+        assert_eq!(file.poses[1], poses);
+        assert_eq!(file.loads[2], loads);
         let cut = GraphicsFile::parse(&Source::new("a.gra", &bytes[..bytes.len() - 40]));
-        assert_eq!((cut.value.times.len(), cut.diagnostics.len()), (1, 1));
+        assert_eq!((cut.value.times.len(), cut.diagnostics.len()), (2, 1));
+        // Before the first frame is over nobody knows how many lines it has.
+        let text = String::from_utf8(bytes).unwrap();
+        let short = text.find("-9.99999E+05").unwrap() + 100;
+        let none = GraphicsFile::parse(&Source::new("a.gra", &text.as_bytes()[..short]));
+        assert_eq!((none.value.times.len(), none.diagnostics.len()), (0, 1));
     }
 }

@@ -43,7 +43,9 @@ pub use entity_kind::EntityKind;
 pub use error::ResultsError;
 pub use formatted::FormattedResults;
 
-pub use graphics_file::{GraphicsMarker, GraphicsWriter};
+pub use graphics_file::{
+    GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape, GraphicsWriter,
+};
 pub use graphics_reader::GraphicsFile;
 pub use groups::Groups;
 pub use header::{Header, ResultUnits};

@@ -1,9 +1,8 @@
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
 use crate::diagnostic::Checked;
-use crate::text::{Source, check_size};
+use crate::text::{Source, check_size, open_to_read};
 
 use super::table_reader::TableReader;
 use super::{
@@ -25,7 +24,7 @@ pub(crate) type AnyResults = Box<dyn ResultsReader>;
 /// When the file cannot be read or is none of these, or is to be read whole and larger than 512 MiB.
 pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     let name = path.display().to_string();
-    let mut file = File::open(path)?;
+    let mut file = open_to_read(path)?;
     let mut head = Vec::new();
     file.by_ref().take(64).read_to_end(&mut head)?;
     let begins = head.trim_ascii_start();
@@ -59,7 +58,7 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
 /// Adds an entity behind the others, its columns numbered on. Units of these files are not known by name.
 fn add(
     catalogue: &mut Catalogue,
-    kind: EntityKind,
+    class: &str,
     name: String,
     object: String,
     id: i64,
@@ -75,7 +74,7 @@ fn add(
     catalogue.entities.push(Entity {
         name: plain(&name),
         entity: Some(plain(&object)),
-        ent_type: Some(kind.ent_type().to_string()),
+        ent_type: Some(class.to_string()),
         object_id: Some(id),
         comment: None,
         components: components.collect(),
@@ -113,7 +112,7 @@ fn request_table(file: &RequestFile) -> std::io::Result<ResultsTable> {
         let columns = ["X", "Y", "Z", "R1", "R2", "R3"];
         add(
             &mut catalogue,
-            EntityKind::Request,
+            EntityKind::Request.ent_type(),
             name.clone(),
             name,
             request.id,
@@ -140,10 +139,22 @@ fn graphics_table(file: &GraphicsFile) -> std::io::Result<ResultsTable> {
         let name = format!("{object}_XFORM");
         add(
             &mut catalogue,
-            EntityKind::Part,
+            EntityKind::Part.ent_type(),
             name,
             object,
             *part,
+            &columns,
+        );
+    }
+    for force in &file.forces {
+        let name = format!("GRAPHICS_{force}");
+        let columns = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        add(
+            &mut catalogue,
+            "Graphics",
+            name.clone(),
+            name,
+            *force,
             &columns,
         );
     }
@@ -152,9 +163,10 @@ fn graphics_table(file: &GraphicsFile) -> std::io::Result<ResultsTable> {
         execution_date: plain(&file.date),
         ..Header::default()
     };
-    let steps = file.times.iter().zip(&file.poses).map(|(&time, poses)| {
-        let values = std::iter::once(time).chain(poses.iter().flatten().copied());
-        (StepKind::Unlisted, values.collect::<Vec<f64>>())
+    let steps = file.times.iter().enumerate().map(|(frame, &time)| {
+        let sixes = file.poses[frame].iter().chain(&file.loads[frame]);
+        let values = std::iter::once(time).chain(sixes.flatten().copied());
+        (file.kinds[frame], values.collect::<Vec<f64>>())
     });
     table(header, catalogue, steps)
 }
@@ -171,7 +183,7 @@ fn formatted_table(file: &FormattedResults) -> std::io::Result<ResultsTable> {
         let columns = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
         add(
             &mut catalogue,
-            EntityKind::Part,
+            EntityKind::Part.ent_type(),
             name,
             object,
             part.id,

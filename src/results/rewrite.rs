@@ -1,9 +1,8 @@
-use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use crate::diagnostic::Diagnostic;
-use crate::text::persist;
+use crate::text::{open_to_read, persist};
 
 use super::step::tokens;
 use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
@@ -98,8 +97,8 @@ pub fn rewrite_file(from: &Path, to: &Path, changes: &[Change]) -> Result<Rewrit
     let mut scratch = tempfile::NamedTempFile::new_in(folder)?;
     let report = rewrite(
         &from.display().to_string(),
-        File::open(from)?,
-        BufReader::with_capacity(1 << 16, File::open(from)?),
+        open_to_read(from)?,
+        BufReader::with_capacity(1 << 16, open_to_read(from)?),
         io::BufWriter::with_capacity(1 << 16, scratch.as_file_mut()),
         changes,
     )?;

@@ -1,4 +1,4 @@
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
@@ -10,7 +10,7 @@ use super::settings::{
 use super::stated::ToleranceSettings;
 use super::table::Table;
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::session::{ignoring_case, native_spelling, told_of_case};
+use crate::session::file_below;
 use crate::text::{Source, Span, digest};
 
 /// The marks of a study: two files and their noise.
@@ -417,36 +417,10 @@ impl Files<'_> {
 
     /// A path of the study, which must lie below its folder whether it exists or not.
     fn path(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
-        // Written on Windows it may have backslashes.
-        let relative = native_spelling(&spelled.text);
-        let plain = relative
-            .components()
-            .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        let mut path = self.folder.join(&relative);
-        if plain
-            && !path.exists()
-            && let Some(found) = ignoring_case(&path)
-        {
-            let label = (self.study.name(), spelled.span);
-            out.push(told_of_case(&spelled.text, &found).label(label.0, label.1, ""));
-            path = found;
-        }
-        // A link may lead out of the folder although its name does not.
-        let inside = plain
-            && match (self.folder.canonicalize(), path.canonicalize()) {
-                (Ok(folder), Ok(path)) => path.starts_with(folder),
-                _ => true,
-            };
-        if !inside {
-            let message = format!("`{}` lies outside of the study folder", spelled.text);
-            out.push(
-                Diagnostic::error(Code::OutsideStudy, message)
-                    .label(self.study.name(), spelled.span, "")
-                    .help("every file of a study lies in its folder or below it"),
-            );
-            return None;
-        }
-        Some(path)
+        let found = file_below(self.folder, &spelled.text, "study");
+        let label = |told: Diagnostic| told.label(self.study.name(), spelled.span, "");
+        out.extend(found.diagnostics.into_iter().map(label));
+        found.value
     }
 
     fn open(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {

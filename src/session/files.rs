@@ -6,7 +6,7 @@ use crate::grammar::Solved;
 use crate::syntax::Dataset;
 use crate::syntax::files::{FileReference, Files, references};
 use crate::syntax::property::PropertyFile;
-use crate::text::Source;
+use crate::text::{Source, read_at_most};
 
 use super::file_policy::FilePolicy;
 use super::paths::find_file;
@@ -76,7 +76,7 @@ fn property_file(path: &Path) -> std::io::Result<Option<Source>> {
     if std::fs::metadata(path)?.len() > MOST_BYTES {
         return Ok(None);
     }
-    let bytes = std::fs::read(path)?;
+    let bytes = read_at_most(path, MOST_BYTES)?;
     let is_one = PropertyFile::is_one(&bytes);
     Ok(is_one.then(|| Source::new(path.display().to_string(), bytes)))
 }

@@ -88,6 +88,10 @@ impl Launch {
                         "it is a command file of ADAMS/View; the solver runs command files that end in .acf",
                     ));
                 }
+                // The command file names its dataset; beside it on the command line the dataset says nothing new.
+                _ if file.as_deref().is_some_and(is_dataset) && !is_noise(&lower) && !is_dataset(word) => {
+                    warnings.extend(file.replace(word.to_string()).map(|deck| skipped(&deck)));
+                }
                 _ if is_noise(&lower) || file.is_some() => warnings.push(skipped(word)),
                 _ => file = Some(word.to_string()),
             }
@@ -215,6 +219,12 @@ fn is_product(lower: &str) -> bool {
     )
 }
 
+/// True for names of datasets.
+pub(super) fn is_dataset(name: &str) -> bool {
+    let extension = Path::new(name).extension();
+    extension.is_some_and(|end| end.eq_ignore_ascii_case("adm"))
+}
+
 /// Options of the launcher that carry a number.
 fn takes_value(lower: &str) -> bool {
     matches!(lower, "-t" | "-n" | "-nt" | "-m" | "-mem" | "-memory")
@@ -287,6 +297,11 @@ mod tests {
             assert!(parse(line).unwrap().warnings.is_empty(), "{line:?}");
         }
         assert_eq!(file(&["ru-standard", "stem"]), "stem");
+        for both in [["x.adm", "x.acf"], ["x.acf", "x.adm"], ["X.ADM", "x.acf"]] {
+            let line = [&["ru-standard", "b"][..], &both].concat();
+            assert_eq!(file(&line), "x.acf");
+            assert_eq!(parse(&line).unwrap().warnings.len(), 1);
+        }
         assert_eq!(
             file(&["-c", "ru-standard", "i", r"C:\my runs\a b.acf", "exit"]),
             r"C:\my runs\a b.acf"

@@ -17,6 +17,13 @@ pub(super) struct Measures<'s> {
     scratch: &'s mut Scratch,
 }
 
+/// What exerts a force.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Exerting {
+    Element(ElementIx),
+    Constraint(ConstraintIx),
+}
+
 impl<'s> Measures<'s> {
     /// Looks at a state.
     pub(crate) fn new(
@@ -46,6 +53,21 @@ impl<'s> Measures<'s> {
 
     fn constraint(&mut self, constraint: ConstraintIx) -> Reading {
         self.here().read_constraint(constraint)
+    }
+
+    /// Force and torque in ground axes on a marker of an element or constraint: of J on that, else of I.
+    pub(super) fn load_on(&mut self, by: Exerting, marker: MarkerIx) -> Option<[f64; 6]> {
+        let reading = match by {
+            Exerting::Element(element) => self.element(element)?,
+            Exerting::Constraint(constraint) => self.constraint(constraint),
+        };
+        let (f, t) = if marker == reading.j {
+            (reading.force_on_j, reading.torque_on_j)
+        } else {
+            (reading.force, reading.torque)
+        };
+        let six = [f.x, f.y, f.z, t.x, t.y, t.z];
+        six.iter().all(|value| value.is_finite()).then_some(six)
     }
 
     fn multi(&mut self, id: u32) -> Vec<Reading> {

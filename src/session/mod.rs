@@ -4,9 +4,11 @@
 
 mod columns;
 mod ending;
+mod file_below;
 mod file_policy;
 mod files;
 mod gathered;
+mod graphics;
 mod harmless;
 mod launcher;
 mod linear;
@@ -39,6 +41,7 @@ mod watching;
 mod windows_names;
 
 pub use ending::{Ending, Stop};
+pub(crate) use file_below::file_below;
 pub(crate) use file_policy::FilePolicy;
 pub use files::folder_of;
 pub(crate) use files::read_files;
@@ -49,7 +52,7 @@ pub use mdi::mdi;
 pub use message::exponent;
 pub use moment::Moment;
 pub(crate) use on_deck::on_deck;
-pub(crate) use paths::{find_file, ignoring_case, native_spelling, told_of_case};
+pub(crate) use paths::{find_file, native_spelling};
 
 pub(crate) use recorded_commands::recorded_commands;
 pub use run_state::Session;

@@ -3,18 +3,19 @@ use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::psi_theta_phi;
-use crate::model::{Model, Orientation, PartKind, Request};
+use crate::model::{Model, Request};
 use crate::motion::Mode;
 use crate::results::{
-    GraphicsMarker, GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable,
-    ResultsWriter, StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
+    GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable, ResultsWriter,
+    StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
+use crate::syntax::Dataset;
 use crate::system::System;
 use crate::text::{LineEnds, patiently};
 
 use super::columns::{Columns, places, usual_names};
 use super::file_policy::FilePolicy;
+use super::graphics::{Drawn, drawn};
 use super::measures::Measures;
 use super::record::{Record, Sink};
 
@@ -37,13 +38,15 @@ pub(super) struct Outputs {
     record: Option<Record>,
     results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
-    graphics: Option<(GraphicsWriter<Sink>, Vec<usize>)>,
+    graphics: Option<(GraphicsWriter<Sink>, Drawn)>,
     /// Where the requests that the files began with are in the model, and their ids.
     requested: Vec<(u32, Option<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
-    /// Time of the last step written, until something is redefined.
-    pub last: Option<f64>,
+    /// Time and kind of the last step written, until something is redefined.
+    pub last: Option<(f64, StepKind)>,
+    /// Time and kind of the last step in `.req`.
+    last_request: Option<(f64, StepKind)>,
     /// A simulation had no answer: the results are not called successful.
     pub failed: bool,
 }
@@ -96,6 +99,7 @@ impl Outputs {
             tables: None,
             values: Vec::new(),
             last: None,
+            last_request: None,
             failed: false,
         }
     }
@@ -110,6 +114,11 @@ impl Outputs {
         self.begun
     }
 
+    /// What the names of the files begin with.
+    pub(crate) fn prefix(&self) -> &Path {
+        &self.prefix
+    }
+
     /// The path of the message file.
     pub(crate) fn message_file(&self) -> PathBuf {
         with_extension(&self.prefix, "msg")
@@ -119,7 +128,12 @@ impl Outputs {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub(crate) fn begin(&mut self, model: &Model, system: &System) -> Result<(), Diagnostic> {
+    pub(crate) fn begin(
+        &mut self,
+        model: &Model,
+        dataset: &Dataset,
+        system: &System,
+    ) -> Result<(), Diagnostic> {
         if self.begun {
             return Ok(());
         }
@@ -138,7 +152,7 @@ impl Outputs {
             })?);
         }
         if model.output.grsave {
-            self.begin_graphics(model, when)?;
+            self.begin_graphics((model, dataset), system, when)?;
         }
         if !model.output.noprint && !model.requests.is_empty() {
             let ypr = model.output.ypr;
@@ -162,6 +176,9 @@ impl Outputs {
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         if let Some((_, columns)) = &mut self.results {
             columns.locate(model, system);
+        }
+        if let Some((_, drawn)) = &mut self.graphics {
+            drawn.locate(model, system);
         }
         let requests = places(model.requests.iter().map(|request| request.header.id));
         for (id, at) in &mut self.requested {
@@ -217,32 +234,16 @@ impl Outputs {
         Ok(())
     }
 
-    fn begin_graphics(&mut self, model: &Model, when: Timestamp) -> Result<(), Diagnostic> {
-        let moving: Vec<usize> = (0..model.parts.len())
-            .filter(|&part| model.parts[part].kind != PartKind::Ground)
-            .collect();
-        let id = |part: usize| i64::from(model.parts[part].header.id);
-        let ids: Vec<i64> = moving.iter().map(|&part| id(part)).collect();
-        let ground = model.ground().map_or(1, |ground| id(ground.0));
-        let markers: Vec<GraphicsMarker> = model
-            .markers
-            .iter()
-            .filter(|marker| !marker.floating)
-            .map(|marker| GraphicsMarker {
-                id: i64::from(marker.header.id),
-                part: id(marker.part.0),
-                position: marker.qp.into(),
-                angles: match marker.orientation {
-                    Orientation::Reuler(angles) => angles,
-                    Orientation::Points => psi_theta_phi(&marker.R),
-                },
-            })
-            .collect();
-        let writer = self.create("gra", |file| {
-            let units = &model.units;
-            GraphicsWriter::create(file, &model.title, units, when, ground, &ids, &markers)
-        })?;
-        self.graphics = Some((writer, moving));
+    fn begin_graphics(
+        &mut self,
+        (model, dataset): (&Model, &Dataset),
+        system: &System,
+        when: Timestamp,
+    ) -> Result<(), Diagnostic> {
+        let (head, mut drawn) = drawn(model, dataset);
+        drawn.locate(model, system);
+        let writer = self.create("gra", |file| GraphicsWriter::create(file, when, &head))?;
+        self.graphics = Some((writer, drawn));
         Ok(())
     }
 
@@ -257,7 +258,7 @@ impl Outputs {
         measures: &mut Measures<'_>,
     ) -> Result<(), Diagnostic> {
         let state = measures.state;
-        self.last = Some(state.time);
+        self.last = Some((state.time, kind));
         let prefix = &self.prefix;
         let failed =
             |extension, error: io::Error| cannot_write(&with_extension(prefix, extension), &error);
@@ -268,18 +269,11 @@ impl Outputs {
                 .map_err(|error| failed("res", error))?;
         }
         if model.output.grsave
-            && let Some((writer, parts)) = &mut self.graphics
+            && let Some((writer, drawn)) = &mut self.graphics
         {
-            let pose = |&part: &usize| {
-                let pose = &state.poses[part];
-                let angles = psi_theta_phi(&pose.R);
-                [
-                    pose.p.x, pose.p.y, pose.p.z, angles[0], angles[1], angles[2],
-                ]
-            };
-            let poses: Vec<[f64; 6]> = parts.iter().map(pose).collect();
+            let (poses, loads) = drawn.frame(measures);
             writer
-                .frame(state.time, &poses)
+                .frame(kind, state.time, &poses, &loads)
                 .map_err(|error| failed("gra", error))?;
         }
         if self.requests.is_none() && self.tables.is_none() {
@@ -291,7 +285,9 @@ impl Outputs {
             .iter()
             .map(|(_, at)| at.map_or([0.0; 8], &mut row))
             .collect();
+        let requested = Some((state.time, kind));
         if model.output.reqsave
+            && !is_repeated(self.last_request, state.time, kind)
             && let Some(writer) = &mut self.requests
         {
             let six: Vec<[f64; 6]> = rows
@@ -301,6 +297,7 @@ impl Outputs {
             writer
                 .step(state.time, &six)
                 .map_err(|error| failed("req", error))?;
+            self.last_request = requested;
         }
         if let Some(tables) = &mut self.tables {
             tables.rows.push((state.time, rows));
@@ -309,6 +306,11 @@ impl Outputs {
             }
         }
         Ok(())
+    }
+
+    /// True if a simulation over time begins with a step: the one before is of another kind or time, or the model has changed since.
+    pub(crate) fn begins_with(&self, time: f64, kind: StepKind) -> bool {
+        self.last != Some((time, kind))
     }
 
     /// A file next to the others of the run.
@@ -411,6 +413,13 @@ impl Tables {
         self.rows.clear();
         Ok(())
     }
+}
+
+/// True if a simulation over time begins where an equilibrium was just written: its time is not repeated in `.req`. What follows an
+/// initial conditions analysis repeats it, as real files do (guide/formats.md 6.3).
+fn is_repeated(last: Option<(f64, StepKind)>, time: f64, kind: StepKind) -> bool {
+    let same = last.is_some_and(|(at, before)| at == time && before.is_equilibrium());
+    same && kind != StepKind::Static
 }
 
 /// What a request is called: its comment, or its name.

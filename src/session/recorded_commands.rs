@@ -1,74 +1,190 @@
 //! The commands that a message file records, as a command file: what was asked of ADAMS from outside, as in a co-simulation, can be asked
 //! again without it.
 
-/// The commands of a message file (`.msg`) in their order, as the text of a command file; `None` if it records none.
+use crate::results::{Analysis, MessageFile};
+use crate::text::{Source, Span};
+
+/// A command file that repeats a recorded run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) struct RecordedCommands {
+    /// The text of the command file.
+    pub text: String,
+    /// Simulations in it, LINEAR included and initial conditions not.
+    pub simulations: usize,
+    /// SIMULATE commands among them that the file does not echo: they are rebuilt from what it says of the simulations.
+    pub rebuilt: usize,
+}
+
+/// The commands of a message file (`.msg`) in their order; `None` if it records none.
 ///
 /// A line ` command: ...` is one line of commands; lines that are continued with `&` stay so. `FILE/COMMAND=...`, whose lines follow, is left
-/// out. Where no FILE/MODEL is recorded, as in co-simulations, `model` is read first. Simulations are repeated with what was set before
-/// each of them: where an input was set several times (predictor, corrector) the last one acts.
-pub(crate) fn recorded_commands(messages: &str, model: &str) -> Option<String> {
-    let lines: Vec<&str> = messages
-        .lines()
-        .filter_map(|line| line.trim_start().strip_prefix("command:"))
-        .map(str::trim)
-        .collect();
-    let word = |line: &str| line.to_ascii_lowercase().replace(' ', "");
-    let names_model = |line: &&str| word(line).starts_with("file/mod");
-    let kept: Vec<&str> = lines
-        .iter()
-        .filter(|line| !word(line).starts_with("file/com"))
-        .copied()
-        .collect();
-    if !kept
-        .iter()
-        .any(|line| !line.is_empty() && !line.starts_with('!'))
-    {
+/// out. Where no FILE/MODEL is recorded, as in co-simulations, `model` is read first.
+///
+/// In a co-simulation the simulations between two exchanges are not echoed: each is a block `Begin Simulation` with no command before
+/// it. Its SIMULATE command ends at the last time of its table and has as many steps as the table shows behind the first. Where an
+/// input was set several times (predictor, corrector) the last one acts.
+pub(crate) fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedCommands> {
+    let text = messages.text(Span::new(0, messages.bytes().len()));
+    let analyses = MessageFile::parse(messages).analyses;
+    let mut analyses = analyses.iter().peekable();
+    let mut out = Vec::new();
+    let (mut echoed, mut rebuilt) = (0, 0);
+    // Simulations of the last command line that have not begun yet.
+    let (mut waiting, mut continues) = (0, false);
+    let mut now = f64::NEG_INFINITY;
+    for (at, line) in text.lines().enumerate() {
+        if let Some(analysis) = analyses.next_if(|analysis| analysis.line == at + 1) {
+            let Some(command) = simulate(analysis, now) else {
+                continue;
+            };
+            now = analysis.times.map_or(now, |(_, end)| end);
+            if waiting > 0 {
+                waiting -= 1;
+            } else {
+                rebuilt += 1;
+                out.push(command);
+            }
+            continue;
+        }
+        let Some(command) = line.trim_start().strip_prefix("command:").map(str::trim) else {
+            continue;
+        };
+        if !std::mem::replace(&mut continues, command.ends_with('&')) {
+            waiting = 0;
+        }
+        if is_command_file(command) || command.is_empty() {
+            continue;
+        }
+        let simulations = command.split(';').filter(|part| simulates(part)).count();
+        let others = command.split(';').filter(|part| is(part, "lin")).count();
+        waiting += simulations;
+        echoed += simulations + others;
+        out.push(command.to_string());
+    }
+    if out.iter().all(|line| line.starts_with('!')) {
         return None;
     }
     // The first line of a command file names a dataset; left empty it names none.
     let mut text = String::from("\n");
-    if !kept.iter().any(names_model) {
+    if !out.iter().any(|line| compact(line).starts_with("file/mod")) {
         text.push_str(&format!("file/model={model}\n"));
     }
-    for line in &kept {
-        if !line.is_empty() {
-            text.push_str(line);
-            text.push('\n');
-        }
+    for line in &out {
+        text.push_str(line);
+        text.push('\n');
     }
-    if kept
-        .last()
-        .is_none_or(|line| !word(line).starts_with("stop"))
-    {
+    if !out.last().is_some_and(|line| is(line, "stop")) {
         text.push_str("stop\n");
     }
-    Some(text)
+    Some(RecordedCommands {
+        text,
+        simulations: echoed + rebuilt,
+        rebuilt,
+    })
+}
+
+/// The command that makes a simulation; `None` of initial conditions, which are part of what follows, and of one that does not get
+/// beyond `now` in the digits that are shown.
+fn simulate(analysis: &Analysis, now: f64) -> Option<String> {
+    let word = match analysis.kind.to_ascii_lowercase().as_str() {
+        "static" if analysis.times.is_none() => return Some("simulate/static".to_string()),
+        "static" | "quasi-static" => "static",
+        "dynamic" => "dynamic",
+        "kinematic" => "kinematic",
+        _ => return None,
+    };
+    let (start, end) = analysis.times?;
+    let steps = analysis.steps.saturating_sub(1).max(1);
+    (end > start.max(now)).then(|| format!("simulate/{word}, end={end}, steps={steps}"))
+}
+
+/// Small letters without blanks.
+fn compact(line: &str) -> String {
+    line.to_ascii_lowercase().replace(' ', "")
+}
+
+fn is(command: &str, keyword: &str) -> bool {
+    compact(command).starts_with(keyword)
+}
+
+fn is_command_file(command: &str) -> bool {
+    is(command, "file/com")
+}
+
+/// True for SIMULATE commands that begin a simulation.
+fn simulates(command: &str) -> bool {
+    let command = compact(command);
+    let of_initial = command
+        .split_once('/')
+        .is_some_and(|(_, rest)| rest.starts_with("ini"));
+    command.starts_with("sim") && !of_initial
 }
 
 #[cfg(test)]
 mod tests {
-    use super::recorded_commands;
+    use super::*;
+
+    fn recorded(messages: &str, model: &str) -> Option<RecordedCommands> {
+        recorded_commands(&Source::new("a.msg", messages.as_bytes()), model)
+    }
+
+    /// A block as ADAMS 2014 writes it.
+    fn block(start: &str, end: &str) -> String {
+        format!(
+            "\n\n  Begin Simulation\n\n  ****** Performing Dynamic Simulation using Gstiff I3 Integrator ******\n   The integrator is GSTIFF\n\n   \
+             Simulation      Step        Function    Cumulative   Integration     CPU\n   ___________  ___________\n   \
+             {start}  2.50000E-04            0            0       1            2.33 \n   {end}  2.12500E-03            5            5       2            2.33 \n\n  End Simulation\n"
+        )
+    }
 
     #[test]
     fn a_co_simulation_becomes_a_command_file() {
-        let messages = "\n command: simulate/initial_conditions\n\n  Begin Simulation\n command: var/11, fun=1.5\n command: var/11, fun=1.6\n \
-                        command: sim/dyn, end=0.01, dtout=0.01\n";
-        let text = recorded_commands(messages, "plant").unwrap();
+        let messages = [
+            "\n command: simulate/initial_conditions\n\n  Begin Displacement Initial Conditions\n\n  End Displacement Initial Conditions\n",
+            " command: var/11, fun=1.5\n command: var/11, fun=1.6\n",
+            &block("0.00000E+00", "5.00000E-03"),
+            " command: var/11, fun=1.7\n",
+            &block("5.00000E-03", "1.00000E-02"),
+        ];
+        let found = recorded(&messages.concat(), "plant").unwrap();
         assert_eq!(
-            text,
-            "\nfile/model=plant\nsimulate/initial_conditions\nvar/11, fun=1.5\nvar/11, fun=1.6\nsim/dyn, end=0.01, dtout=0.01\nstop\n"
+            found.text,
+            "\nfile/model=plant\nsimulate/initial_conditions\nvar/11, fun=1.5\nvar/11, fun=1.6\n\
+             simulate/dynamic, end=0.005, steps=1\nvar/11, fun=1.7\nsimulate/dynamic, end=0.01, steps=1\nstop\n"
         );
+        assert_eq!((found.simulations, found.rebuilt), (2, 2));
+    }
+
+    #[test]
+    fn what_is_echoed_is_not_rebuilt() {
+        let messages = [
+            " command: file/model=a\n command: sim/dyn, &\n command: , end=0.01, steps=2\n",
+            &block("0.00000E+00", "1.00000E-02"),
+            &block("1.00000E-02", "2.00000E-02"),
+            " command: sim/stat; sim/stat\n\n  Begin Static Solution\n\n  End Static Solution\n\n  Begin Static Solution\n\n  End Static Solution\n",
+            "\n  Begin Static Solution\n\n  End Static Solution\n",
+        ];
+        let found = recorded(&messages.concat(), "a").unwrap();
+        assert_eq!(
+            found.text,
+            "\nfile/model=a\nsim/dyn, &\n, end=0.01, steps=2\nsimulate/dynamic, end=0.02, steps=1\nsim/stat; sim/stat\nsimulate/static\nstop\n"
+        );
+        assert_eq!((found.simulations, found.rebuilt), (5, 2));
     }
 
     #[test]
     fn a_command_file_comes_back() {
         let messages = " command: FILE/COMMAND=a.acf\n command: \n command: file/model=a\n command: ! note\n command: INTEGRATOR/ &\n \
                         command: , HHT\n command: sim/stat\n command: STOP\nFinished -----\n";
-        let text = recorded_commands(messages, "b").unwrap();
+        let found = recorded(messages, "b").unwrap();
         assert_eq!(
-            text,
+            found.text,
             "\nfile/model=a\n! note\nINTEGRATOR/ &\n, HHT\nsim/stat\nSTOP\n"
         );
-        assert_eq!(recorded_commands("nothing\n command: \n", "b"), None);
+        assert_eq!(found.simulations, 1);
+        assert_eq!(recorded("nothing\n command: \n", "b"), None);
+        // Initial conditions alone simulate nothing.
+        let alone = recorded(" command: simulate/initial_conditions\n", "b").unwrap();
+        assert_eq!(alone.simulations, 0);
     }
 }

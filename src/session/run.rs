@@ -7,7 +7,8 @@ use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
 use super::files::LARGEST;
-use super::harmless::{is_harmless, is_in, place_in_file};
+use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
+use super::launcher::is_dataset;
 use super::loaded::Loaded;
 use super::outputs::{Outputs, with_extension};
 use super::paths::{find_file, native_spelling};
@@ -108,18 +109,43 @@ impl<'a> Session<'a> {
     }
 
     fn close_model(&mut self) -> Flow {
-        if let Some(mut loaded) = self.loaded.take() {
-            let results = loaded.outputs.beside("res");
-            if let Err(diagnostic) = loaded.outputs.finish() {
-                return self.unwritable(&diagnostic);
-            }
-            if let Some(record) = loaded.outputs.take_record() {
-                self.record = Some(record);
-            } else if results.is_file() {
-                self.ending.results = Some(results);
-            }
+        match self.loaded.take() {
+            Some(loaded) => self.close_outputs(loaded.outputs),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the last lines of output files, and keeps what went into memory.
+    fn close_outputs(&mut self, mut outputs: Outputs) -> Flow {
+        let results = outputs.beside("res");
+        if let Err(diagnostic) = outputs.finish() {
+            return self.unwritable(&diagnostic);
+        }
+        if let Some(record) = outputs.take_record() {
+            self.record = Some(record);
+        } else if results.is_file() {
+            self.ending.results = Some(results);
         }
         Ok(())
+    }
+
+    /// Ends the output files of the model and begins others under a new name (OUTPUT_PREFIX of FILE and RELOAD). The name that they
+    /// have changes nothing.
+    pub(super) fn rename_outputs(&mut self, prefix: &str, place: Option<Place<'_>>) -> Flow {
+        let Some(loaded) = &self.loaded else {
+            return Ok(());
+        };
+        let written = loaded.definitions.dataset().source().name().to_string();
+        if loaded.outputs.prefix() == self.prefix_of(&written, Some(prefix)) {
+            return Ok(());
+        }
+        let new = self.outputs_for(&written, Some(prefix), place)?;
+        let Some(loaded) = &mut self.loaded else {
+            return Ok(());
+        };
+        loaded.begun = false;
+        let old = std::mem::replace(&mut loaded.outputs, new);
+        self.close_outputs(old)
     }
 
     /// Looks a file up; says what is said of it, and why it cannot be read.
@@ -195,6 +221,16 @@ impl<'a> Session<'a> {
             self.policy.allow(folder);
         }
         let (source, path) = self.read(written, "acf", place)?;
+        if is_dataset(&path.to_string_lossy()) {
+            // Its title would be taken for the name of a model, and its second line for that of the output files.
+            let dataset = Diagnostic::error(
+                Code::CannotRead,
+                format!("`{}` is a dataset, not a command file", path.display()),
+            )
+            .help("a command file (.acf) names the dataset: FILE/MODEL=name");
+            self.complain(&place.label(dataset));
+            return Err(Stop::File);
+        }
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         if !self.folders.contains(&folder) {
             self.folders.push(folder);
@@ -298,7 +334,11 @@ impl<'a> Session<'a> {
                     });
                     return self.command_file(&name, place, depth + 1);
                 }
+                let prefix = command.text("OUTPUT_PREFIX", source);
                 let Some(argument) = command.argument("MODEL") else {
+                    if let (Some(prefix), true) = (&prefix, self.loaded.is_some()) {
+                        return self.rename_outputs(prefix, place);
+                    }
                     return self.misunderstood(
                         Diagnostic::error(
                             Code::MissingArgument,
@@ -308,7 +348,6 @@ impl<'a> Session<'a> {
                     );
                 };
                 let name = argument.text(source).unwrap_or_default();
-                let prefix = command.text("OUTPUT_PREFIX", source);
                 let place = Some(Place {
                     source,
                     span: argument.value_span(),
@@ -371,10 +410,7 @@ impl<'a> Session<'a> {
             let prefix = default_prefix(written);
             return Ok(Outputs::in_memory(self.directory.join(prefix)));
         }
-        let prefix = self.directory.join(match prefix.map(str::trim) {
-            Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
-            _ => default_prefix(written),
-        });
+        let prefix = self.prefix_of(written, prefix);
         let messages = with_extension(&prefix, "msg");
         let owned = self.policy.check(&messages);
         let owned = owned.and_then(|()| self.messages.own(&messages));
@@ -394,6 +430,14 @@ impl<'a> Session<'a> {
             self.complain(&unwritable);
         }
         Ok(outputs)
+    }
+
+    /// The path that the names of output files begin with.
+    fn prefix_of(&self, written: &str, prefix: Option<&str>) -> PathBuf {
+        self.directory.join(match prefix.map(str::trim) {
+            Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
+            _ => default_prefix(written),
+        })
     }
 
     /// Resolves a dataset.

@@ -68,11 +68,13 @@ impl Session<'_> {
             // The model stays as it is now.
             saved = saved.states();
         }
-        let mut follows_prefix = false;
+        let prefix = command.text("OUTPUT_PREFIX", source);
+        if let Some(prefix) = &prefix {
+            self.rename_outputs(prefix, place)?;
+        }
         match saved.model.take() {
             Some(Kind::Written(written)) => {
-                follows_prefix = self.loaded.is_none();
-                if !self.take_in(&written, command.text("OUTPUT_PREFIX", source), place)? {
+                if !self.take_in(&written, prefix, place)? {
                     return Ok(());
                 }
             }
@@ -84,16 +86,13 @@ impl Session<'_> {
         if let Err(diagnostic) = loaded.restore(saved) {
             return self.misunderstood(diagnostic, place);
         }
-        for name in ["OUTPUT_PREFIX", "TITLE"] {
-            let argument = command.argument(name);
-            if let Some(argument) = argument.filter(|_| !(follows_prefix && name != "TITLE")) {
-                let warning = Diagnostic::warning(
-                    Code::OutputNotWritten,
-                    format!("RELOAD/{name} is not followed; output goes on in the files of the model under its title"),
-                )
-                .label(source.name(), argument.span, "");
-                self.complain(&warning);
-            }
+        if let Some(argument) = command.argument("TITLE") {
+            let warning = Diagnostic::warning(
+                Code::OutputNotWritten,
+                "RELOAD/TITLE is not followed; output has the title of the model",
+            )
+            .label(source.name(), argument.span, "");
+            self.complain(&warning);
         }
         Ok(())
     }
@@ -142,7 +141,7 @@ impl Session<'_> {
                         Code::CannotRead,
                         "the file holds another model, and the output files of this one have begun",
                     )
-                    .help("RELOAD/STATES keeps the model; a run that begins with RELOAD takes that of the file");
+                    .help("OUTPUT_PREFIX gives the model of the file output files of its own; RELOAD/STATES keeps the model");
                     self.misunderstood(other, place)?;
                     return Ok(false);
                 }

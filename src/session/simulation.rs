@@ -16,10 +16,6 @@ use super::run_state::{Flow, Place, Session};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, Asked, OutputTimes, too_many};
 
-/// How a lone SIMULATE/STATICS is written. Whether ADAMS writes `static` or `quasiStatic` is not known (guide/formats.md 12);
-/// readers in the wild look for `quasiStatic`.
-const LONE_STATIC: StepKind = StepKind::QuasiStatic;
-
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
@@ -104,7 +100,7 @@ impl Session<'_> {
                     .converged(report.iterations, report.imbalance, &told);
                 self.warn_if_unbalanced(&report.balance);
                 self.warn_if_unstable();
-                self.write_step(LONE_STATIC)?;
+                self.write_step(StepKind::Static)?;
                 let sensed = self.sense();
                 self.simulation_ended()?;
                 if sensed.halts {
@@ -121,11 +117,11 @@ impl Session<'_> {
         }
     }
 
-    /// Equilibria at the output times: the start first, unless its step was just
-    /// written (guide/formats.md 6.1: the joint time of two runs is not repeated).
+    /// Equilibria at the output times: the start first, unless a sequence before just wrote it (guide/formats.md 6.1: the joint time of
+    /// two sequences is not repeated, that of a lone static solution has a block of its own).
     fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
         self.messages.begin_simulation("Quasi-Static");
-        let fresh = self.model().outputs.last != Some(times.start);
+        let fresh = self.model().outputs.begins_with(times.start, kind);
         let mut k = usize::from(!fresh);
         let mut halted = false;
         let mut balance = Balance::default();
@@ -399,10 +395,12 @@ impl Loaded {
 
     /// Writes the heads of the output files, which are there even if no equilibrium is found.
     fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
-        match self.writing() {
-            Some((model, outputs, compiled)) => outputs.begin(model, &compiled.system),
-            None => Ok(()),
-        }
+        self.compiled();
+        let Some(compiled) = &self.compiled else {
+            return Ok(());
+        };
+        let dataset = self.definitions.dataset();
+        self.outputs.begin(&self.model, dataset, &compiled.system)
     }
 
     /// Writes the state to the output files.

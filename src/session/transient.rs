@@ -97,7 +97,7 @@ impl Session<'_> {
         };
         if kind == StepKind::Kinematic {
             // The start is one of its steps, unless it was just written.
-            if self.model().outputs.last != Some(times.start) {
+            if self.model().outputs.begins_with(times.start, kind) {
                 self.write_step(kind)?;
             }
         } else if !self.model().begun {

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use crate::diagnostic::{Code, Diagnostic};
+use crate::session::file_below;
 use crate::text::{Source, Span};
 
 /// What is wrong with a SWEEP.toml, with places in it.
@@ -30,6 +31,26 @@ impl Complaints {
         if let Some(last) = self.all.pop() {
             self.all.push(last.help(text));
         }
+    }
+
+    /// The path of a file or folder that is named at a place: below the folder of SWEEP.toml.
+    pub(super) fn below(
+        &mut self,
+        folder: &Path,
+        name: &toml::Spanned<String>,
+    ) -> Option<std::path::PathBuf> {
+        let found = file_below(folder, name.get_ref(), "sweep");
+        for told in found.diagnostics {
+            self.all
+                .push(told.label(self.file.as_str(), Span::from(name.span()), ""));
+        }
+        found.value
+    }
+
+    /// Reads a file that is named at a place: one below the folder of SWEEP.toml.
+    pub(super) fn file(&mut self, folder: &Path, name: &toml::Spanned<String>) -> Option<Source> {
+        let path = self.below(folder, name)?;
+        self.source(&path, Some(name.span()))
     }
 
     /// Reads a file that is named at a place.

@@ -9,6 +9,7 @@ use std::time::Duration;
 use crossbeam_channel::{RecvTimeoutError, bounded};
 use parquet::errors::ParquetError;
 
+use super::checksum::{Damage, verify};
 use super::folder::SweepFolder;
 use super::journal::{Journal, JournalError};
 use super::plan::SweepPlan;
@@ -26,6 +27,14 @@ pub(crate) enum SweepError {
     /// A table cannot be written or read.
     #[error("{0}")]
     Table(#[from] ParquetError),
+    /// A finished table is not what was written.
+    #[error("`{}`: {damage}; without the file its cases are run again", path.display())]
+    Damaged {
+        /// The table.
+        path: PathBuf,
+        /// What has changed.
+        damage: Damage,
+    },
 }
 
 /// How far a shard is.
@@ -129,10 +138,10 @@ pub(crate) fn run_shard(
     run_cases(&cases, shard.cases(plan.cases()), &places, threads, tell)
 }
 
-/// The same for any cases of this range, which begins with a chain. Where the table is there nothing is left to do.
+/// The same for any cases of this range, which begins with a chain. Where the table is there, and is what was written, nothing is left to do.
 ///
 /// # Errors
-/// When the journal or the table cannot be written.
+/// When the journal or the table cannot be written, or the table is damaged.
 pub(crate) fn run_cases(
     work: &dyn Cases,
     cases: Range<u64>,
@@ -145,6 +154,10 @@ pub(crate) fn run_cases(
         ..Progress::default()
     };
     if places.table.is_file() {
+        verify(&places.table).map_err(|damage| SweepError::Damaged {
+            path: places.table.clone(),
+            damage,
+        })?;
         progress.before = progress.all;
         return Ok(progress);
     }

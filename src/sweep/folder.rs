@@ -86,7 +86,7 @@ impl Manifest {
     }
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     let mut text = String::new();
     for byte in bytes {
         _ = write!(text, "{byte:02x}");

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::{Code, Diagnostic};
 
+use super::checksum::verify;
 use super::engine::SweepError;
 use super::folder::SweepFolder;
 use super::shard::Shard;
@@ -35,8 +36,13 @@ impl Columns {
 /// Shards that are missing or not finished, parts of another version or other inputs, parts that lack cases; or what cannot be read or
 /// written.
 pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
-    if folder.results().is_file() {
-        return Ok(());
+    let whole = folder.results();
+    if whole.is_file() {
+        return verify(&whole).map_err(|damage| {
+            let message = format!("`{}`: {damage}", whole.display());
+            let refused = Diagnostic::error(Code::CannotRead, message);
+            vec![refused.help("without the file the parts are joined again")]
+        });
     }
     let inputs = folder.manifest.vary.len();
     let mut wrong = Vec::new();
@@ -58,6 +64,13 @@ pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
                 format!("`{}`: {why}", path.display()),
             ));
         };
+        if let Err(damage) = verify(&path) {
+            refuse(
+                Code::CannotRead,
+                format!("{damage}; without the file `--shard {shard}` runs its cases again"),
+            );
+            continue;
+        }
         let table = match TableReader::open(&path) {
             Ok(table) => table,
             Err(error) => {

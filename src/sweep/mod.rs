@@ -6,6 +6,7 @@
 
 mod answer_path;
 mod answers;
+mod checksum;
 mod complaints;
 mod correlation;
 mod design;

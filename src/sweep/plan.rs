@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
+use crate::front::permission::{NamedProgram, beside};
 use crate::identify::LoadedStudy;
 use crate::kc::Config;
 use crate::model::{Ignore, Model};
@@ -60,6 +61,17 @@ pub struct SweepPlan {
 }
 
 impl SweepPlan {
+    /// The program that is started for every case, by the name of the plan or of its study; `None` if there is none, or it is ADAMS' own.
+    pub(crate) fn named_program(&self) -> Option<NamedProgram> {
+        match (&self.program, &self.task) {
+            (Some(program), _) => {
+                NamedProgram::named_in(Path::new(self.source.name()), program.command.as_ref()?)
+            }
+            (None, Task::Study(loaded, _)) => NamedProgram::of_study(&loaded.study),
+            _ => None,
+        }
+    }
+
     /// The program that is started for every case, if the plan or its study names one.
     #[cfg(feature = "python")]
     pub(crate) fn starts_program(&self) -> Option<&[String]> {
@@ -106,7 +118,7 @@ impl SweepPlan {
         };
         let deck_source = match (&study, &file.deck) {
             (Some(study), _) => study.study.deck.clone(),
-            (None, Some(deck)) => out.source(&folder.join(deck.get_ref()), Some(deck.span()))?,
+            (None, Some(deck)) => out.file(&folder, deck)?,
             (None, None) => {
                 let message = "a sweep has `deck = \"model.adm\"`, or `study = \"folder\"`";
                 out.wrong(Code::MissingSetting, file.sampling.plan.span(), message);
@@ -236,7 +248,7 @@ fn study(
         let message = "a `study` brings its own deck, load cases and solver";
         out.wrong(Code::BadSetting, span, message);
     }
-    let read = LoadedStudy::read(&folder.join(name.get_ref()));
+    let read = LoadedStudy::read(&out.below(folder, name)?);
     let errors = read.diagnostics.into_iter();
     out.all
         .extend(errors.filter(|d| d.severity == Severity::Error));
@@ -262,14 +274,13 @@ fn program(
         let rule = "`licence_wait_s` is not negative";
         out.wrong(Code::OutOfRange, span.clone(), rule);
     }
-    let beside = |name: &str| {
-        let beside = folder.join(name);
-        std::path::absolute(&beside).unwrap_or(beside)
+    let recordings = match &solver.recordings {
+        Some(name) => {
+            let path = out.below(folder, name)?;
+            Some(std::path::absolute(&path).unwrap_or(path))
+        }
+        None => None,
     };
-    let recordings = solver
-        .recordings
-        .as_ref()
-        .map(|name| beside(name.get_ref()));
     if solver.command.is_none() && recordings.is_none() {
         let message = "a solver has `command`, or `recordings` of its runs, or both";
         out.wrong(Code::MissingSetting, span, message);
@@ -278,7 +289,7 @@ fn program(
     let command = match &solver.command {
         None => None,
         Some(words) => {
-            let (span, mut words) = (words.span(), words.get_ref().clone());
+            let (span, words) = (words.span(), words.get_ref());
             if words.is_empty() || words.iter().all(|word| !word.contains("{acf}")) {
                 out.wrong(
                     Code::BadSetting,
@@ -287,11 +298,8 @@ fn program(
                 );
                 return None;
             }
-            // A program beside SWEEP.toml; runs have folders of their own.
-            if Path::new(&words[0]).components().count() > 1 {
-                words[0] = beside(&words[0]).display().to_string();
-            }
-            Some(words)
+            // Runs have folders of their own.
+            Some(beside(folder, words))
         }
     };
     Some(Program {
@@ -312,13 +320,13 @@ fn task(
     let deck = file.deck.as_ref()?;
     match (&file.commands, &file.kc) {
         (Some(name), None) => {
-            let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
+            let source = out.file(folder, name)?;
             inputs.push(source.clone());
             inputs.extend(included(&source, folder));
             Some(Task::Commands(on_deck(deck.get_ref(), &source)))
         }
         (None, Some(name)) => {
-            let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
+            let source = out.file(folder, name)?;
             inputs.push(source.clone());
             let units = model.units;
             let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
@@ -337,6 +345,9 @@ fn task(
 /// The command files that a command file reads, and those that they read.
 fn included(source: &Source, folder: &Path) -> Vec<Source> {
     let mut found: Vec<Source> = Vec::new();
+    let mut policy = FilePolicy::new(Path::new(""));
+    policy.allow(folder);
+    policy.confine();
     let mut next = vec![source.clone()];
     while let Some(source) = next.pop() {
         let file = CommandFile::parse(source.clone()).value;
@@ -346,6 +357,7 @@ fn included(source: &Source, folder: &Path) -> Vec<Source> {
             };
             // What cannot be read is told when the deck as it is runs.
             let path = find_file(&name, "acf", &[folder]).value;
+            let path = path.filter(|path| policy.check_read(path).is_ok());
             if let Some(read) = path.and_then(|path| Source::read(&path).ok())
                 && found.iter().all(|known| known.name() != read.name())
             {

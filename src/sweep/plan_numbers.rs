@@ -51,7 +51,7 @@ pub(super) fn numbers(
     let mut rows = Vec::new();
     if let Some(name) = &file.sampling.file {
         if is_table {
-            let source = out.source(&folder.join(name.get_ref()), Some(name.span()))?;
+            let source = out.file(folder, name)?;
             rows = cases_of(&source, (&mut variations, deck), name.span(), out)?;
             table = Some(source);
         } else {

@@ -12,6 +12,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
 
+use super::checksum::{GROUPS, Summed, WHOLE, ZEROS};
 use super::row::Row;
 
 /// Rows of one row group: what is held in memory while it is written.
@@ -46,7 +47,9 @@ pub(crate) const OTHER_COLUMNS: [&str; 6] = [
 pub(crate) struct TableWriter {
     path: PathBuf,
     temporary: PathBuf,
-    writer: SerializedFileWriter<File>,
+    writer: SerializedFileWriter<Summed>,
+    /// Checksums of the row groups so far.
+    sums: Vec<String>,
     layout: Layout,
     rows: Vec<(Row, Vec<f64>)>,
 }
@@ -70,12 +73,15 @@ impl TableWriter {
             .set_created_by(format!("admire {}", layout.version))
             .set_key_value_metadata(Some(facts))
             .build();
-        let file = File::create(&temporary)?;
+        let mut options = File::options();
+        options.read(true).write(true).create(true).truncate(true);
+        let file = Summed::new(options.open(&temporary)?);
         let writer = SerializedFileWriter::new(file, schema(&layout)?, Arc::new(properties))?;
         Ok(Self {
             path: path.to_path_buf(),
             temporary,
             writer,
+            sums: Vec::new(),
             layout,
             rows: Vec::new(),
         })
@@ -133,6 +139,8 @@ impl TableWriter {
             texts(&mut group, rows.iter().map(|_| text.as_str()), None)?;
         }
         group.close()?;
+        self.writer.flush()?;
+        self.sums.push(self.writer.inner_mut().group());
         // The room of one group is kept for the next.
         self.rows = rows;
         self.rows.clear();
@@ -147,14 +155,17 @@ impl TableWriter {
         if !self.rows.is_empty() {
             self.write_group()?;
         }
-        let file = self.writer.into_inner()?;
-        file.sync_all()?;
+        for (key, value) in [(GROUPS, self.sums.join(" ")), (WHOLE, ZEROS.to_string())] {
+            self.writer
+                .append_key_value_metadata(KeyValue::new(key.to_string(), value));
+        }
+        self.writer.into_inner()?.finish()?;
         std::fs::rename(&self.temporary, &self.path)?;
         Ok(())
     }
 }
 
-type Group<'g> = SerializedRowGroupWriter<'g, File>;
+type Group<'g> = SerializedRowGroupWriter<'g, Summed>;
 
 fn next<'c>(
     group: &'c mut Group<'_>,

@@ -23,5 +23,5 @@ pub use line_ends::LineEnds;
 pub(crate) use printed::{masked, printable};
 pub(crate) use real_path::real_path;
 pub use source::Source;
-pub(crate) use source::{check_size, read_at_most};
+pub(crate) use source::{check_size, open_to_read, read_at_most};
 pub use span::Span;

@@ -96,6 +96,22 @@ impl Source {
     }
 }
 
+/// Opens a file to read it.
+///
+/// # Errors
+/// When it cannot be opened. A named pipe or a device is refused: the one waits for its writer, if need be for ever, the other may not end.
+/// Pipes of a shell have a writer; they have no place in the file system.
+pub(crate) fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
+    let there = std::fs::metadata(path)?;
+    if !there.is_file() && !there.is_dir() && path.canonicalize().is_ok() {
+        return Err(std::io::Error::new(
+            std::io::ErrorKind::InvalidInput,
+            "it is a named pipe or a device, which may never end",
+        ));
+    }
+    std::fs::File::open(path)
+}
+
 /// The bytes of a file that has at most so many.
 ///
 /// # Errors
@@ -112,8 +128,9 @@ pub(crate) fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
         .try_reserve_exact(room)
         .map_err(|_| std::io::Error::from(std::io::ErrorKind::OutOfMemory))?;
     // What has no size beforehand (a pipe, a device) is cut off.
-    let file = std::fs::File::open(path)?;
-    file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    open_to_read(path)?
+        .take(most.saturating_add(1))
+        .read_to_end(&mut bytes)?;
     check_size(bytes.len() as u64, most)?;
     Ok(bytes)
 }

@@ -112,7 +112,7 @@ def main():
                 measured(f"  mdi, {cases} load cases", [mdi, "-c", "ru-standard", "i", "run.acf", "exit"], folder)
                 results = os.path.join(folder, "filled.res")
                 with open(results, "rb") as file:
-                    steps = sum(line.count(b'"quasiStatic">') for line in file)
+                    steps = sum(line.count(b'"static">') for line in file)
                 print(f"  {shown(results)}, {steps} steps")
                 assert steps == cases, steps
     finally:

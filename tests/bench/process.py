@@ -61,7 +61,7 @@ def main():
             file.write(load_cases())
         seconds(mdi, folder), seconds(true, folder)
         with open(os.path.join(folder, "run.res")) as file:
-            steps = file.read().count('"quasiStatic">')
+            steps = file.read().count('"static">')
         assert steps == 13, steps
         pairs = [(seconds(mdi, folder), seconds(true, folder)) for _ in range(options.repeats)]
         files = sorted(name for name in os.listdir(folder) if name not in ("run.adm", "run.acf"))

@@ -1,3 +1,4 @@
+use crate::output_files::{blocks, request_times};
 use crate::run::{Results, SLIDER, folder, mdi, mdi_with, text};
 
 fn near(found: &[f64], expected: &[f64]) {
@@ -54,9 +55,19 @@ fn a_quasi_static_run_outputs_its_start_and_then_each_step() {
     ] {
         assert!(ran.stdout.contains(line), "{line}");
     }
-    // A lone static before a run is its first step, as counted in real batches: 2 N + 1 (guide/formats.md 6.1).
-    let (folder, _) = run("sim/stat\nsim/stat, end=1, steps=3\nsim/stat, end=2, steps=3\nstop");
-    assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 7);
+    // A lone static has a block of its own; the sequences have 2 N + 1 steps, as counted in real batches (guide/formats.md 6.1).
+    let (folder, _) = run("sim/stat\nsim/stat, end=1, steps=4\nsim/stat, end=2, steps=4\nstop");
+    assert_eq!(
+        blocks(folder.path(), "slider.res"),
+        [
+            ("modelInput_001", "input", 1),
+            ("static_001", "static", 1),
+            ("quasiStatic_001", "quasiStatic", 9)
+        ]
+        .map(|(name, kind, count)| (name.to_string(), kind.to_string(), count))
+    );
+    let times: Vec<f64> = (0..9).map(|k| f64::from(k) / 4.0).collect();
+    near(&request_times(folder.path()), &times);
 }
 
 #[test]
@@ -165,7 +176,7 @@ fn requests_and_frames_stop_and_resume_on_command() {
     assert!(!requests.times.contains(&1.5), "{:?}", requests.times);
     let frames = text(folder.path(), "slider.gra");
     let after: Vec<&str> = frames.split("-9.99999E+05").collect();
-    assert_eq!(after[1].trim_start_matches('\n').lines().count(), 1 + 3 * 2,);
+    assert_eq!(after[1].trim_start_matches('\n').lines().count(), 1 + 3 * 2);
 }
 
 #[test]
@@ -194,7 +205,7 @@ fn requests_and_frames_are_written_beside_the_results() {
     near(&dz, &[0.0, 0.5, 1.0]);
     let frames = text(folder.path(), "slider.gra");
     let after: Vec<&str> = frames.split("-9.99999E+05").collect();
-    // Ground, then for each of three times a line for the time and one for the block.
+    // The block as it was read, then for each of three times a line for the time and one for the block.
     assert_eq!(
         after[1].trim_start_matches('\n').lines().count(),
         1 + 3 * 2,

@@ -88,7 +88,7 @@ fn no_bad_run_is_taken_for_an_answer() {
         "the file ends",
     );
     // A step too few, and messages that claim all converged.
-    let less = "awk '/<Step type=.quasiStatic/ && !d {d=1; s=1} !s {print} /<.Step>/ {s=0}' run.res > x; mv x run.res";
+    let less = "awk '/<Step type=.static/ && !d {d=1; s=1} !s {print} /<.Step>/ {s=0}' run.res > x; mv x run.res";
     says(after(less), "1 equilibria for 2 load cases");
     // Good results, bad exit code.
     says(after("exit 3"), "exit code 3");
@@ -290,7 +290,7 @@ fn a_case_that_failed_has_no_answer_whether_a_step_was_written_or_not() {
         values: vec![100.0, 30.0, 400.0],
     });
     // The step that is missing, as a copy of the first one.
-    let copied = "awk '/<Step type=.quasiStatic/ && !n {n=1; s=1} s {b=b $0 \"\\n\"} {print} /<.Step>/ && s {printf \"%s\", b; s=0}' run.res > x; mv x run.res";
+    let copied = "awk '/<Step type=.static/ && !n {n=1; s=1} s {b=b $0 \"\\n\"} {print} /<.Step>/ && s {printf \"%s\", b; s=0}' run.res > x; mv x run.res";
     for command in [mdi(), after(copied)] {
         let sweep = task.sweep(&mut backend(command)).unwrap();
         assert_eq!(sweep.equilibrium(0), good.equilibrium(0));
@@ -415,7 +415,7 @@ fn a_dead_program_is_started_once() {
 fn swapped_and_repeated_cases_are_refused() {
     let order = |order: &str| {
         after(&format!(
-            "awk '{{l[NR]=$0}} /<Step type=.quasiStatic/ {{f[++n]=NR}} /<.Step>/ {{t[n]=NR}} END {{split(\"{order}\", o, \" \"); \
+            "awk '{{l[NR]=$0}} /<Step type=.static/ {{f[++n]=NR}} /<.Step>/ {{t[n]=NR}} END {{split(\"{order}\", o, \" \"); \
              for (i=1; i<f[1]; i++) print l[i]; for (k=1; k<=2; k++) for (i=f[o[k]]; i<=t[o[k]]; i++) print l[i]; \
              for (i=t[2]+1; i<=NR; i++) print l[i]}}' run.res > x; mv x run.res"
         ))

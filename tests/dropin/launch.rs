@@ -332,3 +332,31 @@ fn lines_that_readers_look_for_are_those_of_real_message_files() {
     // The banner tells whose form it is, and who writes it.
     assert!(ours.contains("A d a m s   C++   S o l v e r") && ours.contains("admire "));
 }
+
+/// Word by word: the dataset beside the command file says nothing new, and is never taken for commands (its title would name a model, its
+/// second line the output files).
+#[test]
+fn a_dataset_on_the_command_line_is_not_executed() {
+    let deck = SLIDER.replacen('\n', "\n!\n", 1);
+    let names = |folder: &std::path::Path| {
+        let all = std::fs::read_dir(folder).unwrap().flatten();
+        let mut all: Vec<String> = all
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .collect();
+        all.sort();
+        all
+    };
+    let folder = folder(&[
+        ("x.adm", &deck),
+        ("x.acf", "\nfile/model=x\nSIM/STAT\nSTOP\n"),
+    ]);
+    let ran = mdi(folder.path(), &["ru-standard", "b", "x.adm", "x.acf"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert!(!names(folder.path()).iter().any(|name| name.contains('!')));
+    assert!(folder.path().join("x.res").is_file());
+    let folder = crate::run::folder(&[("x.adm", &deck)]);
+    let ran = mdi(folder.path(), &["ru-standard", "b", "x.adm"]);
+    assert_eq!(ran.code, 2, "{}", ran.stdout);
+    assert!(ran.stdout.contains("is a dataset"), "{}", ran.stdout);
+    assert_eq!(names(folder.path()), ["x.adm", "x.msg"]);
+}

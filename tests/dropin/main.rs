@@ -22,6 +22,7 @@ mod massless;
 mod mechanisms;
 mod message;
 mod motion;
+mod output_files;
 mod parsers;
 #[allow(non_snake_case, reason = "rotation matrices, forces and torques")]
 mod random_models;

@@ -106,7 +106,9 @@ pub struct Results {
 impl Results {
     /// The steps of a static or quasi-static run.
     pub fn read(folder: &Path, name: &str) -> Self {
-        Self::read_steps(folder, name, |line| line.contains("\"quasiStatic\""))
+        Self::read_steps(folder, name, |line| {
+            line.contains("\"quasiStatic\"") || line.contains("\"static\"")
+        })
     }
 
     /// The steps of a run of any kind.

@@ -33,13 +33,38 @@ fn buffers_hold_states_without_the_model() {
     );
     let (_folder, ran) = run("SIM/STAT\nRELOAD/STATES, BUFFER=never");
     assert!(ran.stdout.contains("buffer `never`"), "{}", ran.stdout);
-    let (_folder, ran) =
-        run("SAVE/FILE=here.sav\nRELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=second\nSIM/STAT");
-    assert!(
-        ran.stdout.contains("RELOAD/OUTPUT_PREFIX is not followed"),
-        "{}",
-        ran.stdout
+}
+
+/// From a RELOAD or FILE with OUTPUT_PREFIX on output goes to files of that name (`com_reload`, `com_file`); what was written before stays.
+#[test]
+fn output_goes_to_a_new_name_from_a_command_on() {
+    let z = |folder: &tempfile::TempDir, name: &str| {
+        Results::read(folder.path(), name).column("block_XFORM", "Z")
+    };
+    for command in [
+        "RELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=second",
+        "RELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=second, TITLE=other",
+        "FILE/OUTPUT_PREFIX=second",
+        "FILE/MODEL=slider, OUTPUT_PREFIX=second",
+    ] {
+        let (folder, ran) = run(&format!(
+            "SAVE/SYSTEM, FILE=here.sav\nSFORCE/1, FUNCTION=5\nSIM/STAT\n{command}\nSFORCE/1, FUNCTION=7\nSIM/STAT\nSIM/STAT, END=1, STEPS=2"
+        ));
+        assert_eq!(ran.code, 0, "{command}: {}", ran.stdout);
+        near(&z(&folder, "slider.res"), &[0.5]);
+        near(&z(&folder, "second.res"), &[0.7, 0.7, 0.7, 0.7]);
+        let first = std::fs::read_to_string(folder.path().join("slider.res")).unwrap();
+        assert!(first.contains("Successful"), "{command}: {first}");
+        for name in ["second.req", "second.msg"] {
+            assert!(folder.path().join(name).is_file(), "{command}: {name}");
+        }
+    }
+    // The name that the files have changes nothing.
+    let (folder, ran) = run(
+        "SAVE/SYSTEM, FILE=here.sav\nSIM/STAT\nRELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=slider\nSFORCE/1, FUNCTION=5\nSIM/STAT",
     );
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    near(&z(&folder, "slider.res"), &[0.0, 0.5]);
 }
 
 /// What ADAMS ends a name of a file at does not become a part of it.
@@ -94,8 +119,9 @@ fn a_saved_system_brings_its_model() {
     );
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     let results = Results::read(folder.path(), "second.res");
-    near(&results.column("block_XFORM", "Z"), &[0.25, 0.25]);
-    near(&results.column("time", "TIME"), &[1.0, 2.0]);
+    // The lone solution, then the sequence with its start.
+    near(&results.column("block_XFORM", "Z"), &[0.25, 0.25, 0.25]);
+    near(&results.column("time", "TIME"), &[1.0, 1.0, 2.0]);
     assert!(folder.path().join("second.msg").exists());
     // Without a prefix the outputs have the name of the dataset.
     let ran = again("RELOAD/FILE=here.sav\nSIM/STAT");

@@ -62,7 +62,7 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
         assert_eq!(said, 1, "{}", ran.stdout);
         assert_eq!(ran.stdout, text(folder.path(), "slider.msg"));
         let z = Results::read(folder.path(), "slider.res").column("block_XFORM", "Z");
-        assert!(z.len() == 3 && (z[0] - 0.5).abs() < 1e-9, "{z:?}");
+        assert!(z.len() == 4 && (z[0] - 0.5).abs() < 1e-9, "{z:?}");
         assert_eq!(status(folder.path()), "Successful");
 
         // Switched off it ends nothing; switched on again it does.

@@ -26,9 +26,12 @@ fn study(folder: &Path, solver: &str, identify: &str) {
 }
 
 fn admire(folder: &Path, words: &[&str], path: &str) -> Output {
+    // A study that names a program of its own is that of somebody else here.
+    let starts = ["identify", "diagnose", "record"].contains(&words[0]);
     Command::new(env!("CARGO_BIN_EXE_admire"))
         .current_dir(folder)
         .args(words)
+        .args(starts.then_some("--allow-command"))
         .env("NO_COLOR", "1")
         .env("PATH", path)
         // Folders of failed runs are kept, here not longer than the study.
@@ -184,6 +187,32 @@ fn the_global_fit_says_why_it_got_no_answer() {
         "{}",
         errors(&run)
     );
+}
+
+/// A link may lead out although its name does not, also to what is not there yet.
+#[cfg(unix)]
+#[test]
+fn no_link_leads_recordings_out_of_the_study() {
+    let (place, outside) = (folder(&[]), folder(&[]));
+    let link = std::os::unix::fs::symlink::<&Path, &Path>;
+    let (up, dangling) = (place.path().join("up"), place.path().join("dangling"));
+    link(outside.path(), &up).unwrap();
+    link(&outside.path().join("new"), &dangling).unwrap();
+    for recordings in [
+        "up",
+        "up/new",
+        "up/new/deeper",
+        "dangling",
+        "dangling/x",
+        "a/../../b",
+    ] {
+        let solver = format!("[solver]\nbackend = \"command\"\nrecordings = \"{recordings}\"");
+        study(place.path(), &solver, REGRESSION);
+        let run = admire(place.path(), &["record", "."], &folder_of_mdi());
+        assert_eq!(run.status.code(), Some(1), "{recordings}: {}", errors(&run));
+        assert!(errors(&run).contains("outside-study"), "{}", errors(&run));
+    }
+    assert_eq!(std::fs::read_dir(outside.path()).unwrap().count(), 0);
 }
 
 #[test]
@@ -372,4 +401,92 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
     });
     // With the built-in solver alone they would be the same.
     assert!(apart.fold(0.0, f64::max) > 0.02);
+}
+
+/// A study may name any program. One that came from elsewhere starts it only where that is allowed; without a terminal the option is named.
+#[cfg(unix)]
+#[test]
+fn a_program_of_a_study_from_elsewhere_needs_permission() {
+    let place = folder(&[]);
+    let all = place.path();
+    let settings = all.join("settings");
+    let run = |folder: &Path, words: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_admire"))
+            .current_dir(folder)
+            .args(words)
+            .env("XDG_CONFIG_HOME", &settings)
+            .env("PATH", "/usr/local/bin:/usr/bin:/bin")
+            .env("TMPDIR", all)
+            .output()
+            .unwrap();
+        (output.status.code(), errors(&output))
+    };
+    let touches = |mark: &Path| {
+        let script = format!("touch {}; exit 7", mark.display());
+        format!("[solver]\nbackend = \"command\"\ncommand = ['sh', '-c', '{script}', '{{acf}}']\n")
+    };
+    let foreign = all.join("foreign");
+    std::fs::create_dir(&foreign).unwrap();
+    let mark = all.join("started");
+    study(&foreign, &touches(&mark), REGRESSION);
+    for words in [
+        &["identify", ".", "--out", "out"][..],
+        &["diagnose", ".", "--out", "out"],
+        &["record", "."],
+        &["doctor", "."],
+    ] {
+        let (code, said) = run(&foreign, words);
+        assert_eq!(code, Some(2), "{words:?}: {said}");
+        assert!(said.contains("--allow-command"), "{words:?}: {said}");
+        assert!(!mark.exists() && !foreign.join("out").exists(), "{words:?}");
+    }
+    let plan = "study = \".\"\n[sampling]\nplan = \"random\"\ncases = 2\n[[vary]]\naddress = \"BUSHING/1.K.1\"\n\
+                uniform = [9000.0, 11000.0]\n[[keep]]\nidentification = \"chi_square\"\n";
+    std::fs::write(foreign.join("sweep.toml"), plan).unwrap();
+    let (code, said) = run(&foreign, &["sweep", "sweep.toml", "--out", "swept"]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("--allow-command") && !foreign.join("swept").exists(),
+        "{said}"
+    );
+    std::fs::write(
+        foreign.join("own.toml"),
+        format!(
+            "deck = \"model.adm\"\ncommands = \"run.acf\"\n[sampling]\nplan = \"random\"\ncases = 2\n[[vary]]\naddress = \"BUSHING/1.K.1\"\n\
+             uniform = [9000.0, 11000.0]\n[[keep]]\ncolumn = \"KNUCKLE_XFORM.Z\"\n{}",
+            touches(&mark).replace("backend = \"command\"\n", "")
+        ),
+    )
+    .unwrap();
+    std::fs::write(foreign.join("run.acf"), "\nfile/model=model\nSIM/STAT\n").unwrap();
+    let (code, said) = run(&foreign, &["sweep", "own.toml", "--out", "swept"]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("--allow-command") && !mark.exists(), "{said}");
+
+    // The option starts it, this time only.
+    let (code, said) = run(
+        &foreign,
+        &["identify", ".", "--out", "out", "--allow-command"],
+    );
+    assert_eq!(code, Some(3), "{said}");
+    assert!(mark.exists() && said.contains("exit code 7"), "{said}");
+    std::fs::remove_file(&mark).unwrap();
+    assert_eq!(run(&foreign, &["identify", ".", "--out", "out"]).0, Some(2));
+
+    // A study that was begun here is the user's own; a copy of it somewhere else is not.
+    let deck = foreign.join("model.adm").display().to_string();
+    let (code, said) = run(all, &["new", "own", "--from", &deck]);
+    assert_eq!(code, Some(0), "{said}");
+    let own = all.join("own");
+    study(&own, &touches(&mark), REGRESSION);
+    let (code, said) = run(all, &["identify", "own", "--out", "answer"]);
+    assert_eq!(code, Some(3), "{said}");
+    assert!(mark.exists(), "{said}");
+    let copy = all.join("copy");
+    std::fs::create_dir(&copy).unwrap();
+    study(&copy, &touches(&mark), REGRESSION);
+    assert_eq!(
+        run(all, &["identify", "copy", "--out", "answer2"]).0,
+        Some(2)
+    );
 }

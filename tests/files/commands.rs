@@ -549,6 +549,9 @@ fn nothing_a_deck_holds_commands_the_terminal() {
         &["get", "hostile.adm", "TITLE", "PART/2"],
         &["get", "hostile.adm", &format!("x{hostile}")],
         &["renumber", "solved.adm", "MARKER=100"],
+        &["graph", "solved.adm", "--dot"],
+        &["graph", "solved.adm"],
+        &["extract", "solved.adm", "PART/2"],
     ] {
         let (_, out, err) = folder.said(arguments);
         let all = format!("{out}{err}");

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use admire::diagnostic::Code;
 use admire::results::{
-    Change, EntityKind, GraphicsMarker, GraphicsWriter, Header, LineEnd, NumberStyle, Numbering,
-    RequestFile, RequestWriter, ResultsError, Selection, StepKind, Stored, Style, Timestamp,
-    Tolerance, XrfReader, XrfWriter, compare, rewrite,
+    Change, EntityKind, GraphicsHead, GraphicsMarker, GraphicsWriter, Header, LineEnd, NumberStyle,
+    Numbering, RequestFile, RequestWriter, ResultsError, Selection, StepKind, Stored, Style,
+    Timestamp, Tolerance, XrfReader, XrfWriter, compare, rewrite,
 };
 use admire::text::Source;
 use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
@@ -501,17 +501,19 @@ fn comparing_finds_the_column_the_step_and_the_amount() {
     );
 }
 
+/// Units of a deck by their keywords, seconds.
+pub(super) fn units(force: &str, mass: &str, length: &str) -> Units {
+    let find = |units: &[Unit], word| *units.iter().find(|u| u.keyword == word).unwrap();
+    Units::new(
+        find(FORCE_UNITS, force),
+        find(MASS_UNITS, mass),
+        find(LENGTH_UNITS, length),
+        TIME_UNITS[0],
+    )
+}
+
 #[test]
 fn request_and_graphics_files_have_the_bytes_of_real_ones() {
-    let units = |force, mass, length| {
-        let find = |units: &[Unit], word| *units.iter().find(|u| u.keyword == word).unwrap();
-        Units::new(
-            find(FORCE_UNITS, force),
-            find(MASS_UNITS, mass),
-            find(LENGTH_UNITS, length),
-            TIME_UNITS[0],
-        )
-    };
     let inch = units("POUND_FORCE", "POUND_MASS", "INCH");
     let title = "Adams View model name: MODEL_1";
     // 2023-06-13 22:52:01 and 2021-02-05 19:56:30 as if they were UTC.
@@ -547,9 +549,16 @@ fn request_and_graphics_files_have_the_bytes_of_real_ones() {
             position: [0.0; 3],
             angles: [0.0; 3],
         };
-        let markers = [marker(1), marker(2)];
-        let mut writer =
-            GraphicsWriter::create(Vec::new(), title, &inch, when, 1, &[2], &markers).unwrap();
+        let head = GraphicsHead {
+            title: title.to_string(),
+            units: inch,
+            ground: 1,
+            parts: vec![2],
+            markers: vec![marker(1), marker(2)],
+            input: vec![[0.0; 6]],
+            ..GraphicsHead::default()
+        };
+        let mut writer = GraphicsWriter::create(Vec::new(), when, &head).unwrap();
         let numbers = |line: &str| {
             line.split_whitespace()
                 .map(|n| n.parse().unwrap())
@@ -558,8 +567,9 @@ fn request_and_graphics_files_have_the_bytes_of_real_ones() {
         let frames: Vec<&str> = text.lines().skip(11).collect();
         for frame in frames.chunks(2) {
             let pose = numbers(frame[1]);
+            let pose = std::array::from_fn(|at| pose[at]);
             writer
-                .frame(numbers(frame[0])[0], &[std::array::from_fn(|at| pose[at])])
+                .frame(StepKind::Dynamic, numbers(frame[0])[0], &[pose], &[])
                 .unwrap();
         }
         assert_eq!(String::from_utf8(writer.finish()).unwrap(), text);

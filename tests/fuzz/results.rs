@@ -168,7 +168,14 @@ pub fn graphics(bytes: &[u8]) {
     any(bytes);
     let read = GraphicsFile::parse(&Source::new("a.gra", bytes));
     assert_inside(&read.diagnostics, "a.gra", bytes);
-    assert_eq!(read.value.times.len(), read.value.poses.len());
+    let frames = read.value.times.len();
+    assert_eq!(frames, read.value.poses.len());
+    assert_eq!(
+        (read.value.kinds.len(), read.value.loads.len()),
+        (frames, frames)
+    );
+    let forces = read.value.forces.len();
+    assert!(read.value.loads.iter().all(|loads| loads.len() == forces));
     assert!(
         read.value
             .poses

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use admire::results::{
-    Catalogue, Component, Entity, GraphicsWriter, Header, RequestEntry, RequestWriter, StepKind,
-    Style, Timestamp, XrfWriter,
+    Catalogue, Component, Entity, GraphicsHead, GraphicsJoint, GraphicsShape, GraphicsWriter,
+    Header, RequestEntry, RequestWriter, StepKind, Style, Timestamp, XrfWriter,
 };
 use admire::units::Units;
 
@@ -87,14 +87,31 @@ pub fn req() -> Vec<u8> {
 }
 
 pub fn gra() -> Vec<u8> {
+    let head = GraphicsHead {
+        title: "a title".to_string(),
+        ground: 1,
+        parts: vec![2, 3],
+        joints: vec![GraphicsJoint {
+            id: 4,
+            markers: [1, 2],
+        }],
+        shapes: vec![
+            GraphicsShape::Force { id: 70, marker: 1 },
+            GraphicsShape::Spring {
+                id: 74,
+                markers: [1, 2],
+                counts: [20, 10],
+                sizes: [1.0; 7],
+            },
+        ],
+        input: vec![[0.0; 6]; 2],
+        ..GraphicsHead::default()
+    };
     let when = Timestamp::from_unix(1_600_000_000);
-    let units = Units::default();
-    let mut writer =
-        GraphicsWriter::create(Vec::new(), "a title", &units, when, 1, &[2, 3], &[]).unwrap();
-    for time in [0.0, 0.5] {
-        writer
-            .frame(time, &[[1.0, -2.0, 3.0, -0.5, 0.25, time], [0.0; 6]])
-            .unwrap();
+    let mut writer = GraphicsWriter::create(Vec::new(), when, &head).unwrap();
+    for (kind, time) in [(StepKind::Static, 0.0), (StepKind::Dynamic, 0.5)] {
+        let poses = [[1.0, -2.0, 3.0, -0.5, 0.25, time], [0.0; 6]];
+        writer.frame(kind, time, &poses, &[[-6.0; 6]]).unwrap();
     }
     writer.finish()
 }

@@ -9,8 +9,8 @@ use admire::check;
 use admire::kc::Config;
 use admire::model::{self, Model};
 use admire::results::{
-    FormattedResults, GraphicsFile, GraphicsWriter, MessageFile, RequestFile, Timestamp, XrfReader,
-    rewrite,
+    FormattedResults, GraphicsFile, GraphicsHead, GraphicsShape, GraphicsWriter, MessageFile,
+    RequestFile, StepKind, Timestamp, XrfReader, rewrite,
 };
 use admire::rig::{Study, Table};
 use admire::syntax::lint::{Options, check as lint, check_commands};
@@ -256,13 +256,21 @@ fn property(bytes: &[u8]) {
 
 /// Graphics of one part: how they begin, and a frame of them.
 fn pictures() -> (String, String) {
-    let (when, units) = (Timestamp::from_unix(0), Units::default());
+    let head = GraphicsHead {
+        title: "a title".to_string(),
+        ground: 1,
+        parts: vec![2],
+        shapes: vec![GraphicsShape::Force { id: 1, marker: 1 }],
+        input: vec![[0.0; 6]],
+        ..GraphicsHead::default()
+    };
     let frames = |count: usize| {
-        let mut writer =
-            GraphicsWriter::create(Vec::new(), "a title", &units, when, 1, &[2], &[]).unwrap();
+        let when = Timestamp::from_unix(0);
+        let mut writer = GraphicsWriter::create(Vec::new(), when, &head).unwrap();
         for _ in 0..count {
+            let pose = [1.0, -2.0, 3.0, -0.5, 0.25, 0.0];
             writer
-                .frame(0.0, &[[1.0, -2.0, 3.0, -0.5, 0.25, 0.0]])
+                .frame(StepKind::Dynamic, 0.0, &[pose], &[pose])
                 .unwrap();
         }
         String::from_utf8(writer.finish()).unwrap()

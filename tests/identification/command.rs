@@ -89,7 +89,7 @@ fn nothing_of_a_bad_run_is_taken_for_an_answer() {
             "good results, bad exit code"
         );
         assert!(after("head -c 20000 run.res > x; mv x run.res").contains("results file"));
-        let less = "awk '/<Step type=.quasiStatic/ && !d {d=1; s=1} !s {print} /<.Step>/ {s=0}' run.res > x; mv x run.res";
+        let less = "awk '/<Step type=.static/ && !d {d=1; s=1} !s {print} /<.Step>/ {s=0}' run.res > x; mv x run.res";
         let error = after(less);
         assert!(error.contains("12 equilibria for 13 load cases"), "{error}");
         assert!(after("echo 'ERROR: could not checkout license' >> run.msg").contains("licence"));

@@ -240,7 +240,7 @@ fn both_readers_agree(results: &Path) -> Option<usize> {
     let entities = reader.catalogue().entities.clone();
     let mut steps: Vec<Vec<f64>> = Vec::new();
     while let Some(step) = reader.next_step().expect("a whole step") {
-        if step.kind == StepKind::QuasiStatic {
+        if matches!(step.kind, StepKind::QuasiStatic | StepKind::Static) {
             let mut values = Vec::new();
             step.values(&mut values).expect("numbers");
             steps.push(values);

@@ -185,6 +185,11 @@ impl Editor {
         self.process.wait().expect("it ends").code()
     }
 
+    /// Says bytes as they are.
+    pub fn say_bytes(&mut self, bytes: &[u8]) {
+        self.write(bytes);
+    }
+
     fn send(&mut self, message: &Value) {
         let text = message.to_string();
         let message = format!("Content-Length: {}\r\n\r\n{text}", text.len());

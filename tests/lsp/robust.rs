@@ -188,3 +188,40 @@ fn files_in_latin_1_are_read_beside_open_ones() {
     );
     assert_eq!(editor.end(), Some(0));
 }
+
+/// What is no message of the protocol is answered with -32700, and the next message as if nothing had been.
+#[test]
+fn what_is_no_message_is_refused_and_the_server_goes_on() {
+    let mut editor = Editor::start(&[]);
+    editor.open("a.adm", DECK);
+    let framed = |body: &[u8]| {
+        [
+            format!("Content-Length: {}\r\n\r\n", body.len()).as_bytes(),
+            body,
+        ]
+        .concat()
+    };
+    for bad in [
+        b"Content-Length: 100000000000\r\n\r\n".to_vec(),
+        b"Content-Length: 100000000000\r\n\r\n{\"jsonrpc\":\"2.0\"}".to_vec(),
+        framed(b"{\"jsonrpc\":\"2.0\",\"id\":"),
+        framed(b"{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"\xff\xfe\"}"),
+        framed(&vec![b'['; 100_000]),
+    ] {
+        editor.say_bytes(&bad);
+        let at = editor.at("a.adm", 2, 15);
+        let id = editor.ask("textDocument/hover", at);
+        let answer = editor.answer(id);
+        assert!(
+            answer["result"]["contents"]["value"].is_string(),
+            "{answer}"
+        );
+        let refused = editor
+            .notes
+            .iter()
+            .filter(|note| note["error"]["code"] == -32700);
+        assert_eq!(refused.count(), 1, "{:?}", editor.notes);
+        editor.notes.retain(|note| note.get("error").is_none());
+    }
+    assert_eq!(editor.end(), Some(0));
+}

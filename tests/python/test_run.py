@@ -29,7 +29,7 @@ def test_loads_are_given_without_changing_the_deck(deck: admire.Deck) -> None:
     loaded = deck.solve({"SFORCE/3": 1000.0})
     assert bytes(deck) == before
     by_commands = deck.solve(ACF)
-    assert by_commands.kinds == ["input", "quasiStatic", "quasiStatic"]
+    assert by_commands.kinds == ["input", "static", "static"]
     other = deck.copy()
     other["SFORCE/3"] = 1000.0
     assert loaded.values.tobytes() == other.solve().values.tobytes()
@@ -71,7 +71,7 @@ def test_results_are_read_back(deck: admire.Deck, tmp_path: Path) -> None:
     assert np.allclose(results["BUSHING/1.FX"], run["BUSHING/1.FX"], rtol=1e-15, atol=1e-16)
     some = results.select("BUSHING/1.F?", steps="last")
     assert len(some) >= 3 and all(len(column) == 1 for column in some.values())
-    assert results.select("BUSHING/1.FX", kind="quasiStatic")[list(some)[0]].shape == (2,)
+    assert results.select("BUSHING/1.FX", kind="static")[list(some)[0]].shape == (2,)
     with pytest.raises(KeyError):
         results["nothing"]
     with pytest.raises(ValueError):
@@ -93,7 +93,7 @@ def test_frames_have_time_and_kind(deck: admire.Deck) -> None:
     pandas = pytest.importorskip("pandas")
     frame = deck.solve(ACF).to_pandas("BUSHING/1.F?")
     assert isinstance(frame, pandas.DataFrame)
-    assert list(frame["step"]) == ["input", "quasiStatic", "quasiStatic"]
+    assert list(frame["step"]) == ["input", "static", "static"]
 
 
 def test_sensitivities_are_those_of_differences(deck: admire.Deck) -> None:

@@ -202,3 +202,59 @@ fn a_case_that_fails_says_why_and_stops_no_other() {
             .all(|value| value.is_finite())
     );
 }
+
+/// Every path of SWEEP.toml lies below its folder, as those of study.toml do: nothing outside of it is read, shown or written.
+#[cfg(unix)]
+#[test]
+fn paths_of_a_plan_do_not_lead_out_of_its_folder() {
+    let outside = tempfile::tempdir().expect("a folder");
+    let secret = outside.path().join("secret");
+    std::fs::write(&secret, "the secret line\nPART/1\n").expect("written");
+    for (before, after) in [
+        ("\"model.adm\"", "\"/etc/passwd\""),
+        ("\"model.adm\"", "\"SECRET\""),
+        ("\"model.adm\"", "\"link\""),
+        ("\"model.adm\"", "\"up/secret\""),
+        ("\"lateral.acf\"", "\"../lateral.acf\""),
+        ("\"lateral.acf\"", "\"link\""),
+        ("commands = \"lateral.acf\"", "kc = \"link\""),
+        (
+            "deck = \"model.adm\"\ncommands = \"lateral.acf\"",
+            "study = \"up\"",
+        ),
+        (
+            "seed = 1",
+            "seed = 1\nsolver = { command = [\"mdi\", \"{acf}\"], recordings = \"../x\" }",
+        ),
+        ("seed = 1", "seed = 1\nsolver = { recordings = \"up/new\" }"),
+        (
+            "seed = 1",
+            "seed = 1\nsolver = { recordings = \"dangling\" }",
+        ),
+    ] {
+        let shown_secret = shown(&secret).to_string();
+        let bench = Bench::new(|text| {
+            assert!(text.contains(before), "{before}");
+            text.replacen(before, &after.replace("SECRET", &shown_secret), 1)
+        });
+        let link = std::os::unix::fs::symlink::<&std::path::Path, _>;
+        link(&secret, bench.path("link")).expect("a link");
+        link(outside.path(), bench.path("up")).expect("a link");
+        link(&outside.path().join("new"), bench.path("dangling")).expect("a link");
+        let refused = bench.sweep("out", &["--format", "plain"]);
+        let said = said(&refused);
+        assert_eq!(refused.status.code(), Some(1), "{after}: {said}");
+        assert!(
+            said.contains("lies outside of the sweep folder"),
+            "{after}: {said}"
+        );
+        assert!(said.contains("sweep.toml:"), "{after}: {said}");
+        assert!(
+            !said.contains("secret line") && !said.contains("root:"),
+            "{said}"
+        );
+        assert!(!bench.path("out").exists(), "{after}");
+    }
+    let left = std::fs::read_dir(outside.path()).expect("there").count();
+    assert_eq!(left, 1, "nothing was written outside");
+}

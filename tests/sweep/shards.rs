@@ -158,3 +158,61 @@ fn merging_refuses_what_is_missing_and_what_is_of_another_sweep() {
     assert!(admire(&["merge", shown(&folder)]).status.success());
     assert_eq!(bench.rows("a", NUMBERS).len(), 12);
 }
+
+/// Flipped bits of a finished part are found by `merge` and when the sweep goes on, with the rows they are in; without the file its cases are
+/// run again, and the answer is the same.
+#[test]
+fn a_part_with_flipped_bits_is_not_taken() {
+    let bench = Bench::cases(12);
+    for number in 1..=3 {
+        let ran = bench.sweep("out", &["--shard", &format!("{number}/3")]);
+        assert!(ran.status.success(), "{}", said(&ran));
+    }
+    let out = bench.path("out");
+    let parts: Vec<_> = std::fs::read_dir(out.join("shards"))
+        .expect("parts")
+        .map(|entry| entry.expect("a part").path())
+        .collect();
+    assert_eq!(parts.len(), 3);
+    let part = parts.iter().min().expect("a part");
+    let whole = std::fs::read(part).expect("bytes");
+    // Nine places all over the file, three bits each.
+    for k in 0..9 {
+        let mut bytes = whole.clone();
+        for bit in 0..3 {
+            let at = (whole.len() * (3 * k + bit) / 27).min(whole.len() - 1);
+            bytes[at] ^= 1 << (k + bit) % 8;
+        }
+        std::fs::write(part, &bytes).expect("written");
+        let merged = admire(&["merge", shown(&out)]);
+        assert_eq!(merged.status.code(), Some(1), "{k}: {}", said(&merged));
+        assert!(!out.join("results.parquet").exists(), "{k}");
+        let resumed = bench.sweep("out", &["--shard", "1/3"]);
+        assert_eq!(resumed.status.code(), Some(1), "{k}: {}", said(&resumed));
+    }
+    let mut bytes = whole.clone();
+    bytes[whole.len() / 9] ^= 1;
+    std::fs::write(part, &bytes).expect("written");
+    let merged = said(&admire(&["merge", shown(&out), "--format", "plain"]));
+    assert!(
+        merged.contains("row group 1 (rows 1 to 4) is not as written"),
+        "{merged}"
+    );
+    assert!(
+        merged.contains("`--shard 1/3` runs its cases again"),
+        "{merged}"
+    );
+    std::fs::remove_file(part).expect("removed");
+    assert!(bench.sweep("out", &["--shard", "1/3"]).status.success());
+    assert!(admire(&["merge", shown(&out)]).status.success());
+    assert!(bench.sweep("alone", &[]).status.success());
+    let (parts, alone) = (bench.rows("out", NUMBERS), bench.rows("alone", NUMBERS));
+    assert!(parts.iter().map(bits).eq(alone.iter().map(bits)));
+    // The joined answer has a checksum of its own.
+    let results = out.join("results.parquet");
+    let mut bytes = std::fs::read(&results).expect("bytes");
+    let middle = bytes.len() / 3;
+    bytes[middle] ^= 16;
+    std::fs::write(&results, bytes).expect("written");
+    assert_eq!(admire(&["merge", shown(&out)]).status.code(), Some(1));
+}

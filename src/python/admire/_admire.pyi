@@ -84,14 +84,20 @@ class Study:
         force: bool,
         repeats: tuple[int | None, int | None, int, int | None],
         progress: _Report | None,
+        allow_command: bool,
     ) -> tuple[str, str, bytes, str, list[str], list[Block | None]]: ...
     def diagnose(
-        self, force: bool, check: str, progress: _Report | None
+        self, force: bool, check: str, progress: _Report | None, allow_command: bool
     ) -> tuple[str, list[str], bytes, str, str, list[str]]: ...
     def plan(self, aim: str, count: int, force: bool, progress: _Report | None) -> tuple[str, str]: ...
 
 def merge_shards(folder: str) -> str: ...
 def program_of_sweep(plan: str) -> str | None: ...
 def sweep(
-    plan: str, out: str, jobs: int | None, shard: tuple[int, int] | None, progress: _Report | None
+    plan: str,
+    out: str,
+    jobs: int | None,
+    shard: tuple[int, int] | None,
+    progress: _Report | None,
+    allow_command: bool,
 ) -> str | None: ...

@@ -44,7 +44,7 @@ class Run:
     >>> import admire
     >>> run = admire.read("corpus/pseudo-mcpherson/model.adm").solve()
     >>> run.kinds
-    ['input', 'quasiStatic']
+    ['input', 'static']
     """
 
     def __init__(self, inner: _admire.Run) -> None:

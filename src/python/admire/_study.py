@@ -248,11 +248,13 @@ def identify(
     jobs: int | None = None,
     progress: Progress = False,
     force: bool = False,
+    allow_command: bool = False,
 ) -> Identification:
     """Identifies the stiffnesses of a study: what ``admire identify`` does, without files.
 
     ``method``: gauss-newton, regression or direct, in place of the study's own. ``progress=True`` shows a line on standard error, a
-    function is called in its place. ``force`` fits a study that cannot be meant, too.
+    function is called in its place. ``force`` fits a study that cannot be meant, too. ``allow_command`` starts the program that a study
+    of somebody else names; one of a study that ``admire new`` began here, or that was allowed once, is started anyway.
 
     ``bootstrap=1000`` fits so many times again, readings drawn anew from the fit and its residuals: intervals that do not take the noise
     as stated. ``posterior=1000`` draws so many times from the posterior: intervals that do not take the model as linear. Both are
@@ -267,7 +269,7 @@ def identify(
     opened = _opened(study)
     with shown(progress) as told:
         text, lead, deck, html, remarks, tables = opened._inner.identify(
-            method, force, (bootstrap, posterior, seed, jobs), told
+            method, force, (bootstrap, posterior, seed, jobs), told, allow_command
         )
     value = json.loads(text)
     parameters = [
@@ -306,14 +308,16 @@ def diagnose(
     check_gain: str = "held-out",
     progress: Progress = False,
     force: bool = False,
+    allow_command: bool = False,
 ) -> Diagnosis:
     """Says what a model still gets wrong after its best fit: what ``admire diagnose`` does, without files.
 
     ``check_gain`` says how much is done to learn what the causes gain in cases that were not used: ``quick``, ``held-out``, ``folds``.
+    ``allow_command``: as :func:`identify`.
     """
     opened = _opened(study)
     with shown(progress) as told:
-        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, check_gain, told)
+        text, sentences, deck, commands, html, remarks = opened._inner.diagnose(force, check_gain, told, allow_command)
     value = json.loads(text)
     name = os.path.join(opened.folder, "extended.adm")
     return Diagnosis(

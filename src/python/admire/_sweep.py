@@ -46,17 +46,19 @@ def sweep(
     jobs: int | None = None,
     shard: tuple[int, int] | None = None,
     progress: Progress = False,
+    allow_command: bool = False,
 ) -> Sweep | None:
     """Runs the cases of a SWEEP.toml into the folder ``out``: what ``admire sweep`` does, in this process.
 
     A folder that the same sweep began goes on where it stopped. ``jobs`` cases run at a time, as many as there are cores if ``None``.
     ``shard=(3, 8)`` runs the third of eight parts and gives ``None``; :func:`merge` joins them.
+    ``allow_command`` starts the program that a plan of somebody else names, as in :func:`identify`.
     """
     command = _admire.program_of_sweep(os.fspath(plan))
     if command:
         warnings.warn(f"every case is solved by a program that is named by the plan or its study: {command}", stacklevel=2)
     with shown(progress) as told:
-        text = _admire.sweep(os.fspath(plan), os.fspath(out), jobs, shard, told)
+        text = _admire.sweep(os.fspath(plan), os.fspath(out), jobs, shard, told, allow_command)
     return None if text is None else Sweep(os.fspath(out), json.loads(text))
 
 

@@ -1,0 +1,37 @@
+//! Whether a program that a study or a sweep names is started.
+
+use std::io::IsTerminal;
+
+use crate::front::permission::NamedProgram;
+
+use super::new::answer;
+use super::shell::{Exit, Shell};
+
+#[derive(clap::Args, Clone, Copy, Debug)]
+pub(super) struct Permission {
+    /// Start the program that the study or the sweep names without asking. Otherwise one of a study that was not begun here by `admire new`
+    /// is asked for once.
+    #[arg(long)]
+    allow_command: bool,
+}
+
+impl Permission {
+    /// Asks for a program that is not allowed yet; without a terminal it is refused.
+    pub(super) fn ask(self, program: Option<&NamedProgram>, shell: &Shell) -> Result<(), Exit> {
+        let Some(program) = program.filter(|program| !self.allow_command && !program.is_allowed())
+        else {
+            return Ok(());
+        };
+        let help = "`--allow-command` starts it; on a terminal it is asked once";
+        if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
+            return Err(shell.usage(program.refusal(help)));
+        }
+        if !matches!(answer(&program.question(), shell).as_str(), "y" | "yes") {
+            return Err(shell.usage(program.refusal(help)));
+        }
+        if let Err(error) = program.allow() {
+            shell.say(&format!("it will be asked again: {error}\n"));
+        }
+        Ok(())
+    }
+}

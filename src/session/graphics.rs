@@ -1,0 +1,152 @@
+//! What a graphics file draws: parts, markers, joints, and the arrows of forces.
+
+use std::collections::BTreeMap;
+
+use crate::mechanics::{Pose, psi_theta_phi};
+use crate::model::{MarkerIx, Model, Orientation, PartKind};
+use crate::results::{GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape};
+use crate::syntax::{Dataset, Statement};
+use crate::system::{State, System};
+
+use super::measures::{Exerting, Measures};
+
+/// SEG of a spring whose statement has none, as ADAMS writes it.
+const SEGMENTS: i64 = 20;
+
+/// The numbers of a spring: diameters, then lengths.
+const SIZES: [&str; 7] = ["DA", "DB", "DC", "LA", "LB", "LC", "LD"];
+
+/// What every frame has, in its order.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Drawn {
+    /// Indices of the moving parts.
+    parts: Vec<usize>,
+    forces: Vec<ForceGraphic>,
+}
+
+/// The arrow of a force.
+#[derive(Clone, Debug)]
+struct ForceGraphic {
+    /// ETYPE and EID.
+    element: (String, u32),
+    /// EMARKER.
+    marker: u32,
+    /// Where they are in the model as it is now.
+    place: Option<(Exerting, MarkerIx)>,
+}
+
+/// The head of the graphics file of a model, and what its frames have.
+pub(super) fn drawn(model: &Model, dataset: &Dataset) -> (GraphicsHead, Drawn) {
+    let id = |part: usize| i64::from(model.parts[part].header.id);
+    let moving: Vec<usize> = (0..model.parts.len())
+        .filter(|&part| model.parts[part].kind != PartKind::Ground)
+        .collect();
+    let markers = model.markers.iter().filter(|marker| !marker.floating);
+    let markers = markers.map(|marker| GraphicsMarker {
+        id: i64::from(marker.header.id),
+        part: id(marker.part.0),
+        position: marker.qp.into(),
+        angles: match marker.orientation {
+            Orientation::Reuler(angles) => angles,
+            Orientation::Points => psi_theta_phi(&marker.R),
+        },
+    });
+    let marker_id = |marker: MarkerIx| i64::from(model.markers[marker.0].header.id);
+    let joints = model.joints.iter().map(|joint| GraphicsJoint {
+        id: i64::from(joint.header.id),
+        markers: [marker_id(joint.i), marker_id(joint.j)],
+    });
+    let mut head = GraphicsHead {
+        title: model.title.clone(),
+        units: model.units,
+        ground: model.ground().map_or(1, |ground| id(ground.0)),
+        parts: moving.iter().map(|&part| id(part)).collect(),
+        markers: markers.collect(),
+        joints: joints.collect(),
+        shapes: Vec::new(),
+        input: moving
+            .iter()
+            .map(|&part| six(&model.parts[part].pose))
+            .collect(),
+    };
+    let mut drawn = Drawn {
+        parts: moving,
+        forces: Vec::new(),
+    };
+    let graphics = dataset.statements().iter();
+    for statement in graphics.filter(|statement| statement.kind() == Some("GRAPHICS")) {
+        if let Some((shape, force)) = shape(statement, dataset) {
+            head.shapes.push(shape);
+            drawn.forces.extend(force);
+        }
+    }
+    (head, drawn)
+}
+
+/// A drawing that moves by itself, and its force if it is the arrow of one.
+fn shape(
+    statement: &Statement,
+    dataset: &Dataset,
+) -> Option<(GraphicsShape, Option<ForceGraphic>)> {
+    let id = i64::from(statement.number()?);
+    let whole = |name: &str| statement.first(name).map(|value| value as i64);
+    if statement.has("FORCE") {
+        let kind = statement.text("ETYPE", dataset.source())?;
+        let marker = whole("EMARKER")?;
+        let force = ForceGraphic {
+            element: (kind.trim().to_ascii_uppercase(), whole("EID")? as u32),
+            marker: marker as u32,
+            place: None,
+        };
+        return Some((GraphicsShape::Force { id, marker }, Some(force)));
+    }
+    statement.has("SPDP").then(|| {
+        let spring = GraphicsShape::Spring {
+            id,
+            markers: ["I", "J"].map(|name| whole(name).unwrap_or(0)),
+            counts: [
+                whole("SEG").unwrap_or(SEGMENTS),
+                whole("COILS").unwrap_or(0),
+            ],
+            sizes: SIZES.map(|name| statement.first(name).unwrap_or(0.0)),
+        };
+        (spring, None)
+    })
+}
+
+impl Drawn {
+    /// Finds what exerts the forces in a model that was compiled anew.
+    pub(super) fn locate(&mut self, model: &Model, system: &System) {
+        let elements = system
+            .elements()
+            .map(|(element, name)| ((name.kind, name.id), Exerting::Element(element)));
+        let constraints = system
+            .constraints()
+            .map(|(constraint, name)| ((name.kind, name.id), Exerting::Constraint(constraint)));
+        let exerting: BTreeMap<(&str, u32), Exerting> = elements.chain(constraints).collect();
+        for force in &mut self.forces {
+            let (kind, id) = &force.element;
+            let by = exerting.get(&(kind.as_str(), *id)).copied();
+            force.place = by.zip(model.marker(force.marker));
+        }
+    }
+
+    /// Poses of the parts, and loads of the forces; a force that is not solved or is switched off is zero.
+    pub(super) fn frame(&self, measures: &mut Measures<'_>) -> (Vec<[f64; 6]>, Vec<[f64; 6]>) {
+        let state: &State = measures.state;
+        let poses = self.parts.iter().map(|&part| six(&state.poses[part]));
+        let poses = poses.collect();
+        let load = |force: &ForceGraphic| {
+            let (by, marker) = force.place?;
+            measures.load_on(by, marker)
+        };
+        let loads = self.forces.iter().map(load);
+        (poses, loads.map(Option::unwrap_or_default).collect())
+    }
+}
+
+/// X, Y, Z, PSI, THETA, PHI.
+fn six(pose: &Pose) -> [f64; 6] {
+    let [psi, theta, phi] = psi_theta_phi(&pose.R);
+    [pose.p.x, pose.p.y, pose.p.z, psi, theta, phi]
+}

@@ -1,0 +1,268 @@
+//! Checksums of tables: one for each row group, which tells where damage is, and one for the whole file, which finds it anywhere.
+//!
+//! They are SHA-256 in the facts of the file. That of the whole file is taken with zeros in its own place.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use parquet::errors::ParquetError;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use sha2::{Digest, Sha256};
+
+use super::folder::hexadecimal;
+use crate::text::open_to_read;
+
+/// The fact with the checksums of the row groups, with blanks between. A group has all bytes behind the one before.
+pub(super) const GROUPS: &str = "admire.row_groups_sha256";
+
+/// The fact with the checksum of the whole file.
+pub(super) const WHOLE: &str = "admire.file_sha256";
+
+/// What stands in its place while it is taken.
+pub(super) const ZEROS: &str = "0000000000000000000000000000000000000000000000000000000000000000";
+
+/// Why a table is not what was written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Damage {
+    /// It cannot be read.
+    #[error("{0}")]
+    Unreadable(#[from] ParquetError),
+    /// Its bytes have changed.
+    #[error("the file is damaged: {0} not as written")]
+    Changed(String),
+}
+
+impl From<io::Error> for Damage {
+    fn from(error: io::Error) -> Self {
+        Self::Unreadable(error.into())
+    }
+}
+
+/// A file that takes the checksum of what is written to it.
+pub(super) struct Summed {
+    file: File,
+    whole: Sha256,
+    group: Sha256,
+}
+
+impl Summed {
+    pub(super) fn new(file: File) -> Self {
+        Self {
+            file,
+            whole: Sha256::new(),
+            group: Sha256::new(),
+        }
+    }
+
+    /// The checksum of what was written since the last call.
+    pub(super) fn group(&mut self) -> String {
+        hexadecimal(&std::mem::take(&mut self.group).finalize())
+    }
+
+    /// Puts the checksum of the whole file into its place, and the file on the disk.
+    ///
+    /// # Errors
+    /// When the file cannot be read or written, or has no such place.
+    pub(super) fn finish(mut self) -> io::Result<()> {
+        let place = place_of_whole(&mut self.file)?
+            .ok_or_else(|| io::Error::other("the file has no place for its checksum"))?;
+        let sum = hexadecimal(&self.whole.finalize());
+        self.file.seek(SeekFrom::Start(place))?;
+        self.file.write_all(sum.as_bytes())?;
+        self.file.sync_all()
+    }
+}
+
+impl Write for Summed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.whole.update(&bytes[..count]);
+        self.group.update(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Compares a table with its checksums.
+///
+/// # Errors
+/// [`Damage`], with the row groups that have changed.
+pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
+    let mut file = open_to_read(path)?;
+    let Some(place) = place_of_whole(&mut file)? else {
+        return Err(Damage::Changed("its checksum is".to_string()));
+    };
+    let length = file.metadata()?.len();
+    let mut stated = vec![0; ZEROS.len()];
+    file.seek(SeekFrom::Start(place))?;
+    file.read_exact(&mut stated)?;
+    let mut sum = Sha256::new();
+    add(&mut file, 0..place, &mut sum)?;
+    sum.update(ZEROS);
+    add(&mut file, place + ZEROS.len() as u64..length, &mut sum)?;
+    if hexadecimal(&sum.finalize()).as_bytes() == stated {
+        return Ok(());
+    }
+    Err(Damage::Changed(changed(path, &mut file)?))
+}
+
+/// Which row groups have changed, as the subject of a sentence.
+fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
+    let reader = SerializedFileReader::new(open_to_read(path)?)?;
+    let metadata = reader.metadata();
+    let facts = metadata.file_metadata().key_value_metadata();
+    let stated = facts.and_then(|facts| facts.iter().find(|fact| fact.key == GROUPS));
+    let stated = stated.and_then(|fact| fact.value.as_deref()).unwrap_or("");
+    let mut stated = stated.split(' ');
+    let (mut from, mut row) = (0, 1);
+    let mut wrong = Vec::new();
+    for (index, group) in metadata.row_groups().iter().enumerate() {
+        let ranges = group.columns().iter().map(|column| column.byte_range());
+        let to = ranges
+            .map(|(start, size)| start + size)
+            .max()
+            .unwrap_or(from);
+        let mut sum = Sha256::new();
+        let whole = to >= from && add(file, from..to, &mut sum).is_ok();
+        if !whole || stated.next() != Some(&hexadecimal(&sum.finalize())) {
+            let rows = row..row + group.num_rows();
+            wrong.push(format!(
+                "{} (rows {} to {})",
+                index + 1,
+                rows.start,
+                rows.end - 1
+            ));
+        }
+        (from, row) = (to, row + group.num_rows());
+    }
+    Ok(match wrong.len() {
+        0 => "what it says of itself is".to_string(),
+        1 => format!("row group {} is", wrong[0]),
+        _ => format!("row groups {} are", wrong.join(", ")),
+    })
+}
+
+/// Adds some bytes of a file to a checksum.
+fn add(file: &mut File, bytes: std::ops::Range<u64>, sum: &mut Sha256) -> io::Result<()> {
+    file.seek(SeekFrom::Start(bytes.start))?;
+    let wanted = bytes.end - bytes.start;
+    let mut left = file.take(wanted);
+    let mut buffer = vec![0; 1 << 16];
+    let mut got = 0;
+    loop {
+        let count = left.read(&mut buffer)?;
+        if count == 0 {
+            break;
+        }
+        got += count as u64;
+        sum.update(&buffer[..count]);
+    }
+    if got == wanted {
+        Ok(())
+    } else {
+        Err(io::ErrorKind::UnexpectedEof.into())
+    }
+}
+
+/// Where the checksum of the whole file is: in the facts of the footer, behind its key. `None` if there is none.
+fn place_of_whole(file: &mut File) -> io::Result<Option<u64>> {
+    // A Parquet file ends with its metadata, their length in four bytes, and `PAR1`.
+    const TAIL: u64 = 8;
+    let length = file.metadata()?.len();
+    let Some(end) = length.checked_sub(TAIL) else {
+        return Ok(None);
+    };
+    file.seek(SeekFrom::Start(end))?;
+    let mut size = [0; 4];
+    file.read_exact(&mut size)?;
+    let Some(start) = end.checked_sub(u64::from(u32::from_le_bytes(size))) else {
+        return Ok(None);
+    };
+    file.seek(SeekFrom::Start(start))?;
+    let mut metadata = vec![0; (end - start) as usize];
+    file.read_exact(&mut metadata)?;
+    // The value of a fact: a byte for the kind of the field, one for the length, then the text.
+    let key = memchr::memmem::find(&metadata, WHOLE.as_bytes());
+    let value = key.map(|key| key + WHOLE.len() + 2);
+    let fits = |value: &usize| value + ZEROS.len() <= metadata.len();
+    Ok(value.filter(fits).map(|value| start + value as u64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::row::{Row, Status};
+    use super::super::table_writer::{Layout, TableWriter};
+    use super::*;
+
+    fn table(path: &Path, rows: u64) {
+        let layout = Layout {
+            inputs: vec!["BUSHING/1.K.1".to_string()],
+            outputs: vec!["arm.X".to_string()],
+            version: "1".to_string(),
+            hash: "abc".to_string(),
+            facts: vec![("admire.nominal".to_string(), "{\"arm.X\":12.5}".to_string())],
+        };
+        let mut writer = TableWriter::create(path, layout).unwrap();
+        for case in 0..rows {
+            let row = Row {
+                case,
+                status: Status::Ok,
+                reason: String::new(),
+                seconds: 0.5,
+                outputs: vec![case as f64 / 3.0],
+            };
+            writer.add(row, vec![case as f64]).unwrap();
+        }
+        writer.finish().unwrap();
+    }
+
+    #[test]
+    fn any_bit_that_is_flipped_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.parquet");
+        table(&path, 40);
+        verify(&path).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        for at in 0..8 * whole.len() {
+            let mut bytes = whole.clone();
+            bytes[at / 8] ^= 1 << (at % 8);
+            std::fs::write(&path, &bytes).unwrap();
+            assert!(verify(&path).is_err(), "bit {} of byte {}", at % 8, at / 8);
+        }
+        for length in [0, 7, 100, whole.len() - 1] {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert!(verify(&path).is_err(), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn the_row_group_that_has_changed_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.parquet");
+        table(&path, 20_000);
+        verify(&path).unwrap();
+        let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        let second = reader.metadata().row_group(1).column(1).byte_range().0 as usize;
+        let mut bytes = std::fs::read(&path).unwrap();
+        bytes[second + 40] ^= 4;
+        std::fs::write(&path, &bytes).unwrap();
+        let said = verify(&path).unwrap_err().to_string();
+        assert!(
+            said.contains("row group 2 (rows 8193 to 16384) is not as written"),
+            "{said}"
+        );
+        let at = memchr::memmem::rfind(&bytes, b"12.5").unwrap();
+        bytes[second + 40] ^= 4;
+        bytes[at] ^= 1;
+        std::fs::write(&path, &bytes).unwrap();
+        let said = verify(&path).unwrap_err().to_string();
+        assert!(
+            said.contains("what it says of itself is not as written"),
+            "{said}"
+        );
+    }
+}
