@@ -7,7 +7,7 @@ use crate::text::{Source, read_at_most};
 
 use super::ending::{Ending, Stop};
 use super::files::LARGEST;
-use super::harmless::{asks_for_results, is_harmless, is_in, place_in_file};
+use super::harmless::{is_harmless, is_in, place_in_file};
 use super::launcher::is_dataset;
 use super::loaded::Loaded;
 use super::outputs::{Outputs, with_extension};
