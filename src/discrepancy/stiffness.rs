@@ -1,5 +1,6 @@
 use super::fit::Fitted;
 use crate::identify::Problem;
+use crate::identify::global::UNIDENTIFIABLE;
 
 /// A stiffness as the wrong model had it and as the extended model has it.
 #[derive(Clone, PartialEq, Debug)]
@@ -13,6 +14,12 @@ pub struct CorrectedStiffness {
 }
 
 impl CorrectedStiffness {
+    /// False where the readings say too little of it, with the cause in the model or without: then there is nothing to correct.
+    pub fn is_told(&self) -> bool {
+        let known = |(value, error): (f64, f64)| error <= UNIDENTIFIABLE * value;
+        known(self.before) && known(self.after)
+    }
+
     /// By how much the wrong model had biased it, as a part of the corrected value.
     pub fn bias(&self) -> f64 {
         self.before.0 / self.after.0 - 1.0

@@ -497,6 +497,7 @@ impl Outcome<'_> {
         let mut biased: Vec<_> = self
             .stiffnesses
             .iter()
+            .filter(|s| s.is_told())
             .filter(|s| {
                 (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1)
             })

@@ -60,6 +60,16 @@ impl Chart {
     /// # Errors
     /// None at present; pictures of other kinds may have some.
     pub(crate) fn svg(&self) -> Result<String, DrawingError> {
+        self.svg_in(&[])
+    }
+
+    /// The same, the first series in these colours of the style sheet, counted from one; the others have that of their place.
+    ///
+    /// # Errors
+    /// See [`Self::svg`].
+    pub(crate) fn svg_in(&self, colours: &[usize]) -> Result<String, DrawingError> {
+        let class =
+            |k: usize, mark: Mark| class(colours.get(k).map_or(k, |colour| colour - 1), mark);
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let usable =
             |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite() && (!self.log_y || *y > 0.0);
@@ -70,7 +80,7 @@ impl Chart {
             self.log_y,
             5,
         );
-        let (rows, legend) = self.legend();
+        let (rows, legend) = self.legend(&class);
         let height = SIZE.1 + rows as f64 * LEGEND_ROW;
         let [left, right, top, bottom] = ROOM;
         let (wide, tall) = (SIZE.0 - left - right, SIZE.1 - top - bottom);
@@ -161,7 +171,7 @@ impl Chart {
     }
 
     /// The number of rows, and the names of the series, each beside a piece of what it looks like.
-    fn legend(&self) -> (usize, String) {
+    fn legend(&self, class: &dyn Fn(usize, Mark) -> String) -> (usize, String) {
         if self.series.len() < 2 {
             return (0, String::new());
         }

@@ -1,7 +1,7 @@
 use crate::discrepancy::{
     ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
-use crate::identify::global::Row;
+use crate::identify::global::{Row, UNIDENTIFIABLE};
 use crate::text::Decimals;
 
 use super::diagnosis_view::{curves, diagnosis_scene, headline};
@@ -9,6 +9,7 @@ use super::interval::IntervalScale;
 use super::limits;
 use super::number::unbroken;
 use super::ranking::{ranking, words};
+use super::scene::Role;
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
     short_unit,
@@ -186,9 +187,16 @@ impl DiagnosisReport<'_> {
                 format!("SHA-256 {}", self.loaded.study.inputs_sha256()),
             ),
         ]);
+        // Tolerances that grow make any chi-square small: beside a verdict against the model it says nothing.
+        let chi_square = if diagnosis.verdict == Verdict::Consistent {
+            let chi_square = diagnosis.baseline.chi2_per_dof;
+            format!(" Chi-square per degree of freedom is {chi_square:.2}.")
+        } else {
+            String::new()
+        };
+        let tried = self.outcome.places;
         page.paragraph(&format!(
-            "{lead} Before any extension chi-square per degree of freedom is {:.2}; {} hypotheses were tried.",
-            diagnosis.baseline.chi2_per_dof, self.outcome.places
+            "{lead}{chi_square} {tried} hypotheses were tried."
         ));
         let channels = self.outcome.channels();
         let mut sentences = self.outcome.sentences();
@@ -274,8 +282,9 @@ impl DiagnosisReport<'_> {
             );
         }
         page.heading("Residuals");
-        let mut figures = vec![Figure::chart(
+        let mut figures = vec![Figure::of_roles(
             &self.by_case(),
+            &[Role::Initial, Role::Extended],
             "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
         )?];
         if let Some(chart) = self.force() {
@@ -351,10 +360,13 @@ impl DiagnosisReport<'_> {
         let all = &self.outcome.stiffnesses;
         let sides =
             |after: (f64, f64)| [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_975 * after.1 / after.0);
-        let widest = all.iter().flat_map(|found| {
-            let [low, high] = sides(found.after);
-            [low, high, found.before.0 / found.after.0]
-        });
+        let widest = all
+            .iter()
+            .filter(|found| found.is_told())
+            .flat_map(|found| {
+                let [low, high] = sides(found.after);
+                [low, high, found.before.0 / found.after.0]
+            });
         let scale = IntervalScale::over(widest);
         let picture = scale.ends();
         let mut table = Table::new(&[
@@ -368,6 +380,9 @@ impl DiagnosisReport<'_> {
         for stiffness in all {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
+                if error > UNIDENTIFIABLE * value {
+                    return unbroken("not told");
+                }
                 format!(
                     "{} ± {}",
                     number(value, Some(error)),
@@ -386,12 +401,27 @@ impl DiagnosisReport<'_> {
                 shown(before),
                 shown(after),
                 shown(after),
-                format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0),
+                if stiffness.is_told() {
+                    format!("{:+.1} %", (1e3 * stiffness.bias()).round() / 10.0 + 0.0)
+                } else {
+                    String::new()
+                },
             ]);
+            if !stiffness.is_told() {
+                continue;
+            }
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
             let diamond = before.0 / after.0;
-            table.picture(4, scale.svg(low, Some(high), Some(diamond), &shown(after)));
+            table.picture(
+                4,
+                scale.svg(
+                    low,
+                    Some(high),
+                    Some((diamond, Role::Initial.colour())),
+                    &shown(after),
+                ),
+            );
             if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }

@@ -29,13 +29,14 @@ impl IntervalScale {
         format!("÷{reach} … ×{reach}")
     }
 
-    /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond. A side without a bound, or one
+    /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond in a colour of the
+    /// style sheet. A side without a bound, or one
     /// beyond the scale, ends in an arrow.
     pub(crate) fn svg(
         &self,
         low: Option<f64>,
         high: Option<f64>,
-        reference: Option<f64>,
+        reference: Option<(f64, usize)>,
         text: &str,
     ) -> String {
         let (width, height) = SIZE;
@@ -81,10 +82,10 @@ impl IntervalScale {
             "<circle cx=\"{:.1}\" cy=\"{middle}\" r=\"3.4\"/></g>",
             place(1.0)
         ));
-        if let Some(reference) = reference.filter(|ratio| *ratio > 0.0) {
+        if let Some((reference, colour)) = reference.filter(|(ratio, _)| *ratio > 0.0) {
             let at = place(reference);
             push(format_args!(
-                "<g class=\"s2\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
+                "<g class=\"s{colour}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
             ));
         }
         push(format_args!("</svg>"));
@@ -105,7 +106,7 @@ mod tests {
     fn a_scale_holds_its_intervals_and_open_sides_end_in_arrows() {
         let scale = IntervalScale::over([0.9, 1.12].into_iter());
         assert_eq!(scale.ends(), "÷1.2 … ×1.2");
-        let closed = scale.svg(Some(0.9), Some(1.12), Some(1.0), "a <b>");
+        let closed = scale.svg(Some(0.9), Some(1.12), Some((1.0, 4)), "a <b>");
         assert!(closed.contains("a &lt;b&gt;") && closed.matches("class=\"line\"").count() == 3);
         let open = scale.svg(None, Some(3.0), None, "");
         assert_eq!(open.matches('L').count(), 4, "two arrows: {open}");

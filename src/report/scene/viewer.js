@@ -2,7 +2,7 @@
 (() => {
 "use strict";
 
-const ROLE_COLOUR = { model: "--c1", measured: "--c2", initial: "--soft", fitted: "--c1", extended: "--c3" };
+const ROLE_COLOUR = { model: "--c1", measured: "--c2", initial: "--c7", fitted: "--c1", extended: "--c3" };
 const ROLE_DASH = { model: [], measured: [2, 3], initial: [7, 4], fitted: [], extended: [] };
 const VIEWS = { "3-D": [-0.65, 0.42], Front: [-Math.PI / 2, 0], Side: [0, 0], Top: [0, Math.PI / 2] };
 
