@@ -167,7 +167,7 @@ pub mod fit {
     pub use crate::identify::{
         BootstrapMade, CurveHeldOut, Fit, FitTest, HeldOut, Marks, NoiseFound, OffsetFit,
         ParameterFit, PosteriorMade, ReadingsLeft, Repeated, Status, ToleranceFound,
-        UnidentifiableDirection, Verdict, WheelFit,
+        UnidentifiableDirection, Verdict, WheelFit, Written,
     };
     pub use crate::statics::{Balance, Left};
     pub use crate::system::Name;

@@ -11,6 +11,7 @@ mod command;
 mod compiled;
 mod contract;
 mod deck_run;
+mod free_motions;
 #[cfg(windows)]
 mod job;
 mod licence;
@@ -33,6 +34,8 @@ pub use compiled::{compile, slot};
 pub use contract::{Backend, BackendError, Sweep, SweepRequest};
 pub(crate) use contract::{CaseFailure, CaseOutcome, RunError};
 pub(crate) use deck_run::{DeckRun, ProgramRun};
+pub use free_motions::FreeMotions;
+pub(crate) use free_motions::{HeldWeight, Twist};
 pub use native::NativeBackend;
 pub(crate) use process::end_runs;
 pub use programme::{Load, LoadCase, LoadProgramme};

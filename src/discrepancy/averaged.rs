@@ -3,10 +3,10 @@
 use nalgebra::DVector;
 
 use super::diagnosis::Parameter;
-use super::stiffness::UNIDENTIFIABLE;
 use super::subject::Subject;
 use super::visited::Visited;
 use crate::identify::Status;
+use crate::identify::global::UNIDENTIFIABLE;
 
 /// Two-sided 95 percent of a Gaussian.
 const Z95: f64 = 1.959_963_985;

@@ -119,17 +119,17 @@ impl<'a> Survey<'a> {
                 |scratch, &case| {
                     let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
                     let tools = (&mut *scratch, known.clone());
-                    let changes = self.changes(case, at, tools, (&asked, &directions), numbers);
+                    let found = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
-                    let changes = observations
-                        .observed
-                        .changes(system, &changes.0, &changes.1);
+                    let observed = &observations.observed;
+                    let [changes, free] = found.map(|of| observed.changes(system, &of.0, &of.1));
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels
                             .values(system, at.0, at.1, scratch)
                             .unwrap_or_default(),
                         by_unknown: CaseChanges::default(),
+                        free,
                     };
                     (here, changes)
                 },
@@ -145,7 +145,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// How the system's unknowns and the channels of a case change along each direction, one column each.
+    /// How the system's unknowns and the channels of a case change along each direction, one column each, and along each motion that nothing
+    /// resists.
     fn changes(
         &self,
         case: usize,
@@ -153,18 +154,24 @@ impl<'a> Survey<'a> {
         (scratch, mut tangents): (&mut Scratch, Tangents),
         (asked, directions): (&[usize], &[Direction]),
         numbers: &[&Number],
-    ) -> (DMatrix<f64>, DMatrix<f64>) {
+    ) -> [(DMatrix<f64>, DMatrix<f64>); 2] {
         let system = &self.fitted.deck.prepared.system;
         let n = system.unknowns();
-        let zero = || {
-            let channels = self.measurement.channels.len();
-            (
-                DMatrix::zeros(n, asked.len()),
-                DMatrix::zeros(channels, asked.len()),
-            )
+        let channels = self.fitted.deck.prepared.channels;
+        let nothing = |count: usize| {
+            let measured = self.measurement.channels.len();
+            (DMatrix::zeros(n, count), DMatrix::zeros(measured, count))
         };
         let Ok(tangent) = tangents.at(system, theta, state) else {
-            return zero();
+            return [nothing(asked.len()), nothing(0)];
+        };
+        let motions = tangent.free_motions(system);
+        let held = vec![Direction::default(); motions.len()];
+        let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());
+        let along = (held.as_slice(), &motions);
+        let free = match channels.changes(system, (theta, case), state, scratch, along) {
+            Ok(changed) => (motions, changed),
+            Err(_) => nothing(0),
         };
         let mut by_slot = vec![0.0; n];
         let (mut known, mut columns) = (BTreeMap::<Slot, usize>::new(), Vec::<f64>::new());
@@ -172,8 +179,7 @@ impl<'a> Survey<'a> {
         let mut units: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
         let mut responses = DMatrix::zeros(n, asked.len());
         let mut open: Vec<usize> = Vec::new();
-        let asked = asked.iter().zip(directions).enumerate();
-        for (at, (k, direction)) in asked {
+        for (at, (k, direction)) in asked.iter().zip(directions).enumerate() {
             let mut dg = responses.column_mut(at);
             if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
                 for (axis, size) in wrenches[case].iter().enumerate() {
@@ -213,11 +219,10 @@ impl<'a> Survey<'a> {
         for (at, response) in open.into_iter().zip(changes.column_iter()) {
             responses.set_column(at, &response);
         }
-        let channels = self.fitted.deck.prepared.channels;
         let along = (directions, &responses);
         match channels.changes(system, (theta, case), state, scratch, along) {
-            Ok(changed) => (responses, changed),
-            Err(_) => zero(),
+            Ok(changed) => [(responses, changed), free],
+            Err(_) => [nothing(asked.len()), free],
         }
     }
 }

@@ -266,6 +266,7 @@ pub(super) fn tolerances(
                 sd: libm::exp(sizes.ln[k]) * scale,
                 usual: size.usual * scale,
                 unit,
+                strained: size.is_strained(sizes.ln[k]),
             },
         );
     }
@@ -277,15 +278,42 @@ pub(super) fn tolerances(
             sizes.scale(scale),
             subject.problem.measurement.parts.is_empty(),
         ) {
-            let usual = sizes.scales[at - sizes.groups.len()].1.usual;
+            let size = &sizes.scales[at - sizes.groups.len()].1;
+            // A whole part read with a larger error than one of its marks is not noise of the marks.
+            let coarse =
+                scale == Scale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
             out.insert(
                 scale.as_str().to_string(),
                 ToleranceFound {
                     sd: libm::exp(sizes.ln[at]) * factor,
-                    usual: usual * factor,
+                    usual: size.usual * factor,
                     unit,
+                    strained: coarse || size.is_strained(sizes.ln[at]),
                 },
             );
+        }
+    }
+    // Noises over what is declared are told where they are more than that.
+    for (scale, size) in &sizes.scales {
+        let name = match scale {
+            Scale::PoseShift | Scale::PoseTurn => continue,
+            Scale::Marks => "noise of marks".to_string(),
+            Scale::WheelPosition => "noise of the wheel's place".to_string(),
+            Scale::WheelAngles => "noise of the wheel's angles".to_string(),
+            Scale::Channel(k) => {
+                let channels = &subject.problem.measurement.channels;
+                format!("noise of {}", channels[*k].name)
+            }
+        };
+        let ln = sizes.scale(*scale).map_or(0.0, |at| sizes.ln[at]);
+        if size.is_strained(ln) {
+            let found = ToleranceFound {
+                sd: libm::exp(ln),
+                usual: size.usual,
+                unit: "times as stated",
+                strained: true,
+            };
+            out.insert(name, found);
         }
     }
     out

@@ -198,6 +198,7 @@ fn residuals(
                     .map(Option::unwrap_or_default)
                     .collect(),
                 by_unknown: CaseChanges::default(),
+                free: CaseChanges::default(),
             })
         })
         .collect();
@@ -268,12 +269,14 @@ fn solved(
             })
             .collect(),
     };
-    let sweep = by.sweep(&SweepRequest {
+    let mut sweep = by.sweep(&SweepRequest {
         dataset: &fitted.deck.dataset,
         model: &fitted.deck.model,
         theta: &theta,
         programme: &programme,
     })?;
+    let problem = &subject.problem;
+    problem.free.meet_all(&mut sweep, problem.measurement);
     let poses = |case| sweep.equilibrium(case).map(|found| found.poses.clone());
     Ok((0..programme.cases.len()).map(poses).collect())
 }

@@ -238,7 +238,8 @@ impl<'a, 'b> Prospect<'a, 'b> {
             let part = &measurement.parts[read.part];
             further[case - count].poses[part.part.0].point(&part.marks[read.mark].p)
         };
-        let whitening = subject.whitening_ahead(&observations.rows, &measurement, &seen);
+        let whitening =
+            subject.whitening_ahead(&observations.rows, &measurement, &seen, &found.free);
         // What acts on single readings acts on no new ones.
         let mut jacobian = found.jacobian.resize_horizontally(fitted.x.len(), 0.0);
         let mut prior = Vec::new();
@@ -281,6 +282,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         let n = fitted.x.len();
         let (mut jacobian, mut value, mut precision) = (Vec::new(), Vec::new(), Vec::new());
         let mut blocks = [Vec::new(), Vec::new()];
+        let mut free: Vec<Vec<(usize, f64)>> = Vec::new();
         let usual = subject.usual_precision();
         for case in &self.seen {
             let predicted = self.case(*case)?;
@@ -344,6 +346,22 @@ impl<'a, 'b> Prospect<'a, 'b> {
                 value.push(point[axis] / sigma);
                 precision.push(usual);
             }
+            // Nothing is compared along motions that nothing resists.
+            for motion in predicted.free.iter() {
+                let by_mark = |(row, seen): (&usize, &Vec3)| {
+                    let by = moved(motion, at, &(seen - pose.p)) / sigma;
+                    let first = *row;
+                    (0..3).map(move |axis| (first + axis, by[axis]))
+                };
+                free.push(
+                    block
+                        .rows
+                        .iter()
+                        .zip(&block.levers)
+                        .flat_map(by_mark)
+                        .collect(),
+                );
+            }
             for block in [&mut block, &mut before] {
                 let mean = block.levers.iter().sum::<Vec3>() / block.levers.len().max(1) as f64;
                 for lever in &mut block.levers {
@@ -366,7 +384,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
             }
         });
         let [all, before] =
-            blocks.map(|blocks| Whitening::new(&blocks, &[], &precision, &fitted.sizes));
+            blocks.map(|blocks| Whitening::new(&blocks, &[], &precision, &fitted.sizes, &free));
         let turned = |whitening: &Whitening| {
             let weights = whitening.weights(&fitted.sizes.ln);
             weighed(whitening, &weights, &J)

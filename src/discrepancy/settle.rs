@@ -548,6 +548,7 @@ impl LeastSquares for Alone<'_, '_> {
         Some(Evaluation {
             residual: self.sweep.whitening.apply_vector(&out.residual),
             jacobian: self.sweep.whitening.apply(&out.jacobian),
+            free: Vec::new(),
         })
     }
 

@@ -1,5 +1,6 @@
 use super::fit::Fitted;
 use crate::identify::Problem;
+use crate::identify::global::UNIDENTIFIABLE;
 
 /// A stiffness as the wrong model had it and as the extended model has it.
 #[derive(Clone, PartialEq, Debug)]
@@ -11,9 +12,6 @@ pub struct CorrectedStiffness {
     /// The same of the extended model.
     pub after: (f64, f64),
 }
-
-/// A number whose logarithm has a larger standard deviation is not identified.
-pub(super) const UNIDENTIFIABLE: f64 = 0.5;
 
 impl CorrectedStiffness {
     /// True where the readings determine it in both models; else its two estimates say nothing of each other.

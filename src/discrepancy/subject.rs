@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::progress::Progress;
 use crate::identify::Problem;
-use crate::identify::global::{Observations, Row};
+use crate::identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
 use crate::mechanics::Vec3;
 use crate::rig::settings::Loss;
 use crate::rig::{Measurement, Stated, ToleranceSettings};
@@ -38,6 +38,8 @@ pub struct Subject<'a> {
     pub sizes: Sizes,
     /// Precision of each row in its own unit; zero where it is not used.
     pub precision: Vec<f64>,
+    /// Directions of rows along which nothing is compared, as motions that nothing resists lead along them.
+    free: Arc<Vec<Vec<(usize, f64)>>>,
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<Scale>)>,
     /// What brings rows to independence, without the cases held out and of all, once it was asked for.
@@ -83,6 +85,7 @@ impl<'a> Subject<'a> {
         let mut new = Self {
             problem: problem.clone(),
             precision: vec![1.0; rows.len()],
+            free: Arc::new(free_directions(problem).unwrap_or_default()),
             blocks: Vec::new(),
             single: Vec::new(),
             whitenings: Default::default(),
@@ -263,6 +266,7 @@ impl<'a> Subject<'a> {
                 &self.single,
                 &precision,
                 &self.sizes,
+                &self.free,
             ))
         };
         Arc::clone(known.get_or_init(new))
@@ -290,12 +294,13 @@ impl<'a> Subject<'a> {
     }
 
     /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
-    /// `rows` are of `measurement`, and `seen` says where a mark would be seen.
+    /// `rows` are of `measurement`, `seen` says where a mark would be seen, and along `free` nothing is compared.
     pub fn whitening_ahead(
         &self,
         rows: &[Row],
         measurement: &Measurement,
         seen: &dyn Fn(usize, usize) -> Vec3,
+        free: &[Vec<(usize, f64)>],
     ) -> Whitening {
         let (blocks, single) = placed(rows, measurement, self.sigma, seen);
         let usual = self.usual_precision();
@@ -304,7 +309,7 @@ impl<'a> Subject<'a> {
             _ => 1.0,
         };
         let precision: Vec<f64> = rows.iter().map(of).collect();
-        Whitening::new(&blocks, &single, &precision, &self.sizes)
+        Whitening::new(&blocks, &single, &precision, &self.sizes, free)
     }
 
     /// Precision of a mark's row: the mean of those that are used.
@@ -404,6 +409,33 @@ impl<'a> Subject<'a> {
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
+}
+
+/// Directions of the rows of all cases that motions lead along which nothing resists, where the deck's numbers have the parts; `None` where no
+/// equilibrium tells.
+fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
+    if problem.free.is_empty() {
+        return None;
+    }
+    let prepared = Prepared::new(problem).ok()?;
+    let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let mut predictor = prepared
+        .native(problem, observations.observed.clone())
+        .ok()?;
+    let numbers = Numbers {
+        theta: prepared.system.parameters(),
+        per_case: Vec::new(),
+        x: Vec::new(),
+    };
+    let mut prediction = predictor.predict(&numbers, None);
+    // Free motions hardly depend on the load: a case that the deck cannot reach has those of another.
+    let known = prediction.iter().flatten().next()?.clone();
+    for own in &mut prediction {
+        own.get_or_insert_with(|| known.clone());
+    }
+    let found = observations.evaluate(&prediction, &NuisanceLayout::default(), &[], 0)?;
+    Some(found.free)
 }
 
 /// The small errors of a study's axle and rig.

@@ -125,6 +125,7 @@ mod tests {
                 }],
                 channels: Vec::new(),
                 by_unknown: CaseChanges::default(),
+                free: CaseChanges::default(),
             }
         };
         let change = CaseChange {

@@ -8,7 +8,9 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::discrepancy::tolerant;
 use crate::identify::global::gauss_newton::Tolerances;
 use crate::identify::global::{Marginal, Options, Prepared, Start, fit_study};
-use crate::identify::{Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression};
+use crate::identify::{
+    Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression, written,
+};
 use crate::report::Positions;
 use crate::report::scene::Role;
 use crate::rig::settings::{BackendChoice, Method};
@@ -134,6 +136,10 @@ fn among_tolerances(
     };
     let marginal = wanted.then(|| found.marginal(problem.unknowns.len()));
     found.apply(&mut fit);
+    let decks = [problem.initial(), fit.values()].map(|values| problem.sweep(backend, &values));
+    if let [Ok(before), Ok(after)] = &decks {
+        written(&mut fit, &problem, before, after);
+    }
     Ok((fit, marginal))
 }
 

@@ -1,5 +1,5 @@
 use super::goodness::{FitTest, Kind, Tally};
-use super::{Fit, HeldOut, Marks, Problem, WheelFit};
+use super::{Fit, Marks, Problem, WheelFit, Written};
 use crate::backend::Sweep;
 use crate::mechanics::Pose;
 use crate::model::{MarkerIx, Model};
@@ -109,7 +109,8 @@ fn tested(problem: &Problem<'_>, found: &Discrepancy, parameters: usize) -> Opti
     )
 }
 
-/// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values.
+/// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values in the deck, and nothing else that
+/// was fitted.
 ///
 /// `parameters` is how many numbers the fit took from the marks: it lowers the degrees of freedom.
 pub(crate) fn fill(
@@ -120,12 +121,7 @@ pub(crate) fn fill(
     parameters: usize,
 ) {
     let measurement = problem.measurement;
-    let over = |sweep: &Sweep, held_out: bool| {
-        let cases = 0..measurement.cases.len();
-        let chosen = cases.filter(|&case| measurement.cases[case].held_out == held_out);
-        compare(problem.model, measurement, sweep, chosen)
-    };
-    let fitted = over(after, false);
+    let fitted = over(problem, after, false);
     fit.fit_test = tested(problem, &fitted, parameters);
     fit.marks = fitted.marks_rms.map(|rms| {
         let dof = fitted.coordinates.saturating_sub(parameters).max(1) as f64;
@@ -138,13 +134,30 @@ pub(crate) fn fill(
             sigma: measurement.sigma,
         }
     });
+    written(fit, problem, before, after);
+}
+
+/// Over the cases that are held out, or over the others.
+fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> Discrepancy {
+    let cases = &problem.measurement.cases;
+    let chosen = (0..cases.len()).filter(|&case| cases[case].held_out == held_out);
+    compare(problem.model, problem.measurement, sweep, chosen)
+}
+
+/// Fills what the decks with the initial and with the final values achieve by themselves.
+pub(crate) fn written(fit: &mut Fit, problem: &Problem<'_>, before: &Sweep, after: &Sweep) {
+    let measurement = problem.measurement;
+    let of_fitted = [before, after].map(|sweep| over(problem, sweep, false).marks_rms);
+    fit.written = of_fitted[0]
+        .zip(of_fitted[1])
+        .map(|(before, after)| Written {
+            marks_rms_before: before,
+            marks_rms_after: after,
+        });
     let labels = measurement.cases.iter().filter(|case| case.held_out);
-    fit.held_out = HeldOut {
-        cases: labels.map(|case| case.label.clone()).collect(),
-        marks_rms_before: over(before, true).marks_rms,
-        marks_rms_after: over(after, true).marks_rms,
-        curves: Vec::new(),
-    };
+    fit.held_out.cases = labels.map(|case| case.label.clone()).collect();
+    fit.held_out.marks_rms_before = over(problem, before, true).marks_rms;
+    fit.held_out.marks_rms_after = over(problem, after, true).marks_rms;
     let all = |sweep| {
         compare(
             problem.model,

@@ -67,6 +67,9 @@ pub struct ToleranceFound {
     pub usual: f64,
     /// Unit of both.
     pub unit: &'static str,
+    /// Whether it is more than its prior allows, or of whole parts more than the noise of a mark: it may have taken up what the model lacks.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub strained: bool,
 }
 
 /// Noise of mark coordinates.
@@ -109,6 +112,15 @@ pub struct Marks {
     pub chi2_per_dof: Option<f64>,
     /// Sd of one coordinate.
     pub sigma: f64,
+}
+
+/// How far a deck is from the marks of the cases that were fitted, by itself: rms of one coordinate.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Written {
+    /// With the initial numbers.
+    pub marks_rms_before: f64,
+    /// With the identified numbers, and nothing else that was fitted.
+    pub marks_rms_after: f64,
 }
 
 /// What no fit saw.
@@ -188,8 +200,11 @@ pub struct Fit {
     pub fit_test: Option<FitTest>,
     /// Tests of structure in what is left.
     pub structure: Vec<StructureTest>,
-    /// How the marks are explained.
+    /// How the marks are explained, with all that was fitted beside the numbers: offsets, errors of frame and marks.
     pub marks: Option<Marks>,
+    /// How the marks are explained by the deck as it is written.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub written: Option<Written>,
     /// What no fit saw.
     pub held_out: HeldOut,
     /// How the wheel is explained.

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use super::{Problem, Unknown, unknowns};
-use crate::backend::LoadProgramme;
+use crate::backend::{FreeMotions, LoadProgramme, Loads};
 use crate::diagnostic::{Checked, Diagnostic, Severity};
 use crate::model::Model;
 use crate::rig::settings::BackendChoice;
@@ -24,6 +24,8 @@ pub struct LoadedStudy {
     pub measurement: Measurement,
     /// Loads and cases.
     pub programme: LoadProgramme,
+    /// Motions of the deck that nothing resists.
+    pub(crate) free: FreeMotions,
     /// What is sought.
     pub unknowns: Vec<Unknown>,
     /// The reference deck, for reports only.
@@ -67,6 +69,7 @@ impl LoadedStudy {
             own.extend(measured.diagnostics);
             let programme = programme(&study, &dataset, &measured.value, &mut own);
             let compiled = System::compile(&model);
+            let is_whole = !failed(&compiled.diagnostics);
             let external = study.solver.backend != BackendChoice::Native;
             own.extend(compiled.diagnostics.into_iter().map(|mut diagnostic| {
                 // What the built-in solver leaves out, another one may solve.
@@ -90,12 +93,16 @@ impl LoadedStudy {
                     .clone()
                     .map(|source| Dataset::parse(source).value);
                 let measurement = measured.value;
+                // What is left out may be what resists.
+                let loads = Loads::of(&system, &programme).ok().filter(|_| is_whole);
+                let free = loads.map(|loads| FreeMotions::new(&model, &system, loads));
                 let loaded = Self {
                     study,
                     dataset,
                     model,
                     measurement,
                     programme,
+                    free: free.unwrap_or_default(),
                     unknowns,
                     reference,
                 };
@@ -122,6 +129,7 @@ impl LoadedStudy {
             settings: &self.study.identify,
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
+            free: &self.free,
             unknowns: self.unknowns.clone(),
         }
     }

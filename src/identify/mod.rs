@@ -8,6 +8,7 @@ mod bounded;
 pub mod direct;
 mod evaluation;
 mod fit;
+mod free_motions;
 pub mod global;
 mod goodness;
 mod loaded;
@@ -19,10 +20,11 @@ pub mod reproduction;
 pub mod structure;
 mod unknowns;
 
+pub(crate) use evaluation::written;
 pub use evaluation::{Discrepancy, compare};
 pub use fit::{
     CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
-    ToleranceFound, UnidentifiableDirection, WheelFit,
+    ToleranceFound, UnidentifiableDirection, WheelFit, Written,
 };
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use super::Unknown;
-use crate::backend::{Backend, BackendError, LoadProgramme, Sweep, SweepRequest};
+use crate::backend::{Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest};
 use crate::model::Model;
 use crate::rig::settings::{IdentifySettings, RegressionSettings};
 use crate::rig::{Measurement, ToleranceSettings};
@@ -24,6 +24,8 @@ pub struct Problem<'a> {
     pub regression: &'a RegressionSettings,
     /// `[tolerances]`.
     pub tolerances: &'a ToleranceSettings,
+    /// Motions of the deck that nothing resists.
+    pub free: &'a FreeMotions,
     /// What is sought.
     pub unknowns: Vec<Unknown>,
 }
@@ -38,17 +40,19 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Solves all cases with these values of the unknowns.
+    /// Solves all cases with these values of the unknowns. Along motions that nothing resists the parts are where the marks were read.
     ///
     /// # Errors
     /// [`BackendError`] when nothing could be solved.
     pub fn sweep(&self, backend: &mut dyn Backend, values: &[f64]) -> Result<Sweep, BackendError> {
-        backend.sweep(&SweepRequest {
+        let mut sweep = backend.sweep(&SweepRequest {
             dataset: self.dataset,
             model: self.model,
             theta: &self.theta(values),
             programme: self.programme,
-        })
+        })?;
+        self.free.meet_all(&mut sweep, self.measurement);
+        Ok(sweep)
     }
 
     /// Where the unknowns start.

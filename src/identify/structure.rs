@@ -56,10 +56,20 @@ pub struct Residuals<'a> {
 impl<'a> Residuals<'a> {
     /// Of a minimum with its posterior covariance.
     pub(crate) fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
+        let evaluation = &minimum.evaluation;
+        let taken = &evaluation.jacobian * root(covariance);
+        let (known, free) = (taken.ncols(), evaluation.free.len());
+        // Along free directions nothing is left at all.
+        let mut Q = taken.resize_horizontally(known + free, 0.0);
+        for (k, direction) in evaluation.free.iter().enumerate() {
+            for (row, weight) in direction {
+                Q[(*row, known + k)] = *weight;
+            }
+        }
         Self {
             rows,
-            r: &minimum.evaluation.residual,
-            Q: &minimum.evaluation.jacobian * root(covariance),
+            r: &evaluation.residual,
+            Q,
         }
     }
 

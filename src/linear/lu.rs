@@ -191,6 +191,11 @@ impl<T: Scalar> Lu<T> {
         self.free.len()
     }
 
+    /// Rows that have no pivot, as many as there are such motions.
+    pub(crate) fn left_out(&self) -> &[u32] {
+        &self.idle
+    }
+
     /// The m-th motion of the unknowns that nothing resists.
     pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];

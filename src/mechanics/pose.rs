@@ -1,4 +1,4 @@
-use super::{Mat3, Vec3};
+use super::{Mat3, Vec3, exp};
 
 /// Where a frame is: `x_base = p + R * x_local`.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -29,6 +29,26 @@ impl Pose {
         Self {
             p: self.point(&other.p),
             R: self.R * other.R,
+        }
+    }
+
+    #[must_use]
+    /// Where the frame is after a unit of time in which it moves steadily: its origin with velocity `v` at first, all of it with angular
+    /// velocity `w`, both in base axes. The exponential map of a twist: Murray, Li and Sastry, A Mathematical Introduction to Robotic
+    /// Manipulation, equation 2.36.
+    pub(crate) fn displaced(&self, v: &Vec3, w: &Vec3) -> Self {
+        let angle = w.norm();
+        let (once, twice) = if angle > 1e-6 {
+            let square = angle * angle;
+            let (sine, cosine) = (libm::sin(angle), libm::cos(angle));
+            ((1.0 - cosine) / square, (angle - sine) / (square * angle))
+        } else {
+            (0.5, 1.0 / 6.0)
+        };
+        let turned = w.cross(v);
+        Self {
+            p: self.p + v + once * turned + twice * w.cross(&turned),
+            R: exp(w) * self.R,
         }
     }
 

@@ -76,6 +76,18 @@ impl Chart {
     /// # Errors
     /// None at present; pictures of other kinds may have some.
     pub(crate) fn svg(&self) -> Result<String, DrawingError> {
+        self.svg_in(&[])
+    }
+
+    /// The same, the first series in these colours of the style sheet, counted from one; the others have that of their place.
+    ///
+    /// # Errors
+    /// See [`Self::svg`].
+    pub(crate) fn svg_in(&self, colours: &[usize]) -> Result<String, DrawingError> {
+        let class = |name: &str, k: usize, mark: Mark| match colours.get(k) {
+            Some(colour) => format!("s{colour}{}", dashed(mark == Mark::Dashed)),
+            None => class(name, k, mark),
+        };
         let points = || self.series.iter().flat_map(|series| series.points.iter());
         let usable =
             |(x, y): &&(f64, f64)| x.is_finite() && y.is_finite() && (!self.log_y || *y > 0.0);
@@ -86,7 +98,7 @@ impl Chart {
             self.log_y,
             5,
         );
-        let (rows, legend) = self.legend();
+        let (rows, legend) = self.legend(&class);
         let height = SIZE.1 + rows as f64 * LEGEND_ROW;
         let [left, right, top, bottom] = ROOM;
         let (wide, tall) = (SIZE.0 - left - right, SIZE.1 - top - bottom);
@@ -177,7 +189,7 @@ impl Chart {
     }
 
     /// The number of rows, and the names of the series, each beside a piece of what it looks like.
-    fn legend(&self) -> (usize, String) {
+    fn legend(&self, class: &dyn Fn(&str, usize, Mark) -> String) -> (usize, String) {
         if self.series.len() < 2 {
             return (0, String::new());
         }
@@ -245,14 +257,14 @@ fn path(spots: &[(f64, f64)]) -> String {
     out
 }
 
+fn dashed(is: bool) -> &'static str {
+    if is { " dashed" } else { "" }
+}
+
 fn class(name: &str, k: usize, mark: Mark) -> String {
     let own = name.split(',').next().unwrap_or_default();
     let role = ROLES.iter().find(|(name, _)| *name == own);
-    let dash = if mark == Mark::Dashed || (k >= COLOURS && role.is_none()) {
-        " dashed"
-    } else {
-        ""
-    };
+    let dash = dashed(mark == Mark::Dashed || (k >= COLOURS && role.is_none()));
     match role {
         Some((_, class)) => format!("{class}{dash}"),
         None => format!("s{}{dash}", 1 + k % COLOURS),

@@ -1,15 +1,16 @@
 use crate::discrepancy::{
     ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
-use crate::identify::global::Row;
+use crate::identify::global::{Row, UNIDENTIFIABLE};
 use crate::text::Decimals;
 
-use super::chart::{EXTENDED, INITIAL};
+use super::chart::EXTENDED;
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
 use super::interval::IntervalScale;
 use super::limits;
 use super::number::unbroken;
 use super::ranking::{ranking, words};
+use super::scene::Role;
 use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
     short_unit,
@@ -271,8 +272,9 @@ impl DiagnosisReport<'_> {
             );
         }
         page.heading("Residuals");
-        let mut figures = vec![Figure::chart(
+        let mut figures = vec![Figure::of_roles(
             &self.by_case(),
+            &[Role::Initial, Role::Extended],
             "Rms of prediction minus reading in each case, in standard deviations of the readings; one is noise.",
         )?];
         if let Some(chart) = self.force() {
@@ -348,11 +350,14 @@ impl DiagnosisReport<'_> {
         let all = &self.outcome.stiffnesses;
         let sides =
             |after: (f64, f64)| [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_975 * after.1 / after.0);
-        let widest = all.iter().flat_map(|found| {
-            let [low, high] = sides(found.after);
-            [low, high, found.before.0 / found.after.0]
-        });
-        let scale = IntervalScale::over(widest).coloured([EXTENDED, INITIAL]);
+        let widest = all
+            .iter()
+            .filter(|found| found.is_identified())
+            .flat_map(|found| {
+                let [low, high] = sides(found.after);
+                [low, high, found.before.0 / found.after.0]
+            });
+        let scale = IntervalScale::over(widest).coloured(EXTENDED);
         let picture = scale.ends();
         let mut table = Table::new(&[
             ("number", Align::Left),
@@ -365,6 +370,9 @@ impl DiagnosisReport<'_> {
         for stiffness in all {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
+                if error > UNIDENTIFIABLE * value {
+                    return unbroken("not determined");
+                }
                 format!(
                     "{} ± {}",
                     number(value, Some(error)),
@@ -389,13 +397,23 @@ impl DiagnosisReport<'_> {
                     "not determined".to_string()
                 },
             ]);
+            if !stiffness.is_identified() {
+                table.mark(5, "soft");
+                continue;
+            }
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
             let diamond = before.0 / after.0;
-            table.picture(4, scale.svg(low, Some(high), Some(diamond), &shown(after)));
-            if !stiffness.is_identified() {
-                table.mark(5, "soft");
-            } else if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
+            table.picture(
+                4,
+                scale.svg(
+                    low,
+                    Some(high),
+                    Some((diamond, Role::Initial.colour())),
+                    &shown(after),
+                ),
+            );
+            if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }
         }

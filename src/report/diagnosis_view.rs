@@ -85,7 +85,8 @@ pub(super) fn curves(
         } else {
             "The fits have seen these readings."
         };
-        out.push(Figure::chart(&chart, seen)?);
+        let roles = [Role::Measured, Role::Initial, Role::Extended];
+        out.push(Figure::of_roles(&chart, &roles, seen)?);
     }
     Ok(out)
 }

@@ -1,3 +1,4 @@
+use super::scene::Role;
 use super::{Bars, Chart, DrawingError, HeatMap, escape};
 
 /// A picture of a page: drawing, caption and the data behind it.
@@ -17,6 +18,24 @@ impl Figure {
     pub(crate) fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
         Ok(Self {
             svg: chart.svg()?,
+            caption: caption.to_string(),
+            name: chart.title.clone(),
+            csv: chart.csv(),
+        })
+    }
+
+    /// A chart whose first series have the colours of what they show, by [`Role::colour`].
+    ///
+    /// # Errors
+    /// When it cannot be drawn.
+    pub(crate) fn of_roles(
+        chart: &Chart,
+        roles: &[Role],
+        caption: &str,
+    ) -> Result<Self, DrawingError> {
+        let colours: Vec<usize> = roles.iter().map(|role| role.colour()).collect();
+        Ok(Self {
+            svg: chart.svg_in(&colours)?,
             caption: caption.to_string(),
             name: chart.title.clone(),
             csv: chart.csv(),

@@ -1,8 +1,8 @@
-use super::number::change;
+use super::number::{change, rounded};
 use crate::identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
 
 /// The answer of an identification in a sentence or two for someone who decides.
-pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit, before: Option<f64>) -> String {
+pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let length = loaded.model.units.length.word;
     let all = fit.parameters.len();
     let known: Vec<f64> = fit
@@ -52,22 +52,45 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit, before: Option<f64
             held.cases.len(),
             change(from, to)
         );
-    } else if let Some(after) = fit.marks.and_then(|marks| marks.rms) {
-        text += &match before {
-            Some(before) => format!(
-                " With them the error of the model {} {length}.",
-                change(before, after)
-            ),
-            None => format!(
-                " With them the model follows the measured marks to {} {length}.",
-                digits(after)
-            ),
-        };
+    } else if let Some(written) = &fit.written {
+        text += &format!(
+            " With them in the deck its error at the marks {} {length}.",
+            change(written.marks_rms_before, written.marks_rms_after)
+        );
+    }
+    if let Some(strained) = strained(fit) {
+        return format!("{strained} {text}");
     }
     if fit.fit_test.as_ref().is_some_and(misfit) {
         text += " What is left is more than noise: the model lacks something, and `admire diagnose` looks for it.";
     }
     text
+}
+
+/// Tolerances and noises that had to be more than their priors allow; `None` if there are none.
+pub(super) fn strained(fit: &Fit) -> Option<String> {
+    let mut strained: Vec<_> = fit
+        .tolerances
+        .iter()
+        .filter(|(_, size)| size.strained)
+        .collect();
+    strained.sort_by(|a, b| (b.1.sd / b.1.usual).total_cmp(&(a.1.sd / a.1.usual)));
+    let each = strained.iter().map(|(name, size)| {
+        let times = rounded(size.sd / size.usual, 2);
+        format!(
+            "{name} of {} {}, {times} times the usual size",
+            rounded(size.sd, 2),
+            size.unit
+        )
+    });
+    let listed: Vec<String> = each.collect();
+    (!listed.is_empty()).then(|| {
+        format!(
+            "The model follows the readings only with {}: axle and rig are as far off as that, or the model lacks something. Do not trust the \
+             intervals.",
+            listed.join(", and ")
+        )
+    })
 }
 
 /// Two digits.
@@ -77,4 +100,35 @@ fn digits(value: f64) -> String {
 
 fn percent(share: f64) -> String {
     format!("{} %", digits(100.0 * share))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::strained;
+    use crate::identify::{Fit, ToleranceFound};
+    use crate::report::lead;
+
+    /// A fit whose noise grew twenty times is no model that explains the readings.
+    #[test]
+    fn sizes_beyond_their_priors_come_first() {
+        let mut fit = Fit {
+            converged: true,
+            fit_test: crate::identify::FitTest::new(98.0, 100.0, Vec::new()),
+            ..Fit::default()
+        };
+        assert_eq!(strained(&fit), None);
+        assert!(lead(&fit).contains("explains the readings as well as their noise allows"));
+        let pose = ToleranceFound {
+            sd: 0.06,
+            usual: 0.003,
+            unit: "mm",
+            strained: true,
+        };
+        fit.tolerances.insert("pose-noise".to_string(), pose);
+        let lead = lead(&fit);
+        let first = "The model follows the readings only with pose-noise of 0.060 mm, 20 times the usual size: axle and rig are";
+        assert!(lead.starts_with(first), "{lead}");
+        assert!(!lead.contains("explain"), "{lead}");
+        assert!(lead.contains("admire diagnose"), "{lead}");
+    }
 }

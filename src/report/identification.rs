@@ -1,6 +1,7 @@
 //! The page of an identification.
 
 use super::convergence::convergence;
+use super::headline::strained;
 use super::interval::IntervalScale;
 use super::number::{number, rounded, unbroken};
 use super::repeats::repeats;
@@ -11,6 +12,9 @@ use crate::identify::structure::{is_structured, worst};
 use crate::identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
 use crate::results::Timestamp;
 use crate::text::Decimals;
+
+/// The colour of values that are known from elsewhere: that of no model.
+const REFERENCE: usize = 4;
 
 /// What the page shows beside the fit.
 #[derive(Clone, Debug)]
@@ -36,8 +40,7 @@ impl IdentificationReport<'_> {
             loaded: self.loaded,
             positions: self.positions,
         };
-        let before = figures.rms(0).filter(|_| self.positions.len() > 1);
-        let answer = headline::identification(self.loaded, self.fit, before);
+        let answer = headline::identification(self.loaded, self.fit);
         let mut page = Page::new(title.trim(), &answer);
         page.facts(&self.origin());
         page.paragraph(&lead(self.fit));
@@ -175,7 +178,7 @@ impl IdentificationReport<'_> {
             }
             cells.push(match parameter.status {
                 // The word of the JSON is too wide for a column.
-                Status::Unidentifiable => unbroken("not told"),
+                Status::Unidentifiable => unbroken("not determined"),
                 other => unbroken(status(other)),
             });
             let last = cells.len() - 1;
@@ -186,7 +189,12 @@ impl IdentificationReport<'_> {
                 let text = interval(parameter);
                 table.picture(
                     5,
-                    scale.svg(ratio(low), ratio(high), ratio(reference), &text),
+                    scale.svg(
+                        ratio(low),
+                        ratio(high),
+                        ratio(reference).map(|at| (at, REFERENCE)),
+                        &text,
+                    ),
                 );
             }
             if parameter.status != Status::Identified {
@@ -325,8 +333,14 @@ impl IdentificationReport<'_> {
             value.map_or_else(String::new, |v| Decimals::of_error(v).finer().told(v))
         };
         let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
+        if let Some(written) = &self.fit.written {
+            let name = "marks, rms of one coordinate, by the deck as it is written".into();
+            let (before, after) = (written.marks_rms_before, written.marks_rms_after);
+            rows.push((name, Some(before), Some(after)));
+        }
         if let Some(marks) = &self.fit.marks {
-            rows.push(("marks, rms of one coordinate".into(), None, marks.rms));
+            let name = "marks, rms of one coordinate, all that was fitted beside it included";
+            rows.push((name.into(), None, marks.rms));
             let name = "marks, chi-square per degree of freedom".into();
             rows.push((name, None, marks.chi2_per_dof));
         }
@@ -455,8 +469,15 @@ pub fn lead(fit: &Fit) -> String {
         .fit_test
         .as_ref()
         .is_some_and(|test| test.verdict == Verdict::Misfit);
-    let mut sentences = if misfit {
+    let structured = worst(&fit.structure).filter(|_| is_structured(&fit.structure));
+    let strained = strained(fit);
+    let mut sentences = if let Some(strained) = strained {
+        vec![strained, found]
+    } else if misfit {
         vec![explained, found]
+    } else if structured.is_some() {
+        // A chi-square that is small enough does not excuse what is left from looking like something.
+        vec![found]
     } else {
         vec![found, explained]
     };
@@ -468,13 +489,13 @@ pub fn lead(fit: &Fit) -> String {
         );
         sentences.insert(0, interrupted);
     }
-    if let Some(worst) = worst(&fit.structure).filter(|_| is_structured(&fit.structure)) {
+    if let Some(worst) = structured {
         sentences.push(format!(
             "What is left has structure, most in \"{}\" (p = {}): `admire diagnose` looks for its cause.",
             worst.what,
             probability(worst.p_value)
         ));
-    } else if misfit {
+    } else if misfit || fit.tolerances.values().any(|size| size.strained) {
         sentences.push("`admire diagnose` looks for what the model lacks.".to_string());
     }
     sentences.retain(|sentence| !sentence.is_empty());

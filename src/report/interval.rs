@@ -8,8 +8,8 @@ const SIZE: (f64, f64) = (170.0, 20.0);
 pub(super) struct IntervalScale {
     /// The scale reaches from one over this to this.
     reach: f64,
-    /// Classes of the colours of the interval and of the reference.
-    colours: [&'static str; 2],
+    /// Class of the colour of the interval.
+    colour: &'static str,
 }
 
 impl IntervalScale {
@@ -22,13 +22,13 @@ impl IntervalScale {
         let round = [1.02, 1.05, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0];
         Self {
             reach: round.into_iter().find(|r| *r >= widest).unwrap_or(10.0),
-            colours: ["s1", "s2"],
+            colour: "s1",
         }
     }
 
-    /// The same in other colours: of the interval and of the reference.
-    pub(crate) const fn coloured(self, colours: [&'static str; 2]) -> Self {
-        Self { colours, ..self }
+    /// The same in another colour.
+    pub(crate) const fn coloured(self, colour: &'static str) -> Self {
+        Self { colour, ..self }
     }
 
     /// The ends of the scale, for the head of its column.
@@ -37,13 +37,14 @@ impl IntervalScale {
         format!("÷{reach} … ×{reach}")
     }
 
-    /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond. A side without a bound, or one
+    /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond in a colour of the
+    /// style sheet. A side without a bound, or one
     /// beyond the scale, ends in an arrow.
     pub(crate) fn svg(
         &self,
         low: Option<f64>,
         high: Option<f64>,
-        reference: Option<f64>,
+        reference: Option<(f64, usize)>,
         text: &str,
     ) -> String {
         let (width, height) = SIZE;
@@ -58,7 +59,7 @@ impl IntervalScale {
             super::escape(text),
             width / 2.0,
             height - 2.0,
-            self.colours[0]
+            self.colour
         );
         let beyond = |side: Option<f64>| {
             side.is_none_or(|ratio| {
@@ -90,11 +91,10 @@ impl IntervalScale {
             "<circle cx=\"{:.1}\" cy=\"{middle}\" r=\"3.4\"/></g>",
             place(1.0)
         ));
-        if let Some(reference) = reference.filter(|ratio| *ratio > 0.0) {
+        if let Some((reference, colour)) = reference.filter(|(ratio, _)| *ratio > 0.0) {
             let at = place(reference);
             push(format_args!(
-                "<g class=\"{}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>",
-                self.colours[1]
+                "<g class=\"s{colour}\"><path d=\"M{at:.1} 3l4.5 7l-4.5 7l-4.5 -7z\" class=\"hollow\"/></g>"
             ));
         }
         push(format_args!("</svg>"));
@@ -115,7 +115,7 @@ mod tests {
     fn a_scale_holds_its_intervals_and_open_sides_end_in_arrows() {
         let scale = IntervalScale::over([0.9, 1.12].into_iter());
         assert_eq!(scale.ends(), "÷1.2 … ×1.2");
-        let closed = scale.svg(Some(0.9), Some(1.12), Some(1.0), "a <b>");
+        let closed = scale.svg(Some(0.9), Some(1.12), Some((1.0, 4)), "a <b>");
         assert!(closed.contains("a &lt;b&gt;") && closed.matches("class=\"line\"").count() == 3);
         let open = scale.svg(None, Some(3.0), None, "");
         assert_eq!(open.matches('L').count(), 4, "two arrows: {open}");

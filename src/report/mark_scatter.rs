@@ -1,7 +1,8 @@
 //! How exact marks are before any fit: by the rigid parts that carry them, and by loads that were applied again.
 
 use crate::identify::LoadedStudy;
-use crate::mechanics::Vec3;
+use crate::identify::global::{Observed, SeenMark};
+use crate::mechanics::{Pose, Vec3};
 
 /// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
 pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
@@ -27,7 +28,8 @@ pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     (dof >= 6).then(|| (squares / dof as f64).sqrt())
 }
 
-/// Sd of a coordinate that cases with the same loads show, and how many of them follow another of the same loads.
+/// Sd of a coordinate that cases with the same loads show, motions left out that nothing resists, and how many of them follow another of the
+/// same loads.
 pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
     let cases = &loaded.measurement.cases;
     let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
@@ -39,17 +41,52 @@ pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
             continue;
         };
         pairs += 1;
+        let moved = moved(loaded, [first, second]);
         for a in &cases[first].marks {
             let same = cases[second]
                 .marks
                 .iter()
                 .find(|b| (a.part, a.mark) == (b.part, b.mark));
-            if let Some(b) = same {
-                squares += (a.x - b.x).norm_squared();
+            if let (Some(b), Some(moved)) = (same, &moved[a.part]) {
+                squares += (moved.point(&a.x) - b.x).norm_squared();
                 count += 3;
             }
         }
     }
     // A difference has twice the variance of a reading.
     (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
+}
+
+/// How each marked part has moved freely between two cases with the same loads; `None` of one that may have and has too few marks to tell.
+fn moved(loaded: &LoadedStudy, [first, second]: [usize; 2]) -> Vec<Option<Pose>> {
+    let (to, free) = (&loaded.measurement, &loaded.free);
+    let before: Vec<Option<Pose>> = (0..to.parts.len())
+        .map(|part| Some(to.orientation(first, part).ok()?.pose))
+        .collect();
+    let observed = Observed::of(to);
+    let mut poses: Vec<Pose> = loaded.model.parts.iter().map(|part| part.pose).collect();
+    for (marked, pose) in to.parts.iter().zip(&before) {
+        if let Some(pose) = pose {
+            poses[marked.part.0] = *pose;
+        }
+    }
+    let seen = |mark: &&SeenMark| {
+        let part = observed.parts[mark.part];
+        let known = to.parts.iter().position(|marked| marked.part == part);
+        known.is_some_and(|known| before[known].is_some())
+    };
+    let marks: Vec<SeenMark> = observed.marks[second]
+        .iter()
+        .filter(seen)
+        .copied()
+        .collect();
+    free.meet(&mut poses, &observed, &marks);
+    let between = |k: usize| {
+        let part = to.parts[k].part;
+        if !free.moves(part) {
+            return Some(Pose::identity());
+        }
+        Some(poses[part.0].compose(&before[k]?.inverse()))
+    };
+    (0..before.len()).map(between).collect()
 }

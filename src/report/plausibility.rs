@@ -49,6 +49,7 @@ impl Plausibility {
         table.sizes(loaded);
         table.noise(loaded);
         table.movement(loaded);
+        table.free_motions(loaded);
         table.forecast(loaded);
         table
     }
@@ -381,6 +382,14 @@ impl Plausibility {
             verdict,
             "no mark moves more than its noise: are the load cases those of the readings?",
         );
+    }
+
+    /// What the deck leaves open and no reading is compared along.
+    fn free_motions(&mut self, loaded: &LoadedStudy) {
+        let sentences = loaded.free.sentences();
+        if !sentences.is_empty() {
+            self.add("free motions", sentences.join("\n"), Verdict::Plausible, "");
+        }
     }
 
     /// How well each number sought would be known if the start values were true.

@@ -1,3 +1,4 @@
+use super::scene::Role;
 use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series, short_unit};
 use crate::identify::LoadedStudy;
 use crate::identify::global::Prepared;
@@ -49,6 +50,12 @@ impl StudyFigures<'_> {
         }
     }
 
+    /// What the curves of a chart show: what was measured, then each model.
+    fn roles(&self) -> Vec<Role> {
+        let models = self.positions.iter().map(|positions| positions.role);
+        std::iter::once(Role::Measured).chain(models).collect()
+    }
+
     /// Rms residual of each case, and which of them no fit saw.
     pub(crate) fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
         let measurement = &self.loaded.measurement;
@@ -69,6 +76,11 @@ impl StudyFigures<'_> {
             })
         };
         let cases = || 0..measurement.cases.len();
+        let mut roles: Vec<Role> = self
+            .positions
+            .iter()
+            .map(|positions| positions.role)
+            .collect();
         let mut series: Vec<Series> = self
             .positions
             .iter()
@@ -90,6 +102,7 @@ impl StudyFigures<'_> {
                 points: held,
                 mark: Mark::Points,
             });
+            roles.push(self.positions[last].role);
         }
         let chart = Chart {
             title: "Error of the model, case by case".to_string(),
@@ -100,20 +113,7 @@ impl StudyFigures<'_> {
             level: (measurement.sigma > 0.0).then_some(measurement.sigma),
         };
         let caption = "Prediction minus reading of the marks. The dotted line is the standard deviation of one reading.";
-        Figure::chart(&chart, caption).map(Some)
-    }
-
-    /// Rms of one mark coordinate over all cases that were fitted.
-    pub(crate) fn rms(&self, set: usize) -> Option<f64> {
-        self.positions.get(set)?;
-        let (mut sum, mut count) = (0.0, 0.0);
-        for case in self.loaded.measurement.fitted_cases() {
-            for (_, misfit) in self.misfits(set, case) {
-                sum += misfit.norm_squared();
-                count += 3.0;
-            }
-        }
-        (count > 0.0).then(|| (sum / count).sqrt())
+        Figure::of_roles(&chart, &roles, caption).map(Some)
     }
 
     fn length(&self) -> &'static str {
@@ -261,9 +261,12 @@ impl StudyFigures<'_> {
                 mark,
             };
             let mut series = vec![line("identified law", identified, Mark::Line)];
+            let mut roles = vec![Role::Fitted];
             if initial != identified {
                 series.push(line("initial law", initial, Mark::Dashed));
+                roles.push(Role::Initial);
             }
+            roles.push(Role::Measured);
             if !read.is_empty() {
                 series.push(Series {
                     name: "measured deflection, force of the model".to_string(),
@@ -288,7 +291,7 @@ impl StudyFigures<'_> {
                 log_y: false,
                 level: Some(0.0),
             };
-            out.push(Figure::chart(&chart, "")?);
+            out.push(Figure::of_roles(&chart, &roles, "")?);
         }
         Ok(out)
     }
@@ -380,7 +383,11 @@ impl StudyFigures<'_> {
                     log_y: false,
                     level: None,
                 };
-                out.push(Figure::chart(&chart, "The other loads stand still.")?);
+                out.push(Figure::of_roles(
+                    &chart,
+                    &self.roles(),
+                    "The other loads stand still.",
+                )?);
             }
         }
         Ok(out)
@@ -439,7 +446,11 @@ impl StudyFigures<'_> {
                     log_y: false,
                     level: None,
                 };
-                out.push(Figure::chart(&chart, "The other loads stand still.")?);
+                out.push(Figure::of_roles(
+                    &chart,
+                    &self.roles(),
+                    "The other loads stand still.",
+                )?);
             }
         }
         Ok(out)

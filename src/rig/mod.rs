@@ -29,6 +29,7 @@ mod section;
 mod sensors;
 /// Sections of `study.toml` with their defaults.
 pub mod settings;
+mod spin;
 mod starter;
 mod stated;
 mod study;

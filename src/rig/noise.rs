@@ -27,6 +27,11 @@ impl Noise {
         self.0.sample(StandardNormal)
     }
 
+    /// A number between `-most` and `most`, all alike likely.
+    pub(crate) fn within(&mut self, most: f64) -> f64 {
+        most * self.0.random_range(-1.0..=1.0)
+    }
+
     /// A whole number from zero to below `count`.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         self.0.random_range(0..count)

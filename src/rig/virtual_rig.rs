@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use super::effect::{Marked, Memory, Reality, plant};
 use super::load::programme;
 use super::measurement::Measurement;
+use super::noise::Noise;
 use super::readings::Readings;
 use super::resolve;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
 use super::sensors::with_channels;
+use super::spin::spun;
 use super::study::Study;
 use super::study_folder;
 use super::table::Table;
-use crate::backend::{CaseSweeper, Loads, compile, slot, tight_settings};
+use crate::backend::{CaseSweeper, FreeMotions, Loads, compile, slot, tight_settings};
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 use crate::model::Model;
@@ -118,6 +120,12 @@ pub(crate) fn virtual_rig_watched(
             .map(|channel| channel.name.clone())
             .collect(),
     };
+    // What spins freely in the deck as it is does so whatever is planted.
+    let free = compile(&lowered.value).ok().and_then(|system| {
+        let loads = Loads::of(&system, &reality.programme).ok()?;
+        Some(FreeMotions::new(&lowered.value, &system, loads))
+    });
+    let free = free.unwrap_or_default();
     // Tolerances and outliers are drawn from the deck as it is, whatever else is planted.
     let tolerances = options.tolerances.drawn(options.seed, &reality);
     let tolerances = tolerances.map_err(|why| vec![why])?;
@@ -130,7 +138,7 @@ pub(crate) fn virtual_rig_watched(
     options
         .tolerances
         .scatter(options.seed, &mut reality.programme);
-    let rest = at_rest(&reality, &measured, progress)?;
+    let rest = at_rest(&reality, &measured, (&free, options.seed), progress)?;
     let exact = options.sigma == Some(0.0);
     let read = Readings::new(&measured, &reality, &rest, options, exact);
     let mut truth = String::new();
@@ -155,6 +163,7 @@ pub(crate) fn virtual_rig_watched(
 fn at_rest(
     reality: &Reality,
     measured: &Measurement,
+    (free, seed): (&FreeMotions, u64),
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<Vec<Rest>, Vec<Diagnostic>> {
     let (model, channels) =
@@ -166,6 +175,9 @@ fn at_rest(
     let loads = Loads::of(&system, &reality.programme).map_err(unknown)?;
     let mut sweeper = CaseSweeper::new(&system, loads, tight_settings(&system));
     let mut parameters = system.parameters();
+    for weight in free.held_weights(&system) {
+        weight.hold(&mut parameters);
+    }
     let mut memories = Vec::new();
     for memory in &reality.memories {
         let held = memory
@@ -184,6 +196,8 @@ fn at_rest(
         memories.push((memory, slots, held));
     }
     let mut scratch = Scratch::new(&system);
+    let mut spins = Noise::new(seed, "spins");
+    let metre = 1.0 / model.units.length.si;
     let mut out = Vec::new();
     for (number, case) in reality.programme.cases.iter().enumerate() {
         sweeper.load(number, &mut parameters);
@@ -200,6 +214,9 @@ fn at_rest(
             );
             vec![Diagnostic::error(Code::UnreachableCase, message)]
         })?;
+        let at = (&system, &parameters, metre);
+        let equilibrium = state;
+        let state = spun(at, (&mut sweeper, number), &equilibrium, &mut spins);
         for (memory, _, held) in &mut memories {
             *held = memory
                 .law
@@ -210,7 +227,7 @@ fn at_rest(
             poses: state.poses.clone(),
             channels: values.map_err(|error| refuse(Code::UnreachableCase, &error))?,
         });
-        sweeper.keep(number, state);
+        sweeper.keep(number, equilibrium);
         progress(out.len(), reality.programme.cases.len());
     }
     Ok(out)

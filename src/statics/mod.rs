@@ -31,4 +31,4 @@ pub use settings::Settings;
 pub(crate) use settle::Settled;
 pub use stability::{Softest, smallest_eigenvalue};
 pub use tangent::Tangent;
-pub(crate) use tangent::{Tangents, point_change};
+pub(crate) use tangent::{Tangents, displace, point_change, twist};

@@ -242,6 +242,11 @@ impl Solver {
         self.worst.as_ref()
     }
 
+    /// True if nothing resists some motion of what was solved last.
+    pub(crate) fn has_free_motions(&self) -> bool {
+        self.matrix.deficiency() > 0
+    }
+
     /// The linearised equations at an equilibrium.
     ///
     /// # Errors
@@ -515,6 +520,25 @@ impl Solver {
         }
         for (row, column, value) in self.next.entries() {
             floor[row] += value.abs() * scales[column];
+        }
+        // Round-off of a force or torque goes by its size, whatever axis it is read along: along a motion that nothing resists no term is left.
+        for body in &system.bodies {
+            for first in (0..body.freedoms).step_by(3) {
+                let own = &mut floor[body.first + first..body.first + first + 3];
+                let most = own.iter().copied().fold(0.0, f64::max);
+                own.fill(most);
+            }
+        }
+        // Such a motion leaves one equation out, in which the round-off of all others in it gathers.
+        for m in 0..self.matrix.deficiency() {
+            let z = self.matrix.null_vector(m);
+            let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();
+            for &row in self.matrix.left_out() {
+                let row = row as usize;
+                if z[row] != 0.0 {
+                    floor[row] = floor[row].max(gathered / z[row].abs());
+                }
+            }
         }
         self.g
             .iter()

@@ -15,6 +15,8 @@ const ROUND_OFF: f64 = 1e-20;
 const LOST: f64 = 1e-14;
 /// What sums of many forces leave of stiffnesses that cancel: a thousand roundings.
 const ASSEMBLED: f64 = 1e3 * f64::EPSILON;
+/// Parts that move by less than this beside the reactions of a null vector do not move: the reactions are what is undetermined.
+pub(super) const UNDETERMINED: f64 = 1e-12;
 /// A spin with less than this of the inertia that its part could have has none.
 const NO_INERTIA: f64 = 1e-14;
 
@@ -141,7 +143,7 @@ fn moving(
     let multipliers = z[system.first_equation..]
         .iter()
         .fold(0.0_f64, |a, b| a.max(b.abs()));
-    if size < 1e-12 * multipliers {
+    if size < UNDETERMINED * multipliers {
         return None;
     }
     let (v, w) = motion_of(system, part, z);

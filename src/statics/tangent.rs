@@ -1,8 +1,14 @@
 use super::SolveError;
+use super::rank::{UNDETERMINED, motion_of};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
 use crate::system::{Parameters, Scratch, Slot, State, System};
+
+/// Rotations below this in radians, and shifts below this of the size of the model, are round-off of a motion as large as that.
+const ROUND_OFF: f64 = 1e-9;
+/// A motion whose rotations are below this share of it shifts only.
+const ONLY_SHIFTS: f64 = 1e-6;
 
 /// The linearised equations at an equilibrium, factored: `J dx = -dg`.
 ///
@@ -63,6 +69,13 @@ impl Tangent {
         self.factors.deficiency()
     }
 
+    /// The motions that nothing resists: changes of the unknowns of parts, reactions left out. The largest rotation of a part is one radian; in
+    /// one that only shifts, the largest shift is the size of the model.
+    pub(crate) fn free_motions(&self, system: &System) -> Vec<Vec<f64>> {
+        let each = (0..self.deficiency()).map(|m| self.factors.null_vector(m));
+        each.filter_map(|z| motion_of_parts(system, z)).collect()
+    }
+
     /// The change of the unknowns under a change `dg` of the residual: replaces `dg` by `-J^-1 dg`.
     pub fn respond(&mut self, dg: &mut [f64]) {
         for value in dg.iter_mut() {
@@ -117,6 +130,53 @@ impl Tangent {
             system.unit_wrench_column(parameters, state, &mut self.scratch, (i, j), wrench_j);
         self.respond(&mut dg);
         dg
+    }
+}
+
+/// A null vector without its reactions, in the unit of [`Tangent::free_motions`]; `None` if no part moves in it.
+fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let reactions = largest(&z[system.first_equation..]);
+    z[system.first_equation..].fill(0.0);
+    let (mut shift, mut turn) = (0.0_f64, 0.0_f64);
+    for part in 0..system.bodies.len() {
+        let (v, w) = motion_of(system, part, &z);
+        shift = shift.max(v.norm());
+        turn = turn.max(w.norm());
+    }
+    let size = shift.max(turn * system.length);
+    if size == 0.0 || size < UNDETERMINED * reactions {
+        return None;
+    }
+    let unit = if turn * system.length > ONLY_SHIFTS * size {
+        turn
+    } else {
+        shift / system.length
+    };
+    z.iter_mut().for_each(|x| *x /= unit);
+    for body in &system.bodies {
+        for first in (0..body.freedoms).step_by(3) {
+            let own = &mut z[body.first + first..body.first + first + 3];
+            let scale = if first == 0 { system.length } else { 1.0 };
+            if largest(own) < ROUND_OFF * scale {
+                own.fill(0.0);
+            }
+        }
+    }
+    Some(z)
+}
+
+/// Velocity of the origin and angular velocity of a part in a motion, ground axes.
+pub(crate) fn twist(system: &System, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
+    motion_of(system, part.0, motion)
+}
+
+/// Moves the parts of a state along a free motion, each steadily along its own screw, by `amount` of it.
+pub(crate) fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64) {
+    for part in 0..system.bodies.len() {
+        let (v, w) = motion_of(system, part, motion);
+        let pose = &mut state.poses[part];
+        *pose = pose.displaced(&(amount * v), &(amount * w));
     }
 }
 

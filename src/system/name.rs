@@ -20,6 +20,12 @@ impl Name {
         tells.then_some(&*self.view)
     }
 
+    /// The view name alone where it tells something, else kind and id.
+    pub(crate) fn short(&self) -> String {
+        let own = self.telling().map(str::to_string);
+        own.unwrap_or_else(|| format!("{}/{}", self.kind, self.id))
+    }
+
     /// For a complaint about it.
     pub(crate) fn object(&self) -> Object {
         Object {

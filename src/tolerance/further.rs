@@ -56,7 +56,7 @@ impl Further {
     ) -> Self {
         let classes = whitening.classes.iter().zip(&jacobian.classes);
         let share = |(class, A): (&Class, &Columns)| FurtherShare {
-            class: *class,
+            class: class.clone(),
             known: A.active.clone(),
             sets: Vec::with_capacity(sets.len()),
             active: Vec::new(),

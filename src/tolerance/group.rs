@@ -58,6 +58,10 @@ pub enum Scale {
     Channel(usize),
 }
 
+/// A size this many standard deviations of its prior above the median, or at its upper bound to so much, is more than the prior allows.
+const STRAINED: f64 = 2.5;
+const NEAR_BOUND: f64 = 0.01;
+
 /// A size: median and standard deviation of the logarithm of its lognormal prior, and the most it may be.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Size {
@@ -159,6 +163,12 @@ impl Size {
     /// The turn of a frame that goes with a shift, per length.
     pub(crate) const fn turn_by_shift(millimetre: f64) -> f64 {
         TURNED / (SHIFTED * millimetre)
+    }
+
+    /// True if a size is so large that its prior speaks against it: what grew so far took up what the model lacks.
+    pub(crate) fn is_strained(&self, ln: f64) -> bool {
+        let above = ln - libm::log(self.usual);
+        above > STRAINED * self.ln_sd || ln > self.bounds.1 - NEAR_BOUND
     }
 
     fn at_most(mut self, most: f64) -> Self {
@@ -362,5 +372,21 @@ impl Scale {
             Self::PoseTurn => "pose-noise-turn",
             _ => "",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_is_strained_beyond_its_prior_or_at_its_bound() {
+        let size = Size::new(0.003, 1.5);
+        let times = |factor: f64| size.is_strained(libm::log(0.003 * factor));
+        assert!(!times(1.0) && !times(0.01) && !times(20.0));
+        // 2.5 standard deviations: a factor of e^3.75.
+        assert!(!times(42.0) && times(43.0));
+        let bounded = Size::new(0.003, 0.5).at_most(0.01);
+        assert!(!bounded.is_strained(libm::log(0.0095)) && bounded.is_strained(libm::log(0.01)));
     }
 }

@@ -109,7 +109,7 @@ impl Linear {
         let classes = whitening.classes.iter().zip(&whitening.rows_of);
         let shares = classes
             .zip(&jacobian.classes)
-            .map(|((class, rows), A)| Share::new(*class, A, &residual.select_rows(rows)));
+            .map(|((class, rows), A)| Share::new(class.clone(), A, &residual.select_rows(rows)));
         Self {
             shares: shares.collect(),
             unknowns,
@@ -174,7 +174,7 @@ impl Linear {
         let columns = ByClass::of_rows(&rows_of, turned);
         let shares = self.shares.iter().zip(&rows_of).zip(&columns.classes);
         let rest = shares.map(|((share, rows), A)| {
-            let out = Share::new(share.class, A, &residual.select_rows(rows));
+            let out = Share::new(share.class.clone(), A, &residual.select_rows(rows));
             share.less(&out)
         });
         Self {
@@ -291,12 +291,7 @@ impl Linear {
         }
         let covariance = inverse;
         for share in &self.shares {
-            let by: Vec<(usize, f64)> = share
-                .class
-                .by_size(&sizes.ln)
-                .into_iter()
-                .flatten()
-                .collect();
+            let by = share.class.by_size(&sizes.ln);
             if by.is_empty() {
                 continue;
             }
@@ -432,7 +427,7 @@ mod tests {
         let n = 144;
         let mut precision: Vec<f64> = (0..n).map(|_| 1.0 + 0.5 * noise.normal().abs()).collect();
         precision[7] = 0.0;
-        let whitening = Whitening::new(&marks, &[], &precision, sizes);
+        let whitening = Whitening::new(&marks, &[], &precision, sizes, &[]);
         let J = DMatrix::from_fn(n, 9, |_, _| 3.0 * noise.normal());
         let z = DVector::from_fn(n, |_, _| 2.0 * noise.normal());
         let unknown = |k: usize| match k {

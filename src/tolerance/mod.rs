@@ -12,6 +12,7 @@
 
 mod columns;
 mod factor;
+mod free;
 mod further;
 mod group;
 mod layer;

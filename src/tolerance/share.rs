@@ -72,6 +72,7 @@ impl Share {
             H,
             active: self.active.clone(),
             g: self.g.clone(),
+            class: self.class.clone(),
             ..*self
         };
         new.active.extend(further.places.iter().map(|k| before + k));
@@ -93,7 +94,7 @@ impl Share {
         let new = own.active.iter().map(|k| changed[*k]);
         if A.active != self.active || !new.eq(known.iter().map(|place| self.active[*place])) {
             // The rows depend on other unknowns than before.
-            return Self::new(self.class, &A.replaced(changed, own), z);
+            return Self::new(self.class.clone(), &A.replaced(changed, own), z);
         }
         let mut cross = transposed(&A.values, &own.values);
         let among = transposed(&own.values, &own.values);
@@ -116,6 +117,7 @@ impl Share {
             g,
             active: self.active.clone(),
             H,
+            class: self.class.clone(),
             ..*self
         }
     }

@@ -6,11 +6,13 @@
 //! diagonal for all sizes at once.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Par};
 use nalgebra::{DMatrix, DVector};
 
+use super::free::without;
 use super::group::{Scale, Sizes};
 use super::product::{read, write};
 use crate::mechanics::Vec3;
@@ -18,7 +20,7 @@ use crate::mechanics::eigen::symmetric_eigen;
 
 /// Directions shorter than this part of the longest are none.
 const LEAST: f64 = 1e-6;
-/// Rigid directions whose squares differ by less than this factor share a class.
+/// Classes whose terms differ by less than this factor are one.
 const ALIKE: f64 = 1.05;
 
 /// The mark coordinates of one part in one case.
@@ -32,32 +34,59 @@ pub(crate) struct MarkBlock {
     pub unit: f64,
 }
 
-/// Rows whose variance is `scale^2 + mu tau^2`.
-#[derive(Clone, Copy, PartialEq, Debug)]
+/// Rows whose variance is a sum of squares of sizes: of the noise of a reading, of the rigid motion of marks.
+#[derive(Clone, PartialEq, Debug)]
 pub struct Class {
-    /// Scale of the row's own noise; `None` for one.
-    pub scale: Option<usize>,
-    /// Size of the rigid motion, and the square of its direction.
-    pub rigid: Option<(usize, f64)>,
+    /// What is there whatever the sizes are: one where the noise is known.
+    pub known: f64,
+    /// Sizes by their places, and how much of the square of each is in the variance.
+    pub terms: Arc<[(usize, f64)]>,
 }
 
 impl Class {
+    /// Of noise with a scale, or of one without, and of a rigid motion with its size and the square of its direction.
+    fn new(scale: Option<usize>, rigid: Option<(usize, f64)>) -> Self {
+        let own = scale.map(|at| (at, 1.0));
+        Self {
+            known: if scale.is_some() { 0.0 } else { 1.0 },
+            terms: own.into_iter().chain(rigid).collect(),
+        }
+    }
+
     /// Variance at these sizes.
     pub(crate) fn variance(&self, ln: &[f64]) -> f64 {
-        let own = self.scale.map_or(1.0, |at| libm::exp(2.0 * ln[at]));
-        own + self
-            .rigid
-            .map_or(0.0, |(at, mu)| mu * libm::exp(2.0 * ln[at]))
+        let terms = self.terms.iter();
+        terms.fold(self.known, |sum, (at, mu)| {
+            sum + mu * libm::exp(2.0 * ln[*at])
+        })
     }
 
     /// Its derivatives by the logarithms of the sizes.
-    pub(crate) fn by_size(&self, ln: &[f64]) -> [Option<(usize, f64)>; 2] {
-        [
-            self.scale.map(|at| (at, 2.0 * libm::exp(2.0 * ln[at]))),
-            self.rigid
-                .map(|(at, mu)| (at, 2.0 * mu * libm::exp(2.0 * ln[at]))),
-        ]
+    pub(crate) fn by_size(&self, ln: &[f64]) -> Vec<(usize, f64)> {
+        let terms = self.terms.iter();
+        terms
+            .map(|(at, mu)| (*at, 2.0 * mu * libm::exp(2.0 * ln[*at])))
+            .collect()
     }
+
+    /// What classes have in common whose variances differ by less than a factor [`ALIKE`].
+    fn key(&self) -> (u64, Vec<(usize, i64)>) {
+        let bin = |mu: f64| (libm::log(mu) / libm::log(ALIKE)).round() as i64;
+        let terms = self.terms.iter().map(|(at, mu)| (*at, bin(*mu)));
+        (self.known.to_bits(), terms.collect())
+    }
+}
+
+/// Rows that are turned together.
+pub(super) struct Turned {
+    /// Where they are among all rows.
+    pub places: Vec<usize>,
+    /// One row per new direction, times the root of the precision; those that rigid motions lead along come first.
+    pub matrix: DMatrix<f64>,
+    /// How many these are.
+    pub rigid: usize,
+    /// Of each new row; `None` where it is not used.
+    pub classes: Vec<Option<Class>>,
 }
 
 /// An orthonormal change of rows with their precisions, and the class of each new row.
@@ -78,12 +107,14 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used.
+    /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used. Nothing is compared
+    /// along the directions of rows in `free`.
     pub(crate) fn new(
         marks: &[MarkBlock],
         single: &[(usize, Option<Scale>)],
         precision: &[f64],
         sizes: &Sizes,
+        free: &[Vec<(usize, f64)>],
     ) -> Self {
         let mut new = Self {
             blocks: Vec::new(),
@@ -93,39 +124,48 @@ impl Whitening {
             rows_of: Vec::new(),
             place_of: vec![None; precision.len()],
         };
-        let mut known: BTreeMap<(usize, usize, i64), usize> = BTreeMap::new();
-        let mut class =
-            |classes: &mut Vec<Class>, scale: Option<usize>, rigid: Option<(usize, f64)>| {
-                let bin = rigid.map_or(0, |(_, mu)| {
-                    (libm::log(mu) / libm::log(ALIKE)).round() as i64
-                });
-                let at = |of: Option<usize>| of.map_or(usize::MAX, |at| at);
-                let key = (at(scale), at(rigid.map(|(at, _)| at)), bin);
-                *known.entry(key).or_insert_with(|| {
-                    classes.push(Class { scale, rigid });
-                    classes.len() - 1
-                })
-            };
         let own = sizes.scale(Scale::Marks);
+        let rigid = |(turn, mu): &(bool, f64)| {
+            let scale = [Scale::PoseShift, Scale::PoseTurn][usize::from(*turn)];
+            Some((sizes.scale(scale)?, *mu))
+        };
+        let mut all = Vec::new();
         for block in marks {
             let (places, matrix, squares) = turned(block, precision);
-            for (k, place) in places.iter().enumerate() {
-                let rigid = squares.get(k).and_then(|(turn, mu)| {
-                    let scale = [Scale::PoseShift, Scale::PoseTurn][usize::from(*turn)];
-                    Some((sizes.scale(scale)?, *mu))
-                });
-                new.class_of[*place] = Some(class(&mut new.classes, own, rigid));
-                new.place_of[*place] = Some((Some(new.blocks.len()), k));
-            }
-            new.blocks.push((places, matrix));
+            let of = |k: usize| Some(Class::new(own, squares.get(k).and_then(rigid)));
+            all.push(Turned {
+                classes: (0..places.len()).map(of).collect(),
+                rigid: squares.len().min(places.len()),
+                places,
+                matrix,
+            });
         }
+        let mut alone = Vec::new();
         for (row, scale) in single {
             if precision[*row] > 0.0 {
                 let scale = scale.and_then(|scale| sizes.scale(scale));
-                new.place_of[*row] = Some((None, new.alone.len()));
-                new.alone.push((*row, precision[*row].sqrt()));
-                new.class_of[*row] = Some(class(&mut new.classes, scale, None));
+                alone.push((*row, precision[*row].sqrt(), Class::new(scale, None)));
             }
+        }
+        without(&mut all, &mut alone, free, &sizes.usual());
+        let mut known = BTreeMap::new();
+        let mut class = |classes: &mut Vec<Class>, class: Class| {
+            *known.entry(class.key()).or_insert_with(|| {
+                classes.push(class);
+                classes.len() - 1
+            })
+        };
+        for block in all {
+            for (k, (place, own)) in block.places.iter().zip(block.classes).enumerate() {
+                new.class_of[*place] = own.map(|own| class(&mut new.classes, own));
+                new.place_of[*place] = Some((Some(new.blocks.len()), k));
+            }
+            new.blocks.push((block.places, block.matrix));
+        }
+        for (row, root, own) in alone {
+            new.place_of[row] = Some((None, new.alone.len()));
+            new.alone.push((row, root));
+            new.class_of[row] = Some(class(&mut new.classes, own));
         }
         new.rows_of = vec![Vec::new(); new.classes.len()];
         for (row, class) in new.class_of.iter().enumerate() {

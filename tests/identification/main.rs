@@ -12,6 +12,7 @@ mod common;
 #[path = "../solver/deck.rs"]
 mod deck;
 mod direct;
+mod free_motions;
 mod global;
 mod kc_curves;
 mod kc_experiment;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
+use admire::backend::{Backend, FreeMotions, LoadProgramme, NativeBackend, SweepRequest};
 use admire::identify::{Problem, Unknown, unknowns};
 use admire::model::Model;
 use admire::rig::noise::Noise;
@@ -16,6 +16,7 @@ pub struct Loaded {
     pub measurement: Measurement,
     pub programme: LoadProgramme,
     pub unknowns: Vec<Unknown>,
+    pub free: FreeMotions,
     /// Reference values of the unknowns, read from the reference deck.
     pub reference: Vec<f64>,
 }
@@ -30,6 +31,7 @@ impl Loaded {
             settings: &self.study.identify,
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
+            free: &self.free,
             unknowns: self.unknowns.clone(),
         }
     }
@@ -88,6 +90,7 @@ pub fn load(name: &str, change: impl Fn(&Path)) -> Loaded {
         measurement: measured.value,
         programme,
         unknowns,
+        free: FreeMotions::default(),
         reference,
     }
 }

@@ -112,7 +112,12 @@ impl<'a> DifferencePredictor<'a> {
             };
             let mut answers = Vec::with_capacity(cases);
             for case in 0..cases {
-                let poses = sweep.equilibrium(case).map(|found| found.poses.clone());
+                let poses = sweep.equilibrium(case).map(|found| {
+                    let mut poses = found.poses.clone();
+                    let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
+                    self.problem.free.meet(&mut poses, &self.observed, marks);
+                    poses
+                });
                 answers.push(poses.and_then(|poses| self.read(numbers, (programme, case), poses)));
             }
             out.push(answers);
@@ -203,7 +208,10 @@ impl Predictor for DifferencePredictor<'_> {
             .into_iter()
             .map(|answer| {
                 let answer = answer?;
+                let count = answer.channels.len();
+                let free = &self.problem.free;
                 Some(CasePrediction {
+                    free: free.changes(&answer.poses, &self.observed, count),
                     poses: answer.poses,
                     channels: answer.channels,
                     by_unknown: CaseChanges::default(),

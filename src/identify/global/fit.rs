@@ -235,8 +235,9 @@ pub fn identify<'a>(
         .map(|x| x[..count].iter().map(|x| libm::exp(*x)).collect())
         .collect();
     fit.history.dedup();
-    // Wheel and held-out cases are compared with everything that was found, offsets included.
-    let end = minimum.x.clone();
+    // The deck that is written holds the numbers sought and nothing else of what was found.
+    let mut end = initial.clone();
+    end[..count].copy_from_slice(&minimum.x[..count]);
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
     fill(&mut fit, problem, &before, &after, 0);
     fit.held_out.curves = held_curves(problem, global, [&initial, &end]);
@@ -548,7 +549,7 @@ fn tested(
         ));
     }
     let (mut chi2, count) = tally.total();
-    let mut dof = count as f64;
+    let mut dof = count as f64 - minimum.evaluation.free.len() as f64;
     let stiffnesses = global
         .unknowns
         .list()
@@ -567,7 +568,7 @@ fn tested(
 
 /// Rows less the unknowns the data really determine: the trace of data information over total information.
 pub(crate) fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
-    let rows = global.observations.rows.len() as f64;
+    let rows = (global.observations.rows.len() - minimum.evaluation.free.len()) as f64;
     let covariance = covariance(minimum, &global.held());
     let prior: f64 = global
         .priors()

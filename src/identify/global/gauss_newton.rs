@@ -457,6 +457,7 @@ impl LeastSquares for Louder<'_> {
         Some(Evaluation {
             residual: found.residual / self.noise,
             jacobian: found.jacobian / self.noise,
+            free: found.free,
         })
     }
 

@@ -283,7 +283,11 @@ impl LeastSquares for MarginalProblem<'_> {
         } else {
             DMatrix::zeros(residual.len(), 0)
         };
-        Some(Evaluation { residual, jacobian })
+        Some(Evaluation {
+            residual,
+            jacobian,
+            free: Vec::new(),
+        })
     }
 
     fn keep(&mut self) {

@@ -7,6 +7,7 @@ mod channel;
 pub mod confidence;
 mod differences;
 mod fit;
+mod free;
 pub mod gauss_newton;
 mod held_curves;
 mod marginal;
@@ -22,6 +23,7 @@ mod unknown;
 
 pub use fit::{Found, GlobalFit, POOR_NORMAL, StartValues, fit_unknowns, global_problem, identify};
 pub(crate) use fit::{UNIDENTIFIABLE, effective_dof};
+pub(crate) use free::{STEPS, SeenMark, step};
 pub use marginal::Joint;
 pub(crate) use marginal::{Marginal, MarginalProblem};
 pub(crate) use memory::Carries;

@@ -6,12 +6,14 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::free::{STEPS, step};
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
-use crate::backend::{CaseSweeper, Loads};
+use crate::backend::{CaseSweeper, HeldWeight, Loads};
+use crate::model::PartIx;
 use crate::rig::Channels;
-use crate::statics::{Balance, Settings};
+use crate::statics::{Balance, Settings, Tangent, displace, twist};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
 /// What the last answer of one case was found at, and how it moves with theta.
@@ -44,6 +46,8 @@ pub struct NativePredictor<'a> {
     answers: Vec<Option<Arc<Answer>>>,
     kept: Kept,
     memories: Vec<Memory>,
+    /// Mass centres that go with the ends of links that spin.
+    weights: Vec<HeldWeight>,
     sweeps: usize,
     runs: usize,
 }
@@ -62,6 +66,7 @@ impl<'a> NativePredictor<'a> {
             answers: vec![None; loads.cases.len()],
             kept: Kept::default(),
             memories: Vec::new(),
+            weights: Vec::new(),
             sweeper: CaseSweeper::new(system, loads, Settings::tight()),
             system,
             observed,
@@ -75,6 +80,13 @@ impl<'a> NativePredictor<'a> {
     #[must_use]
     pub(crate) fn remembering(mut self, memories: Vec<Memory>) -> Self {
         self.memories = memories;
+        self
+    }
+
+    /// With mass centres that go with the ends of links that spin.
+    #[must_use]
+    pub(crate) fn holding(mut self, weights: Vec<HeldWeight>) -> Self {
+        self.weights = weights;
         self
     }
 
@@ -114,19 +126,65 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
-    /// Changes of the unknowns of the system along each direction, one column each.
+    /// Moves an equilibrium along the motions that nothing resists to where it meets the readings of its case best; these motions there, one
+    /// column each, and the tangent if it was made.
+    fn settle_free(
+        &mut self,
+        case: usize,
+        theta: &Parameters,
+        state: &mut State,
+    ) -> (DMatrix<f64>, Option<Tangent>) {
+        let (mut motions, mut last) = (Vec::new(), None);
+        for _ in 0..=STEPS {
+            if !self.sweeper.solver().has_free_motions() {
+                break;
+            }
+            let Ok(tangent) = self.sweeper.solver().tangent(self.system, theta, state) else {
+                break;
+            };
+            motions = tangent.free_motions(self.system);
+            last = Some(tangent);
+            let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
+            let observed = self.observed.parts.iter();
+            let twist = |motion: &Vec<f64>, part: &PartIx| twist(self.system, *part, motion);
+            let twists: Vec<Vec<_>> = motions
+                .iter()
+                .map(|motion| observed.clone().map(|part| twist(motion, part)).collect())
+                .collect();
+            let pose = |part: usize| state.poses[self.observed.parts[part].0];
+            let Some(amounts) = step(marks, &pose, &twists) else {
+                break;
+            };
+            let mut moved = state.clone();
+            for (motion, amount) in motions.iter().zip(&amounts) {
+                displace(self.system, &mut moved, motion, *amount);
+            }
+            let Ok(found) = self.sweeper.solve(self.system, theta, case, Some(moved)) else {
+                break;
+            };
+            *state = found;
+            if let Some(tangent) = last.take() {
+                self.sweeper.solver().give_back(tangent);
+            }
+        }
+        let n = self.system.unknowns();
+        let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());
+        (motions, last)
+    }
+
+    /// Changes of the unknowns of the system along each direction, one column each; by the tangent there if that is known.
     fn responses(
         &mut self,
         case: usize,
         theta: &Parameters,
         state: &State,
-        directions: &[Direction],
+        (directions, tangent): (&[Direction], Option<Tangent>),
     ) -> Option<DMatrix<f64>> {
-        let tangent = self
-            .sweeper
-            .solver()
-            .tangent(self.system, theta, state)
-            .ok()?;
+        let solver = self.sweeper.solver();
+        let tangent = match tangent {
+            Some(tangent) => tangent,
+            None => solver.tangent(self.system, theta, state).ok()?,
+        };
         let n = self.system.unknowns();
         let mut column = vec![0.0; n];
         let mut here = self.system.look(theta, state, &mut self.scratch).ok()?;
@@ -216,8 +274,12 @@ impl<'a> NativePredictor<'a> {
         for (slot, values) in &numbers.per_case {
             theta.set(*slot, theta.get(*slot) + values[case]);
         }
+        for weight in &self.weights {
+            weight.hold(theta);
+        }
         carried.apply(theta);
-        let state = self.solve(case, theta, &numbers.x)?;
+        let mut state = self.solve(case, theta, &numbers.x)?;
+        let (free, tangent) = self.settle_free(case, theta, &mut state);
         let channels = self.channels;
         let values = channels
             .values(self.system, theta, &state, &mut self.scratch)
@@ -226,12 +288,26 @@ impl<'a> NativePredictor<'a> {
             poses: state.poses.clone(),
             channels: values,
             by_unknown: CaseChanges::default(),
+            free: CaseChanges::default(),
         };
+        if free.ncols() > 0 {
+            let nothing = vec![Direction::default(); free.ncols()];
+            let changes = channels
+                .changes(
+                    self.system,
+                    (theta, case),
+                    &state,
+                    &mut self.scratch,
+                    (&nothing, &free),
+                )
+                .ok()?;
+            prediction.free = self.observed.changes(self.system, &free, &changes);
+        }
         let mut response = Default::default();
         if let Some(directions) = directions {
             let mut room = std::mem::take(&mut self.directions);
             let directions = carried.directions(directions, case, &mut room);
-            let responses = self.responses(case, theta, &state, directions)?;
+            let responses = self.responses(case, theta, &state, (directions, tangent))?;
             let along = (directions, &responses);
             let changes = channels
                 .changes(self.system, (theta, case), &state, &mut self.scratch, along)
@@ -242,6 +318,9 @@ impl<'a> NativePredictor<'a> {
             response = (unknowns.collect(), responses);
             self.directions = room;
         } else {
+            if let Some(tangent) = tangent {
+                self.sweeper.solver().give_back(tangent);
+            }
             carried.advance(theta, &prediction.channels, (&[], &DMatrix::zeros(0, 0)));
         }
         self.sweeper.keep(case, state);

@@ -5,9 +5,10 @@
 
 use nalgebra::{DMatrix, DVector, Dyn, U1};
 
-use super::predictor::{CasePrediction, Observed};
+use super::free::FreeRows;
+use super::predictor::{CaseChange, CasePrediction, Observed};
 use crate::mechanics::{Pose, Vec3};
-use crate::model::{Model, PartIx};
+use crate::model::Model;
 use crate::rig::wheel::{camber_deg, steer_deg};
 use crate::rig::{Case, Measurement, Over, Summary};
 
@@ -126,6 +127,9 @@ pub struct Evaluation {
     pub residual: DVector<f64>,
     /// Rows by unknowns; empty columns unless derivatives were predicted.
     pub jacobian: DMatrix<f64>,
+    /// Directions of rows along which nothing is compared, as a motion that nothing resists leads along them: rows and their weights,
+    /// orthonormal.
+    pub free: Vec<Vec<(usize, f64)>>,
 }
 
 /// The readings of the cases a fit sees, in a fixed order.
@@ -144,32 +148,22 @@ pub struct Observations<'a> {
     pub sigma: f64,
 }
 
+/// A free motion of one radian, or as long as the model, that moves a reading by less than so much of its noise leaves it where it is.
+const UNMOVED: f64 = 1e-3;
+
 /// Readings that claim no noise still carry the digits of their file: so much of the largest coordinate.
 const EXACT: f64 = 1e-12;
 
 impl<'a> Observations<'a> {
     /// All readings of these cases.
     pub fn new(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
-        let mut observed = Observed::default();
-        let mut place_of = |part: PartIx| {
-            observed
-                .parts
-                .iter()
-                .position(|p| *p == part)
-                .unwrap_or_else(|| {
-                    observed.parts.push(part);
-                    observed.parts.len() - 1
-                })
-        };
-        let place = measurement
-            .parts
-            .iter()
-            .map(|marked| place_of(marked.part))
-            .collect();
+        let mut observed = Observed::of(measurement);
+        let parts = measurement.parts.iter();
+        let place = parts.map(|marked| observed.place(marked.part)).collect();
         let (mut wheel_place, mut wheel_frame) = (0, Pose::identity());
         if let Some(wheel) = &measurement.wheel {
             let marker = &model.markers[wheel.marker.0];
-            wheel_place = place_of(marker.part);
+            wheel_place = observed.place(marker.part);
             wheel_frame = Pose {
                 p: marker.qp,
                 R: marker.R,
@@ -301,7 +295,112 @@ impl<'a> Observations<'a> {
                 }
             }
         }
-        Some(Evaluation { residual, jacobian })
+        let free = self.without_free(prediction, (&mut residual, &mut jacobian));
+        Some(Evaluation {
+            residual,
+            jacobian,
+            free,
+        })
+    }
+
+    /// Takes what motions that nothing resists do off residuals and derivatives; the directions of rows that this concerns.
+    fn without_free(
+        &self,
+        prediction: &[Option<CasePrediction>],
+        (residual, jacobian): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) -> Vec<Vec<(usize, f64)>> {
+        let mut out = Vec::new();
+        let mut first = 0;
+        for own in self.rows.chunk_by(|a, b| a.case() == b.case()) {
+            let from = first;
+            first += own.len();
+            let Some(predicted) = &prediction[own[0].case()] else {
+                continue;
+            };
+            let Some((rows, free)) = self.free_rows(own, predicted) else {
+                continue;
+            };
+            let rows: Vec<usize> = rows.into_iter().map(|row| from + row).collect();
+            let mut left = DMatrix::from_columns(&[residual.select_rows(&rows)]);
+            let projection = free.projection(&left.column(0).into_owned());
+            projection.apply(&mut left);
+            let mut changes = jacobian.select_rows(&rows);
+            projection.apply(&mut changes);
+            for (k, row) in rows.iter().enumerate() {
+                residual[*row] = left[k];
+                jacobian.set_row(*row, &changes.row(k));
+            }
+            for direction in free.basis().column_iter() {
+                out.push(
+                    rows.iter()
+                        .copied()
+                        .zip(direction.iter().copied())
+                        .collect(),
+                );
+            }
+        }
+        out
+    }
+
+    /// Which of the rows of a case its free motions move, and how; `None` if they move none. Numbers that are taken from several cases are
+    /// compared as they are.
+    fn free_rows(
+        &self,
+        rows: &[Row],
+        predicted: &CasePrediction,
+    ) -> Option<(Vec<usize>, FreeRows)> {
+        if predicted.free.is_empty() {
+            return None;
+        }
+        let mut F = DMatrix::zeros(rows.len(), predicted.free.len());
+        for (at, row) in rows.iter().enumerate() {
+            for (k, change) in predicted.free.iter().enumerate() {
+                match *row {
+                    Row::Mark {
+                        case,
+                        reading,
+                        axis: 0,
+                    } => {
+                        let reading = self.measurement.cases[case].marks[reading];
+                        let local = self.measurement.parts[reading.part].marks[reading.mark].p;
+                        let place = self.place[reading.part];
+                        let arm = predicted.poses[self.observed.parts[place].0].R * local;
+                        let by = moved(&change.parts[place], &arm) / self.sigma;
+                        F.fixed_view_mut::<3, 1>(at, k).copy_from(&by);
+                    }
+                    Row::Wheel { component: 0, .. } => {
+                        for (axis, by) in self.wheel_change(predicted, &change).iter().enumerate() {
+                            F[(at + axis, k)] = *by;
+                        }
+                    }
+                    Row::Mark { .. } | Row::Wheel { .. } => {}
+                    Row::Channel { channel, .. } => {
+                        let info = &self.measurement.channels[channel];
+                        if info.summary.is_none() {
+                            F[(at, k)] = change.channels[channel] / info.sigma;
+                        }
+                    }
+                }
+            }
+        }
+        let moves = |at: usize, count: usize| F.rows(at, count).amax() > UNMOVED;
+        let mut readings = Vec::new();
+        let mut moved = Vec::new();
+        for (at, row) in rows.iter().enumerate() {
+            let count = match row {
+                Row::Mark { axis: 0, .. } => 3,
+                Row::Mark { .. } => continue,
+                Row::Wheel { .. } | Row::Channel { .. } => 1,
+            };
+            if moves(at, count) {
+                readings.push((moved.len(), count));
+                moved.extend(at..at + count);
+            }
+        }
+        (!moved.is_empty()).then(|| {
+            let rows = FreeRows::new(F.select_rows(&moved), readings);
+            (moved, rows)
+        })
     }
 
     /// A number taken from a channel in several cases.
@@ -436,19 +535,29 @@ impl<'a> Observations<'a> {
         residual[at + 3] = (camber_deg(&s0, &s) - reading.camber_deg) / angle;
         residual[at + 4] = wrapped_deg(steer_deg(&s0, &s) - reading.steer_deg) / angle;
         let columns = jacobian.ncols();
-        let arm = part.R * self.wheel_frame.p;
         for (k, change) in predicted.by_unknown.iter().enumerate().take(columns) {
-            let six = &change.parts[self.wheel_place];
-            let dp = moved(six, &arm);
-            let ds = Vec3::new(six[3], six[4], six[5]).cross(&s);
-            for axis in 0..3 {
-                jacobian[(at + axis, k)] = dp[axis] / position;
+            for (axis, by) in self.wheel_change(predicted, &change).iter().enumerate() {
+                jacobian[(at + axis, k)] = *by;
             }
-            // camber = asin(s0.z) - asin(s.z); steer = atan2(s.y, s.x) - atan2(s0.y, s0.x).
-            let horizontal = s.x * s.x + s.y * s.y;
-            jacobian[(at + 3, k)] = (-ds.z / horizontal.sqrt()).to_degrees() / angle;
-            jacobian[(at + 4, k)] = ((s.x * ds.y - s.y * ds.x) / horizontal).to_degrees() / angle;
         }
+    }
+
+    /// The change of the five rows of the wheel.
+    fn wheel_change(&self, predicted: &CasePrediction, change: &CaseChange<'_>) -> [f64; 5] {
+        let Some(wheel) = &self.measurement.wheel else {
+            return [0.0; 5];
+        };
+        let part = &predicted.poses[self.observed.parts[self.wheel_place].0];
+        let s = wheel.spin.now(&part.compose(&self.wheel_frame));
+        let (position, angle) = (wheel.sigma_position, wheel.sigma_angle_deg);
+        let six = &change.parts[self.wheel_place];
+        let dp = moved(six, &(part.R * self.wheel_frame.p)) / position;
+        let ds = Vec3::new(six[3], six[4], six[5]).cross(&s);
+        // camber = asin(s0.z) - asin(s.z); steer = atan2(s.y, s.x) - atan2(s0.y, s0.x).
+        let horizontal = s.x * s.x + s.y * s.y;
+        let camber = (-ds.z / horizontal.sqrt()).to_degrees() / angle;
+        let steer = ((s.x * ds.y - s.y * ds.x) / horizontal).to_degrees() / angle;
+        [dp.x, dp.y, dp.z, camber, steer]
     }
 
     /// Centroid of the marks read in a case: the frame's shift is stated about it, so that its turn and translation are not confused.

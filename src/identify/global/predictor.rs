@@ -1,14 +1,16 @@
 //! What a model says of every load case, and how that changes with the unknowns.
 //!
-//! Knows neither measurements nor fits.
+//! Knows no fits.
 
 use std::ops::Range;
 
 use nalgebra::DMatrix;
 
+use super::free::SeenMark;
 use super::unknown::{Component, Direction, Numbers};
 use crate::mechanics::Pose;
 use crate::model::PartIx;
+use crate::rig::{MarkReading, Measurement};
 use crate::statics::Balance;
 use crate::system::System;
 
@@ -21,6 +23,8 @@ pub struct CasePrediction {
     pub channels: Vec<f64>,
     /// One per unknown; empty unless asked for.
     pub by_unknown: CaseChanges,
+    /// One per motion that nothing resists.
+    pub free: CaseChanges,
 }
 
 /// How one load case changes per unit of an unknown.
@@ -108,9 +112,41 @@ impl CaseChanges {
 pub struct Observed {
     /// Parts whose pose matters.
     pub parts: Vec<PartIx>,
+    /// Marks of those parts by load case: predictions are taken where these are met best along motions that nothing resists. Cases beyond the
+    /// last have none.
+    pub marks: Vec<Vec<SeenMark>>,
 }
 
 impl Observed {
+    /// The marked parts of a measurement, and where their marks were read.
+    pub(crate) fn of(measurement: &Measurement) -> Self {
+        let mut new = Self::default();
+        let place: Vec<usize> = measurement
+            .parts
+            .iter()
+            .map(|own| new.place(own.part))
+            .collect();
+        let seen = |read: &MarkReading| SeenMark {
+            part: place[read.part],
+            local: measurement.parts[read.part].marks[read.mark].p,
+            x: read.x,
+        };
+        let cases = measurement.cases.iter();
+        new.marks = cases
+            .map(|case| case.marks.iter().map(seen).collect())
+            .collect();
+        new
+    }
+
+    /// Where a part is among those observed, which it is from now on.
+    pub(super) fn place(&mut self, part: PartIx) -> usize {
+        let known = self.parts.iter().position(|own| *own == part);
+        known.unwrap_or_else(|| {
+            self.parts.push(part);
+            self.parts.len() - 1
+        })
+    }
+
     /// What is observed of changes of the system's unknowns and of the channels, columns of both.
     pub(crate) fn changes(
         &self,

@@ -91,11 +91,8 @@ impl Prepared {
         problem: &Problem<'_>,
         observed: Observed,
     ) -> Result<NativePredictor<'_>, IdentifyError> {
-        Ok(NativePredictor::new(
-            &self.system,
-            Loads::of(&self.system, problem.programme)?,
-            observed,
-            self.channels,
-        ))
+        let loads = Loads::of(&self.system, problem.programme)?;
+        let predictor = NativePredictor::new(&self.system, loads, observed, self.channels);
+        Ok(predictor.holding(problem.free.held_weights(&self.system)))
     }
 }

@@ -122,6 +122,18 @@ pub enum Role {
     Extended,
 }
 
+impl Role {
+    /// Which of the colours of the style sheet it has in every picture of a page; `viewer.js` has the same.
+    pub(crate) const fn colour(self) -> usize {
+        match self {
+            Self::Model | Self::Fitted => 1,
+            Self::Measured => 4,
+            Self::Extended => 3,
+            Self::Initial => 7,
+        }
+    }
+}
+
 /// Positions that are shown together in one colour.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Set {

@@ -3,7 +3,7 @@
 "use strict";
 
 // The same colours as the charts of a page have for the same roles.
-const ROLE_COLOUR = { model: "--c1", measured: "--c4", initial: "--soft", fitted: "--c1", extended: "--c3" };
+const ROLE_COLOUR = { model: "--c1", measured: "--c4", initial: "--c7", fitted: "--c1", extended: "--c3" };
 const ROLE_DASH = { model: [], measured: [2, 3], initial: [7, 4], fitted: [], extended: [] };
 // Yaw and pitch. At yaw 0 the camera looks along the axis of travel.
 const VIEWS = { "3-D": [0.65, 0.42], Front: [0, 0], Side: [Math.PI / 2, 0], Top: [Math.PI / 2, Math.PI / 2] };

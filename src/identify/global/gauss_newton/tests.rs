@@ -8,6 +8,7 @@ impl LeastSquares for Valley {
         Some(Evaluation {
             residual: DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]),
             jacobian: DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]),
+            free: Vec::new(),
         })
     }
 }
@@ -52,6 +53,7 @@ impl LeastSquares for Springs {
             jacobian: DMatrix::from_fn(5, 2, |k, j| {
                 -1e3 * if j == 0 { soft } else { shares[k] * other }
             }),
+            free: Vec::new(),
         })
     }
 }
@@ -115,6 +117,7 @@ impl LeastSquares for Snapping {
         Some(Evaluation {
             residual: DVector::from_element(1, 10.0 * (x[0].atan() + far)),
             jacobian: DMatrix::from_element(1, 1, 10.0 / (1.0 + x[0] * x[0])),
+            free: Vec::new(),
         })
     }
 

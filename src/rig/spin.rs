@@ -1,0 +1,60 @@
+//! Where parts are on a rig along motions that nothing resists.
+
+use super::noise::Noise;
+use crate::backend::CaseSweeper;
+use crate::model::PartIx;
+use crate::statics::{displace, twist};
+use crate::system::{Parameters, State, System};
+
+/// Friction in ball joints leaves a link turned by up to so many degrees,
+const TURN_DEG: f64 = 30.0;
+/// and what slides freely off by up to so many metres.
+const SHIFT: f64 = 1e-3;
+/// Where there is no equilibrium so far off, half as far is tried, so often.
+const HALVED: usize = 6;
+
+/// The equilibrium of a case moved along each of its free motions by an amount that nobody knows.
+pub(super) fn spun(
+    (system, parameters, metre): (&System, &Parameters, f64),
+    (sweeper, case): (&mut CaseSweeper, usize),
+    state: &State,
+    noise: &mut Noise,
+) -> State {
+    if !sweeper.solver().has_free_motions() {
+        return state.clone();
+    }
+    let Ok(tangent) = sweeper.solver().tangent(system, parameters, state) else {
+        return state.clone();
+    };
+    let motions = tangent.free_motions(system);
+    sweeper.solver().give_back(tangent);
+    let largest = |motion: &[f64]| {
+        let of = |part| twist(system, PartIx(part), motion);
+        let twists = (0..state.poses.len()).map(of);
+        twists.fold((0.0_f64, 0.0_f64), |(v, w), (own_v, own_w)| {
+            (v.max(own_v.norm()), w.max(own_w.norm()))
+        })
+    };
+    let amount = |motion: &Vec<f64>| {
+        let (shift, turn) = largest(motion);
+        let most = if turn > 0.0 {
+            TURN_DEG.to_radians() / turn
+        } else {
+            SHIFT * metre / shift
+        };
+        noise.within(most)
+    };
+    let amounts: Vec<f64> = motions.iter().map(amount).collect();
+    let mut part = 1.0;
+    for _ in 0..HALVED {
+        let mut moved = state.clone();
+        for (motion, amount) in motions.iter().zip(&amounts) {
+            displace(system, &mut moved, motion, part * amount);
+        }
+        if let Ok(found) = sweeper.solve(system, parameters, case, Some(moved)) {
+            return found;
+        }
+        part *= 0.5;
+    }
+    state.clone()
+}
