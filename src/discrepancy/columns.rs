@@ -121,9 +121,10 @@ impl<'a> Survey<'a> {
                     let tools = (&mut *scratch, known.clone());
                     let changes = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
-                    let changes = observations
-                        .observed
-                        .changes(system, &changes.0, &changes.1);
+                    let changes =
+                        observations
+                            .observed
+                            .changes((system, at.1), &changes.0, &changes.1);
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels

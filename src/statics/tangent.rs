@@ -128,13 +128,8 @@ pub(crate) fn point_change(
     local: &Vec3,
     dx: &[f64],
 ) -> Vec3 {
-    let d = &dx[system.part_unknowns(part)];
-    let arm = state.poses[part.0].R * local;
-    match d.len() {
-        6 => Vec3::new(d[0], d[1], d[2]) + Vec3::new(d[3], d[4], d[5]).cross(&arm),
-        3 => Vec3::new(d[0], d[1], d[2]),
-        _ => Vec3::zeros(),
-    }
+    let [x, y, z, rx, ry, rz] = system.pose_change(state, part, dx);
+    Vec3::new(x, y, z) + Vec3::new(rx, ry, rz).cross(&(state.poses[part.0].R * local))
 }
 
 /// Tangents at one state after another. The order of elimination is that of the first one, as long as its pivots serve.

@@ -237,7 +237,9 @@ impl<'a> NativePredictor<'a> {
                 .changes(self.system, (theta, case), &state, &mut self.scratch, along)
                 .ok()?;
             carried.advance(theta, &prediction.channels, (directions, &changes));
-            prediction.by_unknown = self.observed.changes(self.system, &responses, &changes);
+            prediction.by_unknown =
+                self.observed
+                    .changes((self.system, &state), &responses, &changes);
             let unknowns = directions.iter().map(|direction| direction.unknown);
             response = (unknowns.collect(), responses);
             self.directions = room;
