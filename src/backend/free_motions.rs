@@ -86,7 +86,7 @@ impl FreeMotions {
             };
             let motions = tangent.free_motions(system);
             let in_part = |(k, pose): (usize, &Pose), motion: &[f64]| {
-                let (v, w) = twist(system, PartIx(k), motion);
+                let (v, w) = twist(system, &state, PartIx(k), motion);
                 let turned = pose.R.transpose();
                 (turned * v, turned * w)
             };
@@ -170,7 +170,7 @@ fn turns_about_a_line((v, w): &Twist) -> bool {
 /// The mass centres on the line about which all parts of a motion turn, if they do, with the joints at its ends.
 fn weights(model: &Model, system: &System, state: &State, motion: &[f64]) -> Vec<Weight> {
     let near = STEADY * system.length;
-    let twists = (0..state.poses.len()).map(|part| twist(system, PartIx(part), motion));
+    let twists = (0..state.poses.len()).map(|part| twist(system, state, PartIx(part), motion));
     let twists: Vec<Twist> = twists.collect();
     let moving = |part: usize| twists[part].0.norm() + twists[part].1.norm() > 0.0;
     let Some(first) = (0..twists.len()).find(|part| moving(*part)) else {

@@ -109,7 +109,16 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut solver = Solver::new(&system);
     match solver.solve(&system, &parameters, &mut state, &settings) {
         Ok(mut report) => {
-            let mut softest = Softest::of(&system, &parameters, &state).ok().flatten();
+            let far: Vec<String> = report
+                .far
+                .iter()
+                .map(|f| f.described(&model.units))
+                .collect();
+            for part in &far {
+                shell.complain(&[went_far(part)]);
+            }
+            let softest = Softest::at_equilibrium(&system, &parameters, &state, solver.scratch());
+            let mut softest = softest.ok().flatten();
             let unstable = softest.clone().filter(Softest::is_unstable);
             // Told where it is: the words name markers.
             let motion = unstable
@@ -142,6 +151,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 softest: softest.as_ref(),
                 motion: motion.as_deref(),
                 settled: settled.as_ref(),
+                far: &far,
                 bodies: &bodies,
                 left_out: &left_out,
             };
@@ -156,6 +166,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(Exit::NoAnswer)
         }
     }
+}
+
+/// The warning of a part that went far.
+fn went_far(part: &str) -> Diagnostic {
+    Diagnostic::warning(
+        Code::LargeMotion,
+        format!("{part} in this static solution"),
+    )
+    .help("it may be another equilibrium than the one that is meant; loads in steps lead to the nearest")
 }
 
 /// The warning of an unstable equilibrium.
@@ -215,6 +234,8 @@ struct Answer<'a> {
     motion: Option<&'a str>,
     /// How it was left.
     settled: Option<&'a Settled>,
+    /// Parts that went far.
+    far: &'a [String],
     /// Parts whose loads are shown.
     bodies: &'a [PartIx],
     /// What is left out as asked.
@@ -287,7 +308,9 @@ impl Answer<'_> {
     /// What the smallest eigenvalue of the tangent stiffness says.
     fn stability(&self) -> Option<String> {
         let units = &self.model.units;
-        let stiffness = self.softest?.stiffness;
+        let Softest {
+            stiffness, error, ..
+        } = *self.softest?;
         let word = match self.verdict()? {
             "unstable" => "UNSTABLE",
             word => word,
@@ -297,17 +320,20 @@ impl Answer<'_> {
             units.name(Dimension::FORCE),
             units.name(Dimension::LENGTH)
         );
-        if let (Some(motion), true) = (self.motion, stiffness < 0.0) {
+        if word == "neutral" && stiffness != 0.0 {
+            _ = write!(out, ", which may be off by {error:.1e}");
+        }
+        if let (Some(motion), "UNSTABLE") = (self.motion, word) {
             _ = write!(out, "; {}", moves(Some(motion)));
         }
         Some(out)
     }
 
     fn verdict(&self) -> Option<&'static str> {
-        Some(match self.softest?.stiffness {
-            s if s < 0.0 => "unstable",
-            s if s > 0.0 => "stable",
-            _ => "neutral",
+        Some(match self.softest? {
+            softest if softest.is_unstable() => "unstable",
+            softest if softest.is_neutral() => "neutral",
+            _ => "stable",
         })
     }
 
@@ -435,6 +461,8 @@ impl Answer<'_> {
             "continuation": self.help_needed(),
             "stability": self.verdict(),
             "smallest_stiffness": self.softest.map(|softest| softest.stiffness),
+            "smallest_stiffness_error": self.softest.map(|softest| softest.error),
+            "went_far": self.far,
             "unstable_motion": self.motion,
             "left_unstable": self.settled.map(|settled| json!({
                 "moved": settled.moved,

@@ -162,6 +162,9 @@ codes! {
     /// An equilibrium that does not last: some motion is met by a negative stiffness, so that the slightest push leads away from it.
     /// `admire solve --stable` goes on to a stable one.
     UnstableEquilibrium = "unstable-equilibrium",
+    /// A part turned by more than 60 degrees or moved by more than the mechanism's size in one static solution: the equilibrium may be
+    /// another than the one that is meant.
+    LargeMotion = "large-motion",
     /// A command asks for more than this program is willing to do.
     LimitExceeded = "limit-exceeded",
     /// A study names a program that is started for every run. Only `study.toml` can name one; decks and command files start nothing.

@@ -122,7 +122,8 @@ impl<'a> Survey<'a> {
                     let found = self.changes(case, at, tools, (&asked, &directions), numbers);
                     let channels = self.fitted.deck.prepared.channels;
                     let observed = &observations.observed;
-                    let [changes, free] = found.map(|of| observed.changes(system, &of.0, &of.1));
+                    let [changes, free] =
+                        found.map(|of| observed.changes((system, at.1), &of.0, &of.1));
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels

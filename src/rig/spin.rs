@@ -29,7 +29,7 @@ pub(super) fn spun(
     let motions = tangent.free_motions(system);
     sweeper.solver().give_back(tangent);
     let largest = |motion: &[f64]| {
-        let of = |part| twist(system, PartIx(part), motion);
+        let of = |part| twist(system, state, PartIx(part), motion);
         let twists = (0..state.poses.len()).map(of);
         twists.fold((0.0_f64, 0.0_f64), |(v, w), (own_v, own_w)| {
             (v.max(own_v.norm()), w.max(own_w.norm()))

@@ -6,7 +6,7 @@ use crate::model::{Definitions, Ignore, Model, Request, said_left_out};
 use crate::statics::Solver;
 use crate::syntax::expression::Node;
 use crate::syntax::{Address, Argument, Dataset, Statement, Value};
-use crate::system::{EquationName, Parameters, Scratch, Slot, State, System};
+use crate::system::{EquationName, Name, Parameters, Scratch, Slot, State, System};
 use crate::text::Source;
 
 use super::file_policy::FilePolicy;
@@ -26,8 +26,10 @@ pub(super) struct Loaded {
     pub told: BTreeSet<(Severity, String)>,
     /// The redundant constraints that were last told of.
     pub said_redundant: Option<Vec<EquationName>>,
-    /// The part that moves most in the instability that was last told of.
-    pub said_unstable: Option<usize>,
+    /// The parts that move most in the instabilities that were told of since the model was stable.
+    pub said_unstable: Vec<usize>,
+    /// Parts that were warned of because they went far in one static solution.
+    pub said_far: Vec<Name>,
     /// The limit of iterations was told of.
     pub said_iterations: bool,
     /// The free motions that were last told of.
@@ -130,7 +132,8 @@ impl Loaded {
                 outputs,
                 told: BTreeSet::new(),
                 said_redundant: None,
-                said_unstable: None,
+                said_unstable: Vec::new(),
+                said_far: Vec::new(),
                 said_iterations: false,
                 said_free: None,
                 compiled: None,

@@ -1,7 +1,7 @@
 use crate::diagnostic::{Code, Diagnostic};
 use crate::model::Model;
 use crate::results::StepKind;
-use crate::statics::{Balance, Left, Report, Settings, Softest, SolveError};
+use crate::statics::{Balance, Far, Left, Report, Settings, Softest, SolveError};
 use crate::syntax::Statement;
 use crate::text::Source;
 use crate::units::Dimension;
@@ -94,6 +94,8 @@ impl Session<'_> {
         match outcome {
             Ok(report) => {
                 self.remarks(&report);
+                let time = self.model().time();
+                self.warn_if_far(&report, time);
                 let told = self.balance_line(&report.balance);
                 self.worst_balance.or_worse(&report.balance);
                 self.messages
@@ -128,9 +130,11 @@ impl Session<'_> {
         while k <= times.count {
             let time = if k == 0 { times.start } else { times.at(k) };
             k += 1;
+            let before = self.model().time();
             match self.model().advance(time, MODE_QUASI_STATIC) {
                 Ok(report) => {
                     self.remarks(&report);
+                    self.warn_if_far(&report, before);
                     self.messages
                         .simulation_step(time, report.iterations, report.imbalance);
                     balance.or_worse(&report.balance);
@@ -261,6 +265,29 @@ impl Session<'_> {
         }
     }
 
+    /// Warns of parts that went far in one static solution, each once. Where MOTIONs drive the model from one time to the next, parts go
+    /// as far as these say.
+    fn warn_if_far(&mut self, report: &Report, time_before: f64) {
+        let loaded = self.model();
+        let (time, units) = (loaded.time(), loaded.model.units);
+        if time > time_before && loaded.compiled().value.system.is_driven() {
+            return;
+        }
+        let new = |far: &&Far| !loaded.said_far.contains(&far.part);
+        let far: Vec<&Far> = report.far.iter().filter(new).collect();
+        let lines: Vec<String> = far.iter().map(|far| far.described(&units)).collect();
+        loaded
+            .said_far
+            .extend(far.iter().map(|far| far.part.clone()));
+        if !lines.is_empty() {
+            let text = format!(
+                "In the static solution at time {time}\n  {}\nThis may be another equilibrium than the one that is meant.",
+                lines.join("\n  ")
+            );
+            self.messages.frame("WARNING", &text);
+        }
+    }
+
     /// Says that the equilibrium does not last, and which motion leads away from it, when that changes.
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
@@ -272,21 +299,24 @@ impl Session<'_> {
             solver,
             ..
         } = loaded.compiled().value;
-        let unstable = Softest::unstable(system, parameters, state, solver.scratch());
-        let unstable = unstable.ok().flatten();
-        let motion = unstable.as_ref().map(|softest| {
-            let motion = softest.described(system, parameters, state);
-            let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
-            let stiffness = exponent(softest.stiffness, 4);
-            format!("At the slightest push {motion}.\nThe smallest stiffness is {stiffness} force per length.")
-        });
-        // The stiffness changes from step to step, the motion seldom.
-        let key = unstable.map(|softest| softest.part(system));
-        let told = std::mem::replace(&mut loaded.said_unstable, key);
-        if let Some(motion) = motion.filter(|_| told != key) {
-            let text = format!("The equilibrium at time {time} is UNSTABLE.\n{motion}");
-            self.messages.frame("WARNING", &text);
+        let softest = Softest::doubtful(system, parameters, state, solver.scratch());
+        let Some(softest) = softest.ok().flatten() else {
+            loaded.said_unstable.clear();
+            return;
+        };
+        let part = softest.part(system);
+        let motion = softest.described(system, parameters, state);
+        let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
+        // Where two motions are as soft, now one and now the other is the softest: each is told once until the model is stable again.
+        if !softest.is_unstable() || loaded.said_unstable.contains(&part) {
+            return;
         }
+        let stiffness = exponent(softest.stiffness, 4);
+        loaded.said_unstable.push(part);
+        let text = format!(
+            "The equilibrium at time {time} is UNSTABLE.\nAt the slightest push {motion}.\nThe smallest stiffness is {stiffness} force per length."
+        );
+        self.messages.frame("WARNING", &text);
     }
 
     /// Says why there is no equilibrium, at the command that asked for it.

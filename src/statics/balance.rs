@@ -33,7 +33,7 @@ fn in_words<S: serde::Serializer>(name: &Name, out: S) -> Result<S::Ok, S::Error
 
 /// The largest force and torque that are left over on a part, in units of the deck: force, and force times length.
 ///
-/// They are summed from the single loads of the free-body diagrams, torques about part origins. The residual that Newton's
+/// They are summed from the single loads of the free-body diagrams, torques about the centres of the parts. The residual that Newton's
 /// method brought to zero is put together in another way.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Balance {
@@ -84,7 +84,7 @@ impl Balance {
         sums.resize(system.bodies.len(), Sum::default());
         system.look(parameters, state, scratch)?.each_load(|load| {
             let part = load.part.0;
-            let torque = load.torque_about(&state.poses[part].p);
+            let torque = load.torque_about(&system.reference_point(state, load.part));
             let sum = &mut sums[part];
             sum.force += load.force;
             sum.torque += torque;

@@ -115,7 +115,8 @@ impl Ended<'_> {
         };
         let speed = |load: &Load<'_>| {
             let (v, w) = motion_of(system, load.part.0, z);
-            (v + w.cross(&(load.point - state.poses[load.part.0].p)), w)
+            let arm = load.point - system.reference_point(state, load.part);
+            (v + w.cross(&arm), w)
         };
         let mut powers: BTreeMap<String, f64> = BTreeMap::new();
         for load in &loads {

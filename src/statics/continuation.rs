@@ -4,7 +4,7 @@ use super::causes::Ended;
 use super::measures::largest;
 use super::newton::{Failure, Solver, Way};
 use super::settings::MOST_ITERATIONS;
-use super::{Continuation, Settings, SolveError};
+use super::{Continuation, Report, Settings, Softest, SolveError};
 use crate::system::{Parameters, State, System};
 
 /// The way of an arm in a half turn, in its lengths, and some more.
@@ -21,13 +21,7 @@ impl Solver {
         plain: Way,
     ) -> (Option<Continuation>, usize) {
         let mut iterations = 0;
-        let start = self.start.clone();
-        let reset = |state: &mut State| {
-            let redundant = std::mem::take(&mut state.redundant);
-            state.clone_from(&start);
-            state.redundant = redundant;
-        };
-        reset(state);
+        self.restart(state);
         let damped = Way {
             damped: true,
             maxit: 200,
@@ -45,7 +39,7 @@ impl Solver {
             }
         }
         let on_its_way = matches!(slowed, Err(Failure::NotConverged)).then(|| state.clone());
-        reset(state);
+        self.restart(state);
         let (found, more) = self.release(system, parameters, state, settings, plain);
         iterations += more;
         let (None, Some(there)) = (&found, on_its_way) else {
@@ -62,6 +56,38 @@ impl Solver {
         let found = self.iterate(system, parameters, state, settings, patient);
         iterations += self.history.len();
         (found.is_ok().then_some(Continuation::Damped), iterations)
+    }
+
+    /// Newton's method is drawn to saddles of the energy as to its minima. From a start so far off that steps were cut it may pass a stable
+    /// equilibrium and end at an unstable one: then the slow ways are tried, and what they find is taken.
+    pub(super) fn leave_saddle(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        (plain, report): (Way, &mut Report),
+    ) -> Result<(), SolveError> {
+        let softest = Softest::doubtful(system, parameters, state, &mut self.scratch)?;
+        if self.remaining == 0 || !softest.is_some_and(|softest| softest.is_unstable()) {
+            return Ok(());
+        }
+        let (saddle, memory) = (state.clone(), self.clone());
+        let (help, more) = self.continuation(system, parameters, state, settings, plain);
+        report.iterations += more;
+        report.continuation = help;
+        if help.is_none() {
+            *state = saddle;
+            *self = memory;
+        }
+        Ok(())
+    }
+
+    /// Back to where the solution began, with what is known of redundant equations.
+    pub(super) fn restart(&self, state: &mut State) {
+        let redundant = std::mem::take(&mut state.redundant);
+        state.clone_from(&self.start);
+        state.redundant = redundant;
     }
 
     /// Holds the imbalance of the start and releases it little by little. Gives that way if it led there, and the iterations used.

@@ -1,7 +1,8 @@
 //! Sizes of residuals and corrections, in the words of EQUILIBRIUM.
 
-use super::Settings;
+use super::{Far, Settings};
 use crate::mechanics::log;
+use crate::model::PartIx;
 use crate::system::{State, System};
 
 /// The largest entry.
@@ -50,11 +51,12 @@ pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -
 /// largest of them, variables and states by the larger of their value and one.
 pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) -> f64 {
     let mut out = 0.0_f64;
-    for (body, pose) in system.bodies.iter().zip(&state.poses) {
+    for (part, body) in system.bodies.iter().enumerate() {
         let d = &dx[body.first..body.first + body.freedoms];
+        let place = system.reference_point(state, PartIx(part));
         for k in 0..body.freedoms {
             let scale = if k < 3 {
-                pose.p[k].abs().max(system.length)
+                place[k].abs().max(system.length)
             } else {
                 1.0
             };
@@ -102,11 +104,33 @@ pub(super) fn limit(system: &System, settings: &Settings, dx: &[f64]) -> f64 {
     out
 }
 
+/// How far the centre of a part has moved between two states, and by what angle the part has turned.
+pub(super) fn moved(system: &System, a: &State, b: &State, part: PartIx) -> (f64, f64) {
+    let shift = system.reference_point(b, part) - system.reference_point(a, part);
+    let turn = log(&(a.poses[part.0].R.transpose() * b.poses[part.0].R));
+    (shift.norm(), turn.norm())
+}
+
+/// The parts that went far from one state to another.
+pub(super) fn far(system: &System, a: &State, b: &State) -> Vec<Far> {
+    let parts = (0..system.bodies.len()).map(PartIx);
+    let gone = parts.filter_map(|part| {
+        let (shift, turn) = moved(system, a, b, part);
+        let far = turn > Far::TURN || shift > system.extent;
+        far.then(|| Far {
+            part: system.part_name(part).clone(),
+            shift,
+            turn,
+        })
+    });
+    gone.collect()
+}
+
 /// The largest motion of a part between two states, rotations times the model length.
 pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
-    let apart = a.poses.iter().zip(&b.poses).map(|(a, b)| {
-        let turn = log(&(a.R.transpose() * b.R)).norm();
-        (a.p - b.p).norm().max(turn * system.length)
+    let apart = (0..system.bodies.len()).map(|part| {
+        let (shift, turn) = moved(system, a, b, PartIx(part));
+        shift.max(turn * system.length)
     });
     apart.fold(0.0, f64::max)
 }

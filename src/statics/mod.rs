@@ -9,6 +9,7 @@ mod first_solution;
 mod freedoms;
 mod krylov;
 mod measures;
+mod multipliers;
 mod newton;
 #[cfg(test)]
 mod orders;
@@ -25,7 +26,7 @@ pub use balance::{Balance, Left};
 pub use freedoms::Freedoms;
 pub use newton::{Solver, solve};
 pub(crate) use report::Iteration;
-pub use report::{Continuation, FreeMotion, Report, SolveError, history_table};
+pub use report::{Continuation, Far, FreeMotion, Report, SolveError, history_table};
 pub use sensitivity::Sensitivity;
 pub use settings::Settings;
 pub(crate) use settle::Settled;

@@ -2,11 +2,11 @@
 
 use super::balance::Sum;
 use super::measures::{
-    balanced, force_imbalance, largest, limit, motion_norm, relative_correction,
+    balanced, far, force_imbalance, largest, limit, motion_norm, relative_correction,
 };
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
+use super::{Balance, Iteration, Report, Settings, Softest, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -50,13 +50,15 @@ pub struct Solver {
     /// Assembled at the trial state.
     pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
-    g_trial: Vec<f64>,
+    pub(super) g_trial: Vec<f64>,
     pub(super) dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
     /// What is not yet released of the imbalance at the start.
     pub(super) held: Vec<f64>,
     pub(super) start: State,
+    /// The multipliers of the start are not those that were given, which were zero.
+    began: bool,
     trial: State,
     pub(super) history: Vec<Iteration>,
     shortened: usize,
@@ -114,6 +116,7 @@ impl Solver {
             step: vec![0.0; n],
             held: vec![0.0; n],
             start: system.state(),
+            began: false,
             trial: system.state(),
             history: Vec::with_capacity(64),
             shortened: 0,
@@ -152,9 +155,13 @@ impl Solver {
         settings: &Settings,
     ) -> Result<Report, SolveError> {
         self.start.clone_from(state);
+        self.began = false;
         let result = self.attempt(system, parameters, state, settings);
         if result.is_err() {
             state.clone_from(&self.start);
+            if self.began {
+                state.multipliers.fill(0.0);
+            }
         }
         result
     }
@@ -173,6 +180,8 @@ impl Solver {
             self.find_redundant(system, parameters, state)?;
         }
         self.give_values(system, parameters, state)?;
+        self.began = self.first_multipliers(system, parameters, state)?;
+        self.start.multipliers.clone_from(&state.multipliers);
         let plain = Way {
             held: 0.0,
             damped: false,
@@ -195,6 +204,8 @@ impl Solver {
                 return Err(error);
             }
             report.continuation = help;
+        } else if settings.continuation && self.limited > 0 && Softest::is_cheap(system) {
+            self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
         }
         if self.matrix.deficiency() > 0 {
             // The factors may be some iterations old, the free motions are to be those of here.
@@ -210,6 +221,7 @@ impl Solver {
         report.imbalance = largest(&self.g);
         report.correction = self.history.last().map_or(0.0, |i| i.correction);
         report.history.clone_from(&self.history);
+        report.far = far(system, &self.start, state);
         report.shortened = self.shortened;
         report.at_roundoff = self.at_roundoff;
         report.factorisations = self.factorisations;
@@ -322,7 +334,7 @@ impl Solver {
     }
 
     /// Jacobian at the state; `g_trial` is overwritten.
-    fn assemble(
+    pub(super) fn assemble(
         &mut self,
         system: &System,
         parameters: &Parameters,

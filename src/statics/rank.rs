@@ -253,9 +253,10 @@ fn at_mass_centre(
     z: &[f64],
 ) -> (Vec3, Vec3) {
     let (v, w) = motion_of(system, part, z);
-    let arm = system.bodies[part].cm.map_or_else(Vec3::zeros, |cm| {
-        state.poses[part].R * parameters.markers()[cm].p
-    });
+    let reference = system.local_reference(state, part);
+    let cm = system.bodies[part].cm;
+    let local = cm.map_or(reference, |cm| parameters.markers()[cm].p);
+    let arm = state.poses[part].R * (local - reference);
     (v + w.cross(&arm), w)
 }
 
@@ -280,7 +281,7 @@ fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64
     most <= ROUND_OFF * heaviest * size || energy <= NO_INERTIA * most
 }
 
-/// Velocity of the origin and angular velocity of a part in a motion, ground axes.
+/// Velocity of the reference point and angular velocity of a part in a motion, ground axes.
 pub(super) fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3) {
     let body = &system.bodies[part];
     let d = &z[body.first..body.first + body.freedoms];
@@ -301,15 +302,16 @@ fn spin(
     words: &Words,
 ) -> String {
     let pose = &state.poses[part];
+    let reference = system.local_reference(state, part);
     let axis = w.normalize();
-    // Point of the axis nearest to the part origin, seen from there.
+    // Point of the axis nearest to the reference point, seen from there.
     let foot = w.cross(v) / w.norm_squared();
     let mut near: Vec<(usize, f64)> = Vec::new();
     for &marker in &system.used {
         if system.owners[marker] != part || system.bodies[part].cm == Some(marker) {
             continue;
         }
-        let from = pose.R * parameters.markers()[marker].p - foot;
+        let from = pose.R * (parameters.markers()[marker].p - reference) - foot;
         let along = from.dot(&axis);
         if (from - along * axis).norm() < 1e-6 * system.length {
             near.push((marker, along));

@@ -3,6 +3,7 @@ use std::fmt;
 use super::Balance;
 use crate::mechanics::Vec3;
 use crate::system::{EquationName, Name, NoValue};
+use crate::units::{Dimension, Units};
 
 /// One iteration as it went.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -93,6 +94,36 @@ impl fmt::Display for FreeMotion {
     }
 }
 
+/// A part that went so far in one solution that the equilibrium may be another than the one that is meant.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Far {
+    /// The part.
+    pub part: Name,
+    /// What its centre moved by: length units.
+    pub shift: f64,
+    /// What it turned by: radians.
+    pub turn: f64,
+}
+
+impl Far {
+    /// Radians from which a turn is a far one.
+    pub(super) const TURN: f64 = std::f64::consts::FRAC_PI_3;
+
+    /// What it did, in words: `PART/4 'KNUCKLE' turned by 118 degrees`.
+    pub(crate) fn described(&self, units: &Units) -> String {
+        let part = &self.part;
+        if self.turn > Self::TURN {
+            format!("{part} turned by {:.0} degrees", self.turn.to_degrees())
+        } else {
+            let unit = units.name(Dimension::LENGTH);
+            format!(
+                "{part} moved by {:.4e} {unit}, which is more than the size of the mechanism",
+                self.shift
+            )
+        }
+    }
+}
+
 /// How a converged solve went.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Report {
@@ -118,6 +149,8 @@ pub struct Report {
     pub shortened: usize,
     /// What is left of the forces on each part, summed anew at the end.
     pub balance: Balance,
+    /// Parts that turned by more than 60 degrees or moved by more than the mechanism's size.
+    pub far: Vec<Far>,
 }
 
 /// Help that was needed.

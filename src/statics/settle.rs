@@ -113,16 +113,17 @@ impl Solver {
                 let mut trial = state.clone();
                 trial.redundant.clear();
                 if let Ok(report) = self.solve(system, parameters, &mut trial, &newton) {
-                    let there = Softest::of(system, parameters, &trial)?;
+                    let there =
+                        Softest::at_equilibrium(system, parameters, &trial, &mut self.scratch)?;
                     *state = trial;
-                    match there.filter(Softest::is_unstable) {
-                        None => return Ok((report, Softest::of(system, parameters, state)?)),
+                    match there {
                         // Another one that does not last: on from there, away from the start.
-                        Some(saddle) => {
+                        Some(saddle) if saddle.is_unstable() => {
                             let way = self.onwards(system, parameters, &start, state, &saddle);
                             self.push(system, parameters, state, settings, (&saddle, way));
                             continue;
                         }
+                        lasting => return Ok((report, lasting)),
                     }
                 }
             }

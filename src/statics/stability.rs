@@ -2,8 +2,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::SolveError;
 use super::krylov::ShiftInvert;
+use super::path::add_damping;
 use super::rank::{motion_of, soft_motion};
-use crate::linear::Matrix;
+use crate::linear::{Lu, Matrix};
 use crate::mechanics::eigen::{eigenvalues, symmetric_eigen};
 use crate::system::{Parameters, Scratch, State, System};
 
@@ -14,6 +15,8 @@ const DENSE: usize = 150;
 const ROUND_OFF: f64 = 1e-12;
 /// Steps of inverse iteration; the shift is so near that two or three do.
 const ITERATIONS: usize = 6;
+/// Steps towards the equilibrium that the error of an eigenvalue is seen by: the second takes away what the first one's length adds.
+const STEPS: usize = 2;
 
 /// The smallest eigenvalue (real part) of the tangent stiffness over the motions the constraints allow, rotations taken times
 /// the model's length: force per length. Negative where the equilibrium is unstable. `None` if nothing can move.
@@ -60,12 +63,14 @@ fn smallest(
 pub struct Softest {
     /// The smallest eigenvalue, force per length; zero where it is round-off.
     pub stiffness: f64,
+    /// How far the eigenvalue may be off: by round-off, and at an equilibrium by what that is off.
+    pub error: f64,
     /// Its motion: unknowns of the bodies, ground axes; the largest motion of a part is one length unit.
     pub motion: Vec<f64>,
 }
 
 impl Softest {
-    /// The softest motion at a state. `None` if nothing can move, or if no eigenvalue could be found.
+    /// The softest motion at any state, its error that of round-off. `None` if nothing can move, or if no eigenvalue could be found.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -90,15 +95,58 @@ impl Softest {
             } else {
                 smallest
             },
+            error: ROUND_OFF * bound,
             motion: in_unknowns(system, &lengths(system), motion),
         }))
     }
 
-    /// The softest motion where the equilibrium is unstable, `None` where it is not. Cheaper than [`Softest::of`] for small systems.
+    /// The softest motion at an equilibrium, with the error that its eigenvalue has because the equilibrium is met within ERROR and
+    /// IMBALANCE only. `None` if nothing can move, or if no eigenvalue could be found.
+    ///
+    /// The parts go two of Newton's steps nearer: the eigenvalue is that there, its error the change up to there. The steps are damped by more than
+    /// the eigenvalue, so that what nothing holds stays.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
-    pub fn unstable(
+    pub fn at_equilibrium(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Self>, SolveError> {
+        let Some(mut here) = Self::with(system, parameters, state, scratch)? else {
+            return Ok(None);
+        };
+        let damping = here.error.max(2.0 * here.stiffness.abs());
+        let mut near = state.clone();
+        let (mut matrix, mut factors) =
+            (Matrix::new(system.unknowns()), Lu::new(system.unknowns()));
+        let mut step = vec![0.0; system.unknowns()];
+        for _ in 0..STEPS {
+            matrix.clear();
+            system.assemble(parameters, &near, scratch, &mut step, &mut matrix)?;
+            matrix.finish();
+            add_damping(system, damping, &mut matrix);
+            factors.factor(&matrix);
+            for g in &mut step {
+                *g = -*g;
+            }
+            factors.solve(&mut step);
+            system.advance(&mut near, &step);
+        }
+        if let Some((nearer, ..)) = smallest(system, parameters, &near, scratch)? {
+            here.error = here.error.max((nearer - here.stiffness).abs());
+            here.stiffness = nearer;
+        }
+        Ok(Some(here))
+    }
+
+    /// The softest motion at an equilibrium that is unstable or neutral, `None` where it is stable. Cheaper than
+    /// [`Softest::at_equilibrium`] for small systems.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn doubtful(
         system: &System,
         parameters: &Parameters,
         state: &State,
@@ -116,8 +164,8 @@ impl Softest {
                 }
             }
         }
-        Ok(Self::with(system, parameters, state, scratch)?
-            .filter(|softest| softest.stiffness < 0.0))
+        let softest = Self::at_equilibrium(system, parameters, state, scratch)?;
+        Ok(softest.filter(|softest| softest.is_unstable() || softest.is_neutral()))
     }
 
     /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
@@ -125,9 +173,14 @@ impl Softest {
         system.first_equation <= DENSE
     }
 
-    /// True where the equilibrium is unstable.
-    pub(crate) fn is_unstable(&self) -> bool {
-        self.stiffness < 0.0
+    /// True where the equilibrium is unstable beyond doubt.
+    pub fn is_unstable(&self) -> bool {
+        self.stiffness < -self.error
+    }
+
+    /// True where the sign of the stiffness cannot be told.
+    pub fn is_neutral(&self) -> bool {
+        self.stiffness.abs() <= self.error
     }
 
     /// The part that moves most.

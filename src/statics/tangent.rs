@@ -166,15 +166,16 @@ fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
     Some(z)
 }
 
-/// Velocity of the origin and angular velocity of a part in a motion, ground axes.
-pub(crate) fn twist(system: &System, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
-    motion_of(system, part.0, motion)
+/// Velocity of the origin and angular velocity of a part in a free motion, ground axes.
+pub(crate) fn twist(system: &System, state: &State, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
+    let [x, y, z, rx, ry, rz] = system.pose_change(state, part, motion);
+    (Vec3::new(x, y, z), Vec3::new(rx, ry, rz))
 }
 
 /// Moves the parts of a state along a free motion, each steadily along its own screw, by `amount` of it.
 pub(crate) fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64) {
     for part in 0..system.bodies.len() {
-        let (v, w) = motion_of(system, part, motion);
+        let (v, w) = twist(system, state, PartIx(part), motion);
         let pose = &mut state.poses[part];
         *pose = pose.displaced(&(amount * v), &(amount * w));
     }
@@ -188,13 +189,8 @@ pub(crate) fn point_change(
     local: &Vec3,
     dx: &[f64],
 ) -> Vec3 {
-    let d = &dx[system.part_unknowns(part)];
-    let arm = state.poses[part.0].R * local;
-    match d.len() {
-        6 => Vec3::new(d[0], d[1], d[2]) + Vec3::new(d[3], d[4], d[5]).cross(&arm),
-        3 => Vec3::new(d[0], d[1], d[2]),
-        _ => Vec3::zeros(),
-    }
+    let [x, y, z, rx, ry, rz] = system.pose_change(state, part, dx);
+    Vec3::new(x, y, z) + Vec3::new(rx, ry, rz).cross(&(state.poses[part.0].R * local))
 }
 
 /// Tangents at one state after another. The order of elimination is that of the first one, as long as its pivots serve.

@@ -11,7 +11,7 @@ use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
 
 impl System {
-    /// The imbalance of every equation: forces and torques about the part origins (ground axes), constraints, variables, rates.
+    /// The imbalance of every equation: forces and torques about the reference points of the parts (ground axes), constraints, variables, rates.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.

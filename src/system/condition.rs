@@ -7,7 +7,7 @@ use super::structure::{Condition, Drive};
 use super::{Configuration, Name, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
-use crate::model::MarkerIx;
+use crate::model::{MarkerIx, PartIx};
 
 /// Steps of the differences of gradients: lengths by the model's length, angles in radians.
 const STEP: f64 = 1e-6;
@@ -38,7 +38,7 @@ impl Configuration<'_> {
         };
         if place.freedoms > 0 {
             let (force, about_part) = on(place.first, place.freedoms);
-            // T_I = T_part - r x F, with r from the part's origin to I.
+            // T_I = T_part - r x F, with r from the part's reference point to I.
             let arm = scratch.arms[marker.0];
             return (force, about_part - arm.cross(&force));
         }
@@ -48,7 +48,7 @@ impl Configuration<'_> {
         for (part, body) in system.bodies.iter().enumerate() {
             let (F, T) = on(body.first, body.freedoms);
             force -= F;
-            torque -= T + (state.poses[part].p - at).cross(&F);
+            torque -= T + (system.reference_point(state, PartIx(part)) - at).cross(&F);
         }
         (force, torque)
     }

@@ -3,6 +3,7 @@ use super::contribution::{Ends, halves};
 use super::{NoValue, Parameters, Scratch, State, System};
 use crate::function::MovingFrame;
 use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
+use crate::model::PartIx;
 
 /// A system with its numbers in one state, and the memory to work with: what everything is evaluated in.
 ///
@@ -118,12 +119,13 @@ impl Configuration<'_> {
     }
 
     pub(crate) fn place_marker(&mut self, marker: usize) {
-        let part = &self.state.poses[self.system.owners[marker]];
+        let owner = self.system.owners[marker];
+        let part = &self.state.poses[owner];
         let local = &self.parameters.markers()[marker];
-        let arm = part.R * local.p;
-        self.scratch.arms[marker] = arm;
+        let reference = self.system.local_reference(self.state, owner);
+        self.scratch.arms[marker] = part.R * (local.p - reference);
         self.scratch.markers[marker] = Pose {
-            p: part.p + arm,
+            p: part.p + part.R * local.p,
             R: part.R * local.R,
         };
     }
@@ -171,12 +173,12 @@ impl Configuration<'_> {
         Vec6::new(u.x, u.y, u.z, t.x, t.y, t.z)
     }
 
-    /// From the origin of a part to the origin of a marker that may be on another part.
+    /// From the reference point of a part to the origin of a marker that may be on another part.
     pub(crate) fn arm_to(&self, marker: usize, part: usize) -> Vec3 {
         if self.system.owners[marker] == part {
             self.scratch.arms[marker]
         } else {
-            self.scratch.markers[marker].p - self.state.poses[part].p
+            self.scratch.markers[marker].p - self.system.reference_point(self.state, PartIx(part))
         }
     }
 

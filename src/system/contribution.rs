@@ -1,7 +1,7 @@
 //! One wrench between parts and all that follows from it: the one place with the chain rule from relative motion to part coordinates.
 //!
 //! A wrench w = (F, T) acts on part A at the origin of marker I, its opposite at the same point on part B (absent for ACTIONONLY).
-//! Marker C on part C is the frame it is given in and that sees I move. With r, s_B, s_C from the origins of A, B, C to the I origin,
+//! Marker C on part C is the frame it is given in and that sees I move. With r, s_B, s_C from the reference points of A, B, C to the I origin,
 //! and q = (dp, dphi) in ground axes,
 //!
 //! ```text
@@ -58,9 +58,9 @@ pub(crate) struct Scalar {
 pub(crate) struct Cross {
     pub marker: usize,
     pub place: Place,
-    /// From the origin of the marker's part to the marker.
+    /// From the reference point of the marker's part to the marker.
     pub r: Vec3,
-    /// From the origin of the part of C to the marker.
+    /// From the reference point of the part of C to the marker.
     pub s: Vec3,
     /// Derivative by its motion in C, ground axes.
     pub D: Mat6,

@@ -1,4 +1,4 @@
-//! Inertia of the parts about their origins, ground axes.
+//! Inertia of the parts about their reference points, ground axes.
 
 use super::chain::{Place, add_block, add33};
 use super::{Configuration, Parameters, State, System};
@@ -79,9 +79,9 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// The mass matrix of a part about its origin, ground axes, over the units consistency factor.
+    /// The mass matrix of a part about its reference point, ground axes, over the units consistency factor.
     ///
-    /// With `c` from the origin to the centre of mass, `R` the axes of the CM marker in ground and `J = R I_cm R' - m c~ c~`:
+    /// With `c` from the reference point to the centre of mass, `R` the axes of the CM marker in ground and `J = R I_cm R' - m c~ c~`:
     /// `M = 1/ucf [ m 1, -m c~ ; m c~, J ]`. A point mass has its first three rows and columns only.
     pub fn mass_matrix(&self, parameters: &Parameters, state: &State, part: PartIx) -> Mat6 {
         let (body, pose) = (&self.bodies[part.0], &state.poses[part.0]);
@@ -94,7 +94,8 @@ impl System {
         let cm = body
             .cm
             .map_or_else(Pose::identity, |cm| parameters.markers()[cm]);
-        let (c, R) = (pose.R * cm.p, pose.R * cm.R);
+        let reference = self.local_reference(state, part.0);
+        let (c, R) = (pose.R * (cm.p - reference), pose.R * cm.R);
         let mc = skew(&c) * mass;
         for k in 0..3 {
             M[(k, k)] = mass;

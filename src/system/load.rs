@@ -123,7 +123,7 @@ impl<'s> Configuration<'s> {
                 show(Load {
                     by: None,
                     part: PartIx(part),
-                    point: self.state.poses[part].p + self.scratch.arms[cm],
+                    point: self.scratch.markers[cm].p,
                     force: gravity * theta[body.mass],
                     torque: Vec3::zeros(),
                 });
@@ -131,7 +131,7 @@ impl<'s> Configuration<'s> {
         }
     }
 
-    /// GCONs: minus multiplier times the gradient of the function, about the part origins.
+    /// GCONs: minus multiplier times the gradient of the function, about the reference points of the parts.
     fn reactions_of_conditions(&self, mut show: impl FnMut(Load<'s>)) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {
@@ -147,7 +147,7 @@ impl<'s> Configuration<'s> {
                     show(Load {
                         by: Some(&condition.name),
                         part: PartIx(part),
-                        point: state.poses[part].p,
+                        point: system.reference_point(state, PartIx(part)),
                         force: Vec3::new(on[0], on[1], on[2]),
                         torque: Vec3::new(on[3], on[4], on[5]),
                     });

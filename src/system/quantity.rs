@@ -5,7 +5,7 @@ use super::catalogue::Role;
 use super::compiled_function::Exerted;
 use super::structure::{Action, Drive};
 use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
-use crate::mechanics::Vec6;
+use crate::mechanics::{Vec3, Vec6};
 use crate::model::PartIx;
 
 /// Relative step of the differences by theta at fixed unknowns; of fourth order, so that round-off of 1e-12 is what is left.
@@ -62,8 +62,17 @@ impl Configuration<'_> {
         let weight = |component| Vec6::ith(component, 1.0);
         match quantity {
             Quantity::Motion(part, component) => {
-                if let Some(unknown) = self.system.part_unknowns(part).nth(component) {
+                let unknowns = self.system.part_unknowns(part);
+                if let Some(unknown) = unknowns.clone().nth(component) {
                     out[unknown] += 1.0;
+                }
+                if component < 3 && unknowns.len() == 6 {
+                    // Of the origin: e . (dphi x -r) = dphi . (-r x e).
+                    let arm = -self.system.reference_arm(self.state, part.0);
+                    let by_turn = arm.cross(&Vec3::ith(component, 1.0));
+                    for (k, by) in by_turn.iter().enumerate() {
+                        out[unknowns.start + 3 + k] += by;
+                    }
                 }
                 return Ok(());
             }

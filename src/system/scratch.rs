@@ -27,7 +27,7 @@ pub(crate) struct Seed {
 pub struct Scratch {
     /// Pose of every used marker in ground.
     pub(crate) markers: Vec<Pose>,
-    /// From the origin of its part to the marker, in ground axes.
+    /// From the reference point of its part to the marker, in ground axes.
     pub(crate) arms: Vec<Vec3>,
     pub(crate) wrench: Wrench,
     pub(crate) contribution: Contribution,

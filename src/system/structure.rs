@@ -9,7 +9,7 @@ use super::{Catalogue, EquationName, Name, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
 use crate::diagnostic::Diagnostic;
 use crate::element::{Damping, Law, MultiPoint};
-use crate::mechanics::{Mat3, Mat6};
+use crate::mechanics::{Mat3, Mat6, Vec3};
 use crate::model::{EquilibriumSettings, PartIx};
 
 /// Index of a force element of a [`System`].
@@ -31,6 +31,9 @@ pub(crate) struct Body {
     /// Slot of MASS.
     pub mass: usize,
     pub cm: Option<usize>,
+    /// What statics moves it by, part axes: its centre of mass, without one the mean of the markers that joints and forces act at. So
+    /// nothing depends on where the part's frame is.
+    pub centre: Vec3,
     /// Inertia matrix about the origin of the CM marker, in its axes.
     pub inertia: Mat3,
     pub start: Start,
@@ -214,10 +217,10 @@ pub(crate) struct StateEquation {
 
 /// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
 ///
-/// Unknowns, in this order: of every part a translation (ground axes) and a rotation vector (ground axes, `R <- exp(dphi) R`), of
-/// every point mass a translation; one multiplier per scalar constraint equation; values of VARIABLEs that read themselves; dynamic states
-/// that are not held.
-/// Equations stand in the same order: force and torque about the part's origin (ground axes), constraints, `v - e`, rates.
+/// Unknowns, in this order: of every part a translation of its reference point (ground axes) and a rotation vector (ground axes,
+/// `R <- exp(dphi) R`), of every point mass a translation; one multiplier per scalar constraint equation; values of VARIABLEs that read
+/// themselves; dynamic states that are not held. Equations have the same order: force and torque about the part's reference point (ground axes), constraints,
+/// `v - e`, rates. The reference point is [`System::reference_point`].
 #[derive(Debug)]
 pub struct System {
     pub(crate) bodies: Vec<Body>,
@@ -282,8 +285,10 @@ pub struct System {
     pub(crate) of_velocities: Vec<bool>,
     /// The mean mass and length that motions are measured by.
     pub(crate) reference_mass: f64,
-    /// A length of the size of the model.
+    /// How far a radian reaches: the mean distance of markers from the centre of their part.
     pub(crate) length: f64,
+    /// The size of the mechanism as the dataset has it: the largest distance of two markers, within a factor of two.
+    pub(crate) extent: f64,
     /// Times at which functions of the time are not smooth, increasing.
     pub(crate) breaks: Vec<f64>,
     /// What [`State::pieces`] holds a motion on.
@@ -357,10 +362,38 @@ impl System {
         &self.catalogue
     }
 
-    /// Unknowns of a part: translation, then rotation vector, in ground axes. Empty for ground.
+    /// Unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for ground.
     pub fn part_unknowns(&self, part: PartIx) -> Range<usize> {
         let body = &self.bodies[part.0];
         body.first..body.first + body.freedoms
+    }
+
+    /// The reference point of a part, part axes: its centre in statics, its origin in motion, whose velocities results hold.
+    pub(crate) fn local_reference(&self, state: &State, part: usize) -> Vec3 {
+        if state.moves() {
+            Vec3::zeros()
+        } else {
+            self.bodies[part].centre
+        }
+    }
+
+    /// From the origin of a part to its reference point, ground axes.
+    pub(crate) fn reference_arm(&self, state: &State, part: usize) -> Vec3 {
+        state.poses[part].R * self.local_reference(state, part)
+    }
+
+    /// The point that the translation of a part moves and its torques are about, in ground: its centre of mass in statics (without one
+    /// the mean of the markers that joints and forces act at), its origin in motion.
+    pub fn reference_point(&self, state: &State, part: PartIx) -> Vec3 {
+        state.poses[part.0].p + self.reference_arm(state, part.0)
+    }
+
+    /// True if a MOTION that is switched on drives parts.
+    pub(crate) fn is_driven(&self) -> bool {
+        let drives = |joint: &Joint| matches!(joint.drive, Drive::Function(_) | Drive::Rate(_));
+        self.joints
+            .iter()
+            .any(|joint| joint.active && drives(joint))
     }
 
     /// The name of a part.

@@ -1,18 +1,12 @@
 use super::{State, System};
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, exp};
+use crate::model::PartIx;
 
 impl System {
-    /// Moves a state along a correction of the unknowns: translations add, `R <- exp(dphi) R`.
+    /// Moves a state along a correction of the unknowns: translations of the reference points add, `R <- exp(dphi) R` about these.
     pub fn advance(&self, state: &mut State, correction: &[f64]) {
-        for (body, pose) in self.bodies.iter().zip(&mut state.poses) {
-            if body.freedoms == 0 {
-                continue;
-            }
-            let d = &correction[body.first..body.first + body.freedoms];
-            pose.p += Vec3::new(d[0], d[1], d[2]);
-            if body.freedoms == 6 {
-                pose.R = orthonormal(&(exp(&Vec3::new(d[3], d[4], d[5])) * pose.R));
-            }
+        for part in 0..self.bodies.len() {
+            self.displace(state, PartIx(part), correction);
         }
         for (k, multiplier) in state.multipliers.iter_mut().enumerate() {
             *multiplier += correction[self.first_equation + k];
@@ -26,6 +20,35 @@ impl System {
                 *value += correction[unknown];
             }
         }
+    }
+
+    /// Moves one part along a correction of the unknowns.
+    pub(crate) fn displace(&self, state: &mut State, part: PartIx, correction: &[f64]) {
+        let d = &correction[self.part_unknowns(part)];
+        if d.is_empty() {
+            return;
+        }
+        let reference = self.local_reference(state, part.0);
+        let pose = &mut state.poses[part.0];
+        pose.p += Vec3::new(d[0], d[1], d[2]);
+        if d.len() == 6 {
+            let turned = orthonormal(&(exp(&Vec3::new(d[3], d[4], d[5])) * pose.R));
+            pose.p += (pose.R - turned) * reference;
+            pose.R = turned;
+        }
+    }
+
+    /// What a small change of the unknowns changes the pose of a part by: translation of its origin, rotation vector, ground axes.
+    pub(crate) fn pose_change(&self, state: &State, part: PartIx, dx: &[f64]) -> [f64; 6] {
+        let mut change = [0.0; 6];
+        let d = &dx[self.part_unknowns(part)];
+        change[..d.len()].copy_from_slice(d);
+        let turn = Vec3::new(change[3], change[4], change[5]);
+        let by_turn = turn.cross(&-self.reference_arm(state, part.0));
+        for (change, by) in change.iter_mut().zip(by_turn.iter()) {
+            *change += by;
+        }
+        change
     }
 
     /// Takes the configuration as an equilibrium: turns are counted from here on.

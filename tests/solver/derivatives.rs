@@ -97,8 +97,11 @@ pub fn check_slot(
         // The logarithm of the rotation between both ends, about the middle: even errors cancel.
         let [plus, minus] = &mut ends;
         let mut out = Vec::new();
-        for (p, m) in plus.poses.iter().zip(&minus.poses) {
-            out.extend(((p.p - m.p) / (2.0 * h)).iter());
+        for (k, (p, m)) in plus.poses.iter().zip(&minus.poses).enumerate() {
+            // What the translations among the unknowns move.
+            let part = admire::model::PartIx(k);
+            let shift = system.reference_point(plus, part) - system.reference_point(minus, part);
+            out.extend((shift / (2.0 * h)).iter());
             let turn = admire::mechanics::log(&(p.R * m.R.transpose())) / (2.0 * h);
             out.extend((turn * 100.0).iter());
         }

@@ -17,6 +17,7 @@ mod differences;
 mod double_wishbone;
 mod elements;
 mod energy;
+mod frames;
 mod functions;
 mod invariance;
 mod rank;

@@ -21,9 +21,9 @@ fn softest(solved: &Solved) -> Softest {
 fn an_upright_pendulum_is_left_both_ways() {
     let mut solved = solve(PENDULUM);
     let unstable = softest(&solved);
-    // The mean arm of its markers.
+    // The mean distance of its markers from its mass centre, which moves by as much as the rotation times this length.
     let length = 100.0;
-    let expected = (1000.0 - WEIGHT) / (length * length);
+    let expected = (1000.0 - WEIGHT) / (2.0 * length * length);
     assert!(
         (unstable.stiffness - expected).abs() < 1e-6 * expected.abs(),
         "{unstable:?} {expected}"
@@ -34,10 +34,9 @@ fn an_upright_pendulum_is_left_both_ways() {
         .unwrap();
     assert_eq!(words, "PART/2 turns about z through MARKER/21");
     let mut scratch = Scratch::new(system);
-    assert_eq!(
-        Softest::unstable(system, parameters, &solved.state, &mut scratch).unwrap(),
-        Some(unstable.clone())
-    );
+    let doubtful = Softest::doubtful(system, parameters, &solved.state, &mut scratch).unwrap();
+    let doubtful = doubtful.unwrap();
+    assert!(doubtful.is_unstable() && doubtful.motion == unstable.motion);
 
     let mut solver = Solver::new(system);
     let settings = Settings::tight();
@@ -59,7 +58,7 @@ fn an_upright_pendulum_is_left_both_ways() {
         found.moved
     );
     assert_eq!(
-        Softest::unstable(system, parameters, &solved.state, &mut scratch).unwrap(),
+        Softest::doubtful(system, parameters, &solved.state, &mut scratch).unwrap(),
         None
     );
 }
@@ -186,4 +185,63 @@ fn as_many_iterations_as_stated_and_no_more() {
     );
     assert!(matches!(solved, Err(SolveError::NotConverged { .. })));
     assert!(solve_with(&far, &Settings::default()).report.iterations > 1);
+}
+
+/// A lamp whose spring balances its weight in every position (k a h = m g l), on a foot of this stiffness.
+fn lamp(kt: &str) -> Solved {
+    solve(&format!(
+        "PART/2, MASS=5, CM=20, IP=1E4,1E4,1E4\nMARKER/20, PART=2\nMARKER/21, PART=2\nMARKER/22, PART=2, QP=0,0,100\n\
+         MARKER/23, PART=2, REULER=0,90D,0\nPART/3, MASS=2, CM=30, IP=2E3,2E3,2E3\nMARKER/30, PART=3, QP=320,0,240\n\
+         MARKER/31, PART=3, REULER=0,90D,0\nMARKER/32, PART=3, QP=160,0,120\n\
+         BUSHING/1, I=21, J=1, K=300,500,400, KT={kt},{kt},{kt}\nJOINT/1, REVOLUTE, I=31, J=23\n\
+         SPRINGDAMPER/1, TRANSLATION, I=32, J=22, K=0.392266, LENGTH=0\nACCGRAV/KGRAV=-9806.65"
+    ))
+}
+
+/// What reactions are off by within a usual tolerance gives a neutral equilibrium a stiffness of either sign; one that is unstable by more
+/// than that stays so.
+#[test]
+fn a_stiffness_within_its_error_is_neutral() {
+    for (solved, unstable) in [(lamp("1E12"), false), (solve(PENDULUM), true)] {
+        let (system, parameters) = (&solved.system, &solved.parameters);
+        let mut scratch = Scratch::new(system);
+        let mut signs = Vec::new();
+        for off in [-1e-2, 1e-2] {
+            let mut state = solved.state.clone();
+            for multiplier in &mut state.multipliers {
+                *multiplier += off;
+            }
+            let softest = Softest::of(system, parameters, &state).unwrap().unwrap();
+            signs.push(softest.stiffness > 0.0);
+            let softest =
+                Softest::at_equilibrium(system, parameters, &state, &mut scratch).unwrap();
+            let softest = softest.unwrap();
+            assert_eq!(softest.is_unstable(), unstable, "{off}: {softest:?}");
+            assert_eq!(softest.is_neutral(), !unstable, "{off}: {softest:?}");
+        }
+        assert_eq!(signs[0] != signs[1], !unstable, "{signs:?}");
+    }
+}
+
+/// An arm that begins level falls by 90 degrees; one that begins beside its equilibrium goes there without a word.
+#[test]
+fn a_part_that_goes_far_is_told() {
+    let arm = |turned: f64| {
+        solve(&format!(
+            "MARKER/10, PART=1, REULER=0,90D,0\nPART/2, MASS=2, CM=20, IP=2E4,2E4,2E4, QG=0,0,0, REULER=0,90D,{turned}D\n\
+             MARKER/20, PART=2, QP=200,0,0\nMARKER/21, PART=2\nJOINT/1, REVOLUTE, I=21, J=10\nACCGRAV/KGRAV=-9806.65"
+        ))
+    };
+    let far = arm(-5.0).report.far;
+    assert_eq!(far.len(), 1);
+    assert!((far[0].turn.to_degrees() - 85.0).abs() < 1e-6, "{far:?}");
+    assert!(arm(-50.0).report.far.is_empty());
+    // A block on a spring goes down by ten times what there is of the mechanism.
+    let far = solve(
+        "MARKER/11, PART=1, QP=0,0,10\nPART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\n\
+         SPRINGDAMPER/1, TRANSLATION, I=20, J=11, K=0.0980665, LENGTH=10\nACCGRAV/KGRAV=-9806.65",
+    );
+    let far = far.report.far;
+    assert_eq!(far.len(), 1);
+    assert!((far[0].shift - 100.0).abs() < 1e-6, "{far:?}");
 }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linear::Sink;
 use crate::mechanics::eigen::{pseudo_inverse, symmetric_eigen};
-use crate::mechanics::{Pose, Vec3, exp, log};
+use crate::mechanics::{Mat6, Pose, log, skew};
 use crate::model::{Model, PartIx};
 use crate::rig::Measurement;
 use crate::rig::orientation::absolute_orientation;
@@ -70,10 +70,14 @@ impl CaseState {
             if unknowns.len() != 6 {
                 return None;
             }
+            state.poses[part.0] = fit.pose;
+            // That of the origin, as one of the point that the unknowns move: dp + dphi x arm.
+            let mut moved = Mat6::identity();
+            let by_turn = -skew(&system.reference_arm(&state, part.0));
+            moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_turn);
             covariance
                 .view_mut((unknowns.start, unknowns.start), (6, 6))
-                .copy_from(&fit.covariance);
-            state.poses[part.0] = fit.pose;
+                .copy_from(&(moved * fit.covariance * moved.transpose()));
             measured.push((part, fit.pose));
         }
         Some(Self {
@@ -147,15 +151,16 @@ impl CaseState {
         })
     }
 
-    /// Measured minus current poses: translation, rotation vector, ground axes.
+    /// Measured minus current poses, as changes of the part unknowns.
     fn misfit(&self, system: &System) -> DVector<f64> {
         let mut misfit = DVector::zeros(self.covariance.nrows());
         for (part, measured) in &self.measured {
             let now = &self.state.poses[part.0];
             let first = system.part_unknowns(*part).start;
+            let point = system.local_reference(&self.state, part.0);
             misfit
                 .fixed_rows_mut::<3>(first)
-                .copy_from(&(measured.p - now.p));
+                .copy_from(&(measured.point(&point) - now.point(&point)));
             let turn = log(&(measured.R * now.R.transpose()));
             misfit.fixed_rows_mut::<3>(first + 3).copy_from(&turn);
         }
@@ -172,17 +177,7 @@ impl CaseState {
     /// Moves the poses by a change of the part unknowns.
     pub(crate) fn advance(&mut self, system: &System, change: &DVector<f64>) {
         for (part, _) in &self.measured {
-            let first = system.part_unknowns(*part).start;
-            let d = |k: usize| {
-                Vec3::new(
-                    change[first + k],
-                    change[first + k + 1],
-                    change[first + k + 2],
-                )
-            };
-            let pose = &mut self.state.poses[part.0];
-            pose.p += d(0);
-            pose.R = exp(&d(3)) * pose.R;
+            system.displace(&mut self.state, *part, change.as_slice());
         }
     }
 }

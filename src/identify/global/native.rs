@@ -146,7 +146,7 @@ impl<'a> NativePredictor<'a> {
             last = Some(tangent);
             let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
             let observed = self.observed.parts.iter();
-            let twist = |motion: &Vec<f64>, part: &PartIx| twist(self.system, *part, motion);
+            let twist = |motion: &Vec<f64>, part: &PartIx| twist(self.system, state, *part, motion);
             let twists: Vec<Vec<_>> = motions
                 .iter()
                 .map(|motion| observed.clone().map(|part| twist(motion, part)).collect())
@@ -301,7 +301,9 @@ impl<'a> NativePredictor<'a> {
                     (&nothing, &free),
                 )
                 .ok()?;
-            prediction.free = self.observed.changes(self.system, &free, &changes);
+            prediction.free = self
+                .observed
+                .changes((self.system, &state), &free, &changes);
         }
         let mut response = Default::default();
         if let Some(directions) = directions {
@@ -313,7 +315,9 @@ impl<'a> NativePredictor<'a> {
                 .changes(self.system, (theta, case), &state, &mut self.scratch, along)
                 .ok()?;
             carried.advance(theta, &prediction.channels, (directions, &changes));
-            prediction.by_unknown = self.observed.changes(self.system, &responses, &changes);
+            prediction.by_unknown =
+                self.observed
+                    .changes((self.system, &state), &responses, &changes);
             let unknowns = directions.iter().map(|direction| direction.unknown);
             response = (unknowns.collect(), responses);
             self.directions = room;

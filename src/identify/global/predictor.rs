@@ -12,7 +12,7 @@ use crate::mechanics::Pose;
 use crate::model::PartIx;
 use crate::rig::{MarkReading, Measurement};
 use crate::statics::Balance;
-use crate::system::System;
+use crate::system::{State, System};
 
 /// One load case at equilibrium.
 #[derive(Clone, PartialEq, Debug)]
@@ -147,29 +147,18 @@ impl Observed {
         })
     }
 
-    /// What is observed of changes of the system's unknowns and of the channels, columns of both.
+    /// What is observed of changes of the system's unknowns at a state and of the channels, columns of both.
     pub(crate) fn changes(
         &self,
-        system: &System,
+        (system, state): (&System, &State),
         responses: &DMatrix<f64>,
         channels: &DMatrix<f64>,
     ) -> CaseChanges {
         let (parts, sensors) = (self.parts.len(), channels.nrows());
         let mut out = CaseChanges::with_capacity(responses.ncols(), parts, sensors);
-        let places: Vec<Range<usize>> = self
-            .parts
-            .iter()
-            .map(|part| system.part_unknowns(*part))
-            .collect();
         for (dx, channels) in responses.column_iter().zip(channels.column_iter()) {
-            let share = |place: &Range<usize>| {
-                let mut six = [0.0; 6];
-                for (to, from) in six.iter_mut().zip(place.clone()) {
-                    *to = dx[from];
-                }
-                six
-            };
-            out.push(places.iter().map(share), channels.iter().copied());
+            let share = |part: &PartIx| system.pose_change(state, *part, dx.as_slice());
+            out.push(self.parts.iter().map(share), channels.iter().copied());
         }
         out
     }

@@ -1,0 +1,57 @@
+//! Multipliers to begin with.
+
+use super::newton::Solver;
+use crate::linear::{Lu, Matrix, Sink};
+use crate::system::{NoValue, Parameters, State, System};
+
+impl Solver {
+    /// Sets the multipliers to those that balance the forces best where the parts are, in the sense of least squares, torques over the
+    /// model's length. True if it did; multipliers that are not all zero are left.
+    ///
+    /// The stiffness along a motion that constraints bend is the second derivative of the energy along it only with these (Nocedal and
+    /// Wright, Numerical Optimization, 18.3): with multipliers of zero a pendulum meets none, and may go to either equilibrium.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub(super) fn first_multipliers(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+    ) -> Result<bool, NoValue> {
+        if state.multipliers.iter().any(|m| *m != 0.0) || state.multipliers.is_empty() {
+            return Ok(false);
+        }
+        self.assemble(system, parameters, state)?;
+        let (bodies, variables) = (system.first_equation, system.first_variable);
+        // [-W, G'; G, 0] with W the squares of the lengths; variables and states follow the multipliers, the parts stay.
+        let mut matrix = Matrix::new(system.unknowns());
+        matrix.clear();
+        for body in &system.bodies {
+            for k in 0..body.freedoms {
+                let length = if k < 3 { 1.0 } else { system.length };
+                matrix.add(body.first + k, body.first + k, -length * length);
+            }
+        }
+        for (row, column, value) in self.next.entries() {
+            let stiffness = row < bodies && column < bodies;
+            let driven = (bodies..variables).contains(&row) && column >= variables;
+            let moved = row >= variables && column < bodies;
+            if !stiffness && !driven && !moved {
+                matrix.add(row, column, value);
+            }
+        }
+        matrix.finish();
+        let mut change: Vec<f64> = self.g_trial.iter().map(|g| -g).collect();
+        change[bodies..variables].fill(0.0);
+        let mut factors = Lu::new(system.unknowns());
+        factors.factor(&matrix);
+        factors.solve(&mut change);
+        let found = &change[bodies..variables];
+        if !found.iter().all(|m| m.is_finite()) {
+            return Ok(false);
+        }
+        state.multipliers.copy_from_slice(found);
+        Ok(true)
+    }
+}
