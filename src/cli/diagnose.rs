@@ -15,7 +15,7 @@ use super::Outcome;
 use super::format::Format;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
-use super::plausibility::before_a_fit;
+use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 
@@ -69,10 +69,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         return Err(Exit::Findings);
     }
     before_a_fit(&loaded, arguments.replacing.force, shell)?;
-    estimate_noise(&mut loaded, None).map_err(|error| {
+    if let Err(error) = estimate_noise(&mut loaded, None) {
+        deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
-        Exit::NoAnswer
-    })?;
+        return Err(Exit::NoAnswer);
+    }
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let watched = Watched::default();
@@ -93,6 +94,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let found = diagnose_watched(&problem, held_out, check, &watched);
     drop(bar);
     let mut outcome = found.map_err(|error| {
+        deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;

@@ -16,6 +16,7 @@ mod problem;
 pub mod regression;
 mod repeated;
 pub mod reproduction;
+pub(crate) mod slips;
 pub mod structure;
 mod unknowns;
 
