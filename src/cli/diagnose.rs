@@ -17,7 +17,7 @@ use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::permission::Permission;
-use super::plausibility::before_a_fit;
+use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 
@@ -75,10 +75,11 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let program = NamedProgram::of_study(&loaded.study);
     arguments.permission.ask(program.as_ref(), shell)?;
     before_a_fit(&loaded, arguments.replacing.force, shell)?;
-    estimate_noise(&mut loaded, None).map_err(|error| {
+    if let Err(error) = estimate_noise(&mut loaded, None) {
+        deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
-        Exit::NoAnswer
-    })?;
+        return Err(Exit::NoAnswer);
+    }
     let problem = loaded.problem();
     let held_out = held_out(&loaded.study, &loaded.measurement);
     let watched = Watched::default();
@@ -104,6 +105,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let found = diagnose_watched(&problem, held_out, check, &watched);
     drop(bar);
     let mut outcome = found.map_err(|error| {
+        deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;

@@ -22,7 +22,7 @@ use super::input::study;
 use super::interrupt;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::permission::Permission;
-use super::plausibility::before_a_fit;
+use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress as Bar};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
@@ -149,9 +149,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.say(&format!("{remark}\n"));
     }
     let (mut fit, marginal) = outcome.map_err(|error| {
+        deck_warnings(&loaded, shell);
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
+    if !fit.converged && !fit.interrupted {
+        deck_warnings(&loaded, shell);
+    }
     let mut more = Vec::new();
     if let Some(repeats) = repeats.filter(|_| !fit.interrupted) {
         if !fit.converged {

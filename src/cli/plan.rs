@@ -12,7 +12,7 @@ use super::Outcome;
 use super::format::Format;
 use super::input::study;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};
-use super::plausibility::before_a_fit;
+use super::plausibility::{before_a_fit, deck_warnings};
 use super::progress::{Count, Progress};
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
@@ -101,7 +101,10 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     });
     let found = plan(&loaded.problem(), aim, &watched);
     drop(bar);
-    let found = found.map_err(|error| no_fit(&error))?;
+    let found = found.map_err(|error| {
+        deck_warnings(&loaded, shell);
+        no_fit(&error)
+    })?;
     if aim == Aim::Curves && found.curves.is_none() {
         return Err(shell.fail(no_wheel()));
     }

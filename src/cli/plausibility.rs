@@ -4,6 +4,7 @@ use comfy_table::{ContentArrangement, Table, presets};
 
 use crate::diagnostic::{Code, Diagnostic};
 use crate::identify::LoadedStudy;
+use crate::model::lint;
 use crate::report::{Plausibility, Verdict};
 
 use super::shell::{Exit, Shell};
@@ -20,9 +21,15 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
         shell.complain(&[Diagnostic::warning(Code::ImplausibleStudy, message)]);
         return Ok(());
     }
+    deck_warnings(loaded, shell);
     Err(shell.fail(
         Diagnostic::error(Code::ImplausibleStudy, message).help("`--force` fits all the same"),
     ))
+}
+
+/// What the lint says of the deck of a fit that fails: above the failure, for it may be the reason.
+pub(super) fn deck_warnings(loaded: &LoadedStudy, shell: &Shell) {
+    shell.complain(&lint::check(&loaded.dataset, &loaded.model));
 }
 
 /// The table for a terminal.

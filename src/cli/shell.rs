@@ -142,7 +142,7 @@ impl Shell {
                 && small()
                 && let Ok(source) = Source::read(path)
             {
-                sources.add(source);
+                sources.add(source.in_utf8());
             }
         }
         sources

@@ -7,6 +7,7 @@ use crate::discrepancy::{
 };
 use crate::identify::global::Marginal;
 use crate::identify::{Fit, LoadedStudy, estimate_noise};
+use crate::model::lint;
 use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
 use crate::rig::settings::{BackendChoice, Method};
 use crate::session::Sources;
@@ -95,7 +96,7 @@ impl Study {
             if sources.get(&label.file).is_none()
                 && let Ok(bytes) = read_at_most(Path::new(&*label.file), LARGEST_SHOWN)
             {
-                sources.add(Source::new(&*label.file, bytes));
+                sources.add(Source::new(&*label.file, bytes).in_utf8());
             }
         }
         match read.value {
@@ -181,12 +182,10 @@ impl Study {
         self.may_start()?;
         let mut backend = backend(&loaded);
         let found = fit::identify_with(&mut loaded, backend.as_mut(), watch, again.is_some());
-        let (mut fit, marginal) = found.map_err(|error| no_fit(&error.to_string()))?;
+        let (mut fit, marginal) = found.map_err(|error| self.no_fit(&error.to_string()))?;
         if let Some(again) = again {
             let Some(marginal) = marginal.filter(|_| fit.converged && !fit.interrupted) else {
-                return Err(no_fit(
-                    "the fit did not converge: there is nothing to repeat",
-                ));
+                return Err(self.no_fit("the fit did not converge: there is nothing to repeat"));
             };
             again(&loaded, &marginal, &mut fit)?;
         }
@@ -201,7 +200,9 @@ impl Study {
             diff: &diff,
             positions: &positions,
         };
-        let html = report.html().map_err(|error| no_fit(&error.to_string()))?;
+        let html = report
+            .html()
+            .map_err(|error| self.no_fit(&error.to_string()))?;
         Ok(Identification {
             lead: lead(&fit),
             deck,
@@ -234,7 +235,7 @@ impl Study {
         let held = held_out(&loaded.study, &loaded.measurement);
         let problem = loaded.problem();
         let found = diagnose_watched(&problem, held, check, &progress);
-        let mut outcome = found.map_err(|error| no_fit(&error.to_string()))?;
+        let mut outcome = found.map_err(|error| self.no_fit(&error.to_string()))?;
         let mut remarks = Vec::new();
         if loaded.study.solver.backend != BackendChoice::Native {
             let mut backend = backend(&loaded);
@@ -248,7 +249,9 @@ impl Study {
             outcome: &outcome,
             diff: &diff,
         };
-        let html = report.html().map_err(|error| no_fit(&error.to_string()))?;
+        let html = report
+            .html()
+            .map_err(|error| self.no_fit(&error.to_string()))?;
         Ok(DiagnosisAnswer {
             sentences: outcome.sentences(),
             commands: outcome.extended_commands(),
@@ -289,7 +292,7 @@ impl Study {
         }
         let (loaded, progress) = self.for_diagnosis(force, watch)?;
         let found = plan(&loaded.problem(), aim, &progress);
-        let found = found.map_err(|error| no_fit(&error.to_string()))?;
+        let found = found.map_err(|error| self.no_fit(&error.to_string()))?;
         if aim == Aim::Curves && found.curves.is_none() {
             return Err(self.refused(&[fit::no_wheel()]));
         }
@@ -313,7 +316,7 @@ impl Study {
         self.plausible(force)?;
         let progress = Progress::default();
         watch.diagnoses(&progress);
-        estimate_noise(&mut loaded, None).map_err(|error| no_fit(&error.to_string()))?;
+        estimate_noise(&mut loaded, None).map_err(|error| self.no_fit(&error.to_string()))?;
         Ok((loaded, progress))
     }
 
@@ -326,10 +329,22 @@ impl Study {
         match Plausibility::of(&self.loaded).refusal() {
             Some(message) if !force => {
                 let refused = Diagnostic::error(Code::ImplausibleStudy, message);
-                Err(self.refused(&[refused.help("`force` fits all the same")]))
+                let refused = refused.help("`force` fits all the same");
+                Err(self.failed(ErrorKind::Input, refused))
             }
             _ => Ok(()),
         }
+    }
+
+    fn no_fit(&self, why: &str) -> Error {
+        self.failed(ErrorKind::NoAnswer, Diagnostic::error(Code::NoFit, why))
+    }
+
+    /// An error of a fit, with the warnings of the deck: they may be the reason.
+    fn failed(&self, kind: ErrorKind, why: Diagnostic) -> Error {
+        let mut all = vec![why];
+        all.extend(lint::check(&self.loaded.dataset, &self.loaded.model));
+        Error::new(kind, &all, &self.sources)
     }
 
     fn refused(&self, found: &[Diagnostic]) -> Error {
@@ -340,8 +355,4 @@ impl Study {
 /// Who solves the study. That a program is started is told by [`Study::starts_program`].
 fn backend(loaded: &LoadedStudy) -> Box<dyn Backend> {
     solver::backend(&loaded.study, None, &|_| {})
-}
-
-fn no_fit(why: &str) -> Error {
-    Error::plain(ErrorKind::NoAnswer, &Diagnostic::error(Code::NoFit, why))
 }

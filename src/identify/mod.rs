@@ -17,6 +17,7 @@ mod problem;
 pub mod regression;
 mod repeated;
 pub mod reproduction;
+pub(crate) mod slips;
 pub mod structure;
 mod unknowns;
 

@@ -207,6 +207,84 @@ enum SteeringWord {
     Free,
 }
 
+/// Wheels, millimetres: of models on the table to those of mining trucks.
+const RADIUS: (f64, f64) = (10.0, 3e3);
+/// Distances of axles and heights over the road, millimetres.
+const WHEELBASE: (f64, f64) = (50.0, 3e4);
+const HEIGHT: (f64, f64) = (1.0, 1e4);
+
+/// Numbers that no vehicle has, or that are meant in another unit: where, and why. `length` is one millimetre in the deck's unit.
+fn out_of_bounds(
+    file: &File,
+    source: &Source,
+    length: f64,
+) -> Vec<(std::ops::Range<usize>, String)> {
+    let positive = (f64::MIN_POSITIVE, f64::MAX);
+    let finite = (f64::MIN, f64::MAX);
+    let share = (0.0, 1.0);
+    let mm = |(least, most): (f64, f64)| (least * length, most * length);
+    let (tyre, vehicle) = (&file.tyre, &file.vehicle);
+    let all = [
+        ("tyre.radius", tyre.map(|t| t.radius), mm(RADIUS)),
+        ("tyre.stiffness", tyre.and_then(|t| t.stiffness), positive),
+        (
+            "vehicle.wheelbase",
+            vehicle.map(|v| v.wheelbase),
+            mm(WHEELBASE),
+        ),
+        (
+            "vehicle.cg_height",
+            vehicle.map(|v| v.cg_height),
+            mm(HEIGHT),
+        ),
+        (
+            "vehicle.sprung_mass",
+            vehicle.map(|v| v.sprung_mass),
+            positive,
+        ),
+        ("vehicle.front_brake", vehicle.map(|v| v.front_brake), share),
+        ("vehicle.front_drive", vehicle.map(|v| v.front_drive), share),
+        (
+            "vehicle.axle_ratio",
+            vehicle.and_then(|v| v.axle_ratio),
+            positive,
+        ),
+        ("ride.height", file.ride.height, finite),
+        ("ride.load", file.ride.load, finite),
+    ];
+    let mut wrong = Vec::new();
+    for (name, value, (least, most)) in all {
+        let Some(value) = value.filter(|value| !(least..=most).contains(value)) else {
+            continue;
+        };
+        let must = if (least, most) == positive {
+            "a number above 0".to_string()
+        } else if (least, most) == finite {
+            "a finite number".to_string()
+        } else if (least, most) == share {
+            "a part of the whole, 0 to 1".to_string()
+        } else {
+            format!("{least} to {most} in the deck's length unit")
+        };
+        let message = format!("`{name}` must be {must}, not {value}");
+        wrong.push((place_of(source, name), message));
+    }
+    wrong
+}
+
+/// Where a file gives a key: the line that begins with its last word, or its table's line that has it.
+fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
+    let key = name.rsplit('.').next().unwrap_or(name);
+    let text = source.utf8().unwrap_or_default();
+    let is_key = |(at, _): &(usize, &str)| {
+        let before = text[..*at].chars().next_back();
+        let after = text[at + key.len()..].trim_start().starts_with('=');
+        after && before.is_none_or(|c| !c.is_alphanumeric() && c != '_')
+    };
+    let found = text.match_indices(key).find(is_key);
+    found.map_or(0..0, |(at, key)| at..at + key.len())
+}
+
 impl Config {
     /// Reads the file. `units` of the defaults are those of the deck: `length` one millimetre, `force` one newton in them.
     pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
@@ -250,6 +328,9 @@ impl Config {
             let message = "`deck.axes` must be right-handed axes of a vehicle, such as [\"rearward\", \"right\", \"up\"]";
             wrong(axes.span(), message.to_string());
         }
+        for (place, message) in out_of_bounds(&file, source, length) {
+            wrong(place, message);
+        }
         let wheel = |table: WheelTable| WheelConfig {
             centre: table.centre.into(),
             spin: table.spin.into(),
@@ -265,37 +346,6 @@ impl Config {
                 "`wheels.mirror` is for decks with one wheel"
             };
             wrong(0..0, message.to_string());
-        }
-        for (name, bad) in [
-            (
-                "tyre.radius",
-                file.tyre
-                    .is_some_and(|t| !(t.radius > 0.0 && t.radius.is_finite())),
-            ),
-            (
-                "tyre.stiffness",
-                file.tyre
-                    .is_some_and(|t| t.stiffness.is_some_and(|k| !(k > 0.0 && k.is_finite()))),
-            ),
-            (
-                "vehicle.wheelbase",
-                file.vehicle
-                    .is_some_and(|v| !(v.wheelbase > 0.0 && v.wheelbase.is_finite())),
-            ),
-            (
-                "ride.height",
-                file.ride.height.is_some_and(|h| !h.is_finite()),
-            ),
-            ("ride.load", file.ride.load.is_some_and(|h| !h.is_finite())),
-        ] {
-            if bad {
-                let text = if name.starts_with("ride") {
-                    "a finite number"
-                } else {
-                    "a number above 0"
-                };
-                wrong(0..0, format!("`{name}` must be {text}"));
-            }
         }
         if file.ride.load.is_some() && file.ride.height.is_some() {
             wrong(

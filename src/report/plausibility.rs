@@ -39,7 +39,7 @@ const STIFFNESS: (f64, f64) = (1.0, 1e11);
 const MOVED: f64 = 3.0;
 
 impl Plausibility {
-    /// Looks at a study; the forecast solves all load cases once with the start values.
+    /// Looks at a study; the forecast solves all load cases once with the start values, and slips are looked for by short fits.
     pub(crate) fn of(loaded: &LoadedStudy) -> Self {
         let mut table = Self::default();
         table.loads(loaded);
@@ -47,10 +47,14 @@ impl Plausibility {
         table.summaries(loaded);
         table.units(loaded);
         table.sizes(loaded);
-        table.noise(loaded);
+        let is_mirrored = table.mirror(loaded);
+        if !is_mirrored {
+            table.noise(loaded);
+        }
         table.movement(loaded);
         table.free_motions(loaded);
-        table.forecast(loaded);
+        let is_named = table.assembly(loaded) || is_mirrored || table.slip(loaded);
+        table.forecast(loaded, is_named);
         table
     }
 
@@ -69,7 +73,14 @@ impl Plausibility {
             .all(|check| check.verdict != Verdict::Impossible)
     }
 
-    fn add(&mut self, what: &'static str, found: String, verdict: Verdict, why: impl Into<String>) {
+    /// Adds a line; what is plausible needs no reason.
+    pub(super) fn add(
+        &mut self,
+        what: &'static str,
+        found: String,
+        verdict: Verdict,
+        why: impl Into<String>,
+    ) {
         let why = if verdict == Verdict::Plausible {
             String::new()
         } else {
@@ -392,10 +403,11 @@ impl Plausibility {
         }
     }
 
-    /// How well each number sought would be known if the start values were true.
-    fn forecast(&mut self, loaded: &LoadedStudy) {
+    /// How well each number sought would be known if the start values were true, and what is odd of the readings beside them. Where a slip
+    /// `is_named`, nothing else is suspected of what it does.
+    fn forecast(&mut self, loaded: &LoadedStudy, is_named: bool) {
         let count = loaded.unknowns.len();
-        if count == 0 || loaded.study.solver.backend != BackendChoice::Native {
+        if loaded.study.solver.backend != BackendChoice::Native {
             return;
         }
         let Some(Forecast {
@@ -413,6 +425,8 @@ impl Plausibility {
             );
             return;
         };
+        let odd_frame = odd_frame.filter(|_| !is_named);
+        let odd_loads = if is_named { Vec::new() } else { odd_loads };
         if let Some((verdict, why)) = odd_frame {
             let found = "marks are not told in the deck's frame".to_string();
             self.add("frame", found, verdict, why);
@@ -433,6 +447,9 @@ impl Plausibility {
                 loaded.measurement.channels.len()
             );
             self.add("agreement", found, verdict, odd.join("; "));
+        }
+        if count == 0 {
+            return;
         }
         let open: Vec<String> = sd
             .iter()
@@ -491,7 +508,7 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
         .ok()?;
     let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
     let start = global.start();
-    let there = global.evaluate(&start, true)?;
+    let there = global.evaluate(&start, !loaded.unknowns.is_empty())?;
     let rows = &global.observations.rows;
     let channels = agreement(loaded, rows, there.residual.as_slice());
     let predicted = global.observations.predicted(&there.residual);
@@ -502,6 +519,14 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     } else {
         Vec::new()
     };
+    if loaded.unknowns.is_empty() {
+        return Some(Forecast {
+            sd: Vec::new(),
+            channels,
+            odd_frame,
+            odd_loads,
+        });
+    }
     // In units of each prior the information of the priors is the identity.
     let sd: Vec<f64> = global
         .priors()

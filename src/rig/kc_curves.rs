@@ -357,15 +357,15 @@ pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
         letters.flat_map(char::to_lowercase).collect()
     };
     let own = plain(&settings.name.text);
+    let only = |is: &dyn Fn(&str) -> bool| {
+        let mut like = (0..header.len()).filter(|k| is(&header[*k]));
+        like.next().filter(|_| like.next().is_none())
+    };
     table
         .column(&settings.name.text)
-        .or_else(|| header.iter().position(|name| plain(name) == own))
+        .or_else(|| only(&|name| plain(name) == own))
         .or_else(|| {
             let words = settings.curve.called();
-            let only = |is: &dyn Fn(&str) -> bool| {
-                let mut like = (0..header.len()).filter(|k| is(&header[*k]));
-                like.next().filter(|_| like.next().is_none())
-            };
             only(&|name| words.contains(&plain(name).as_str()))
                 .or_else(|| only(&|name| words.iter().any(|word| has_word(name, word))))
         })

@@ -45,6 +45,9 @@ pub(super) fn kc_readings(
         case.channels.resize(first + count, None);
     }
     let label = table.column("case");
+    for column in label.into_iter().chain(sources.iter().map(|s| s.column)) {
+        table.only(column, out);
+    }
     if to.cases.is_empty() {
         // What is wrong with the load cases is told already.
         return;

@@ -98,6 +98,9 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
         let _ = table.columns(["case"], out);
         return cases;
     }
+    if let Some(label) = label {
+        table.only(label, out);
+    }
     let mut columns = Vec::new();
     for (name, _) in &study.columns {
         let Some(column) = table.column(&name.text) else {
@@ -112,6 +115,7 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
             );
             return cases;
         };
+        table.only(column, out);
         columns.push(column);
     }
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
@@ -128,6 +132,10 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
         for &column in &columns {
             let value = table.cell(row, column).and_then(|cell| table.value(cell));
             let Some(value) = value else {
+                let cell = table.cell(row, column);
+                if cell.is_some_and(|cell| table.complain_of_point(cell, out)) {
+                    continue;
+                }
                 let at = row.get(column).map_or(place, |cell| cell.span);
                 out.push(
                     Diagnostic::error(
@@ -369,6 +377,9 @@ fn channel_readings(
     let mut columns = Vec::new();
     for settings in channels {
         let column = table.column(&settings.name);
+        if let Some(column) = column {
+            table.only(column, out);
+        }
         if column.is_none() && label.is_some() {
             out.push(
                 Diagnostic::error(

@@ -38,6 +38,9 @@ pub(super) fn summaries(
         table.column("per"),
         table.column("at"),
     );
+    for column in [unit, per, at].into_iter().flatten() {
+        table.only(column, out);
+    }
     for row in table.rows() {
         let read = Row {
             study,

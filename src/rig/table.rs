@@ -4,6 +4,10 @@ use super::section::nearest;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Source, Span};
 
+/// What is wrong with a point in a file with decimal commas.
+const BESIDE_COMMAS: &str =
+    "may be thousands or a decimal point: other numbers of this file have decimal commas";
+
 /// One cell of a CSV file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Cell {
@@ -14,7 +18,7 @@ pub struct Cell {
 }
 
 /// A CSV file as guide/study.md describes it: one header line, `#` comment lines, columns found by header name, LF or CR LF. Between cells stand commas, or the
-/// semicolons or tabs of spreadsheets; in the latter files numbers may have decimal commas.
+/// semicolons or tabs of spreadsheets; in the latter files numbers may have decimal commas. UTF-16 is read like UTF-8.
 #[derive(Clone, Debug)]
 pub struct Table {
     /// The file.
@@ -29,6 +33,7 @@ pub struct Table {
 impl Table {
     /// Splits a file into cells. Lines that are no CSV are complained about and left out; what had to be assumed is noted.
     pub fn read(source: Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
+        let source = source.in_utf8();
         let bytes = source.bytes();
         let delimiter = delimiter(bytes);
         let mut reader = csv::ReaderBuilder::new()
@@ -137,7 +142,11 @@ impl Table {
             .filter(|name| self.column(name).is_none())
             .collect();
         if missing.is_empty() {
-            return Some(names.map(|name| self.column(name).expect("checked just above")));
+            let found = names.map(|name| self.column(name).expect("checked just above"));
+            for column in found {
+                self.only(column, diagnostics);
+            }
+            return Some(found);
         }
         let words: Vec<String> = missing.iter().map(|name| format!("`{name}`")).collect();
         diagnostics.push(
@@ -156,6 +165,26 @@ impl Table {
             }),
         );
         None
+    }
+
+    /// Complains about a column that is read although another one has its name: nobody can say which of them is meant.
+    pub(crate) fn only(&self, column: usize, diagnostics: &mut Vec<Diagnostic>) {
+        let Some(own) = self.header.get(column) else {
+            return;
+        };
+        let same = |(at, cell): &(usize, &Cell)| {
+            *at != column && cell.text.to_lowercase() == own.text.to_lowercase()
+        };
+        let Some((_, other)) = self.header.iter().enumerate().find(same) else {
+            return;
+        };
+        let message = format!("two columns are called `{}`", own.text);
+        diagnostics.push(
+            Diagnostic::error(Code::BadReading, message)
+                .label(self.source.name(), own.span, "this one")
+                .label(self.source.name(), other.span, "and this one")
+                .help("rename or remove one of them"),
+        );
     }
 
     /// The names of the header line as they are written.
@@ -222,16 +251,43 @@ impl Table {
         self.slip(name).is_some()
     }
 
-    /// The finite number of a cell.
+    /// The finite number of a cell; `None` also where [`Self::is_ambiguous`].
     pub(crate) fn value(&self, cell: &Cell) -> Option<f64> {
         let number = match cell.text.parse().ok() {
             None if self.decimal_commas => decimal(&cell.text),
+            _ if self.is_ambiguous(cell) => None,
             number => number,
         };
         number.filter(|x: &f64| x.is_finite())
     }
 
-    /// A number of a row. `None` for an empty cell (silently) and for what is no finite number (with a warning).
+    /// True for `1.500` beside decimal commas: it may be 1500 or 1.5.
+    fn is_ambiguous(&self, cell: &Cell) -> bool {
+        self.decimal_commas && cell.text.contains('.') && cell.text.parse::<f64>().is_ok()
+    }
+
+    /// Complains once for each file about a number with a point beside decimal commas. True if the cell holds one.
+    pub(crate) fn complain_of_point(&self, cell: &Cell, out: &mut Vec<Diagnostic>) -> bool {
+        if !self.is_ambiguous(cell) {
+            return false;
+        }
+        let said = |d: &Diagnostic| {
+            let file = d.labels.first().map(|label| &*label.file);
+            file == Some(self.source.name()) && d.message.ends_with(BESIDE_COMMAS)
+        };
+        if !out.iter().any(said) {
+            let message = format!("`{}` {BESIDE_COMMAS}", cell.text);
+            out.push(
+                Diagnostic::error(Code::BadReading, message)
+                    .label(self.source.name(), cell.span, "")
+                    .help("write decimal commas everywhere, and nothing between thousands"),
+            );
+        }
+        true
+    }
+
+    /// A number of a row. `None` for an empty cell (silently), for what is no finite number (with a warning), and for a point beside decimal commas
+    /// (with an error).
     pub fn number(
         &self,
         row: &[Cell],
@@ -240,7 +296,7 @@ impl Table {
     ) -> Option<f64> {
         let cell = self.cell(row, column)?;
         let number = self.value(cell);
-        if number.is_none() {
+        if number.is_none() && !self.complain_of_point(cell, diagnostics) {
             diagnostics.push(
                 Diagnostic::warning(
                     Code::BadReading,
@@ -382,6 +438,67 @@ mod tests {
         let mut diagnostics = Vec::new();
         let table = Table::read(Source::new("t.csv", text.as_bytes()), &mut diagnostics);
         (table, diagnostics)
+    }
+
+    /// `1.500` is 1500 for one who writes decimal commas, 1.5 for one who does not: nobody can say which.
+    #[test]
+    fn a_point_beside_decimal_commas_is_refused_once() {
+        let (table, mut out) = read("case;x;y\n1.1;0,5;1.500\n1.2;2;3.000\n1.3;7;-12\n");
+        let [x, y] = table.columns(["x", "y"], &mut out).unwrap();
+        let before = out.len();
+        for row in table.rows() {
+            assert!(table.number(row, x, &mut out).is_some());
+        }
+        let read = table
+            .rows()
+            .iter()
+            .map(|row| table.number(row, y, &mut out));
+        assert_eq!(read.collect::<Vec<_>>(), [None, None, Some(-12.0)]);
+        assert_eq!(out.len(), before + 1);
+        assert_eq!(out[before].severity, crate::diagnostic::Severity::Error);
+        assert!(
+            out[before].message.contains("`1.500`"),
+            "{}",
+            out[before].message
+        );
+        // Without any decimal comma the points are decimal ones.
+        let (table, mut out) = read("case;x\n1;1.500\n");
+        let [x] = table.columns(["x"], &mut out).unwrap();
+        assert_eq!(table.number(&table.rows()[0], x, &mut out), Some(1.5));
+    }
+
+    #[test]
+    fn two_columns_of_one_name_are_refused_where_they_are_read() {
+        let (table, mut out) = read("case,x,time,X,time\n1,1,2,3,4\n");
+        assert!(table.columns(["case"], &mut out).is_some() && out.is_empty());
+        let _ = table.columns(["x"], &mut out);
+        assert_eq!(out.len(), 1);
+        assert_eq!(out[0].severity, crate::diagnostic::Severity::Error);
+        let places: Vec<_> = out[0].labels.iter().map(|l| l.span.start()).collect();
+        assert_eq!(places, [5, 12]);
+    }
+
+    #[test]
+    fn utf_16_is_read_as_spreadsheets_write_it() {
+        let text = "case\tx\tLängs\n1\t1,5\t2\n";
+        let units = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        let (little, big) = (units(u16::to_le_bytes), units(u16::to_be_bytes));
+        let marked = |mark: [u8; 2], text: &[u8]| [&mark[..], text].concat();
+        for bytes in [
+            marked([0xff, 0xfe], &little),
+            marked([0xfe, 0xff], &big),
+            little,
+            big,
+        ] {
+            let mut out = Vec::new();
+            let table = Table::read(Source::new("t.txt", bytes), &mut out);
+            let columns = table.columns(["case", "x", "längs"], &mut out).unwrap();
+            let row = &table.rows()[0];
+            let read = columns.map(|column| table.number(row, column, &mut out));
+            assert_eq!(read, [Some(1.0), Some(1.5), Some(2.0)]);
+        }
     }
 
     #[test]

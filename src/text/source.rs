@@ -81,6 +81,20 @@ impl Source {
         })
     }
 
+    /// The same text in UTF-8 where the file is UTF-16: by its byte order mark, or by zeros beside its first letters.
+    #[must_use]
+    pub(crate) fn in_utf8(self) -> Self {
+        let encoding = match self.bytes[..] {
+            [0xff, 0xfe, ..] => encoding_rs::UTF_16LE,
+            [0xfe, 0xff, ..] => encoding_rs::UTF_16BE,
+            [a, 0, b, 0, ..] if a > 0 && b > 0 => encoding_rs::UTF_16LE,
+            [0, a, 0, b, ..] if a > 0 && b > 0 => encoding_rs::UTF_16BE,
+            _ => return self,
+        };
+        let (text, _) = encoding.decode_with_bom_removal(&self.bytes);
+        Self::new(self.name, text.into_owned())
+    }
+
     /// Line and column of an offset. Lines end at LF; a CR before it belongs to the line.
     pub fn line_column(&self, offset: usize) -> LineColumn {
         let offset = offset.min(self.bytes.len());

@@ -261,6 +261,25 @@ fn wrong_files_are_refused_at_their_place() {
         ("SFORCE/3", "SFORCE/33", "kc.toml:5", "SFORCE/33"),
         ("SFORCE/3\"", "KNUCKLE\"", "kc.toml:5", "no load"),
         ("radius = 300.0", "radius = -1.0", "kc.toml", "tyre.radius"),
+        // Metres in a deck in millimetres, percent.
+        (
+            "radius = 300.0",
+            "radius = 0.3",
+            "kc.toml:12",
+            "tyre.radius",
+        ),
+        (
+            "wheelbase = 2600.0",
+            "wheelbase = 2.6",
+            "kc.toml:16",
+            "vehicle.wheelbase",
+        ),
+        (
+            "front_brake = 0.65",
+            "front_brake = 65",
+            "kc.toml:19",
+            "0 to 1",
+        ),
         ("[ride]", "[tests.bonce]\n[ride]", "kc.toml", "bonce"),
         (
             "[ride]",

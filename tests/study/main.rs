@@ -5,5 +5,6 @@ mod messages;
 mod new_study;
 mod planning;
 mod run;
+mod slips;
 mod terminal;
 mod tutorial;

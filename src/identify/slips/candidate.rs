@@ -1,0 +1,320 @@
+//! What may have been mistaken in a study, each as a change that would mend it.
+
+use super::unit_pairs::{UnitPair, angles, forces, lengths, stiffnesses, torsional};
+use crate::backend::LoadProgramme;
+use crate::identify::LoadedStudy;
+use crate::mechanics::Vec3;
+use crate::model::{MarkerIx, SpringKind};
+use crate::rig::Measurement;
+use crate::syntax::Address;
+use crate::tolerance::{Effect, acts_at};
+
+/// A change of the study.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum Change {
+    /// Columns of loads times a factor.
+    Loads(Vec<usize>, f64),
+    /// Numbers of the deck get these values.
+    Numbers(Vec<(Address, f64)>),
+    /// Readings of a channel times a factor.
+    Channel(usize, f64),
+}
+
+impl Change {
+    /// The loads with it.
+    pub(super) fn programme(&self, of: &LoadProgramme) -> LoadProgramme {
+        let mut new = of.clone();
+        if let Self::Loads(columns, factor) = self {
+            for case in &mut new.cases {
+                for column in columns {
+                    case.values[*column] *= factor;
+                }
+            }
+        }
+        new
+    }
+
+    /// The readings with it.
+    pub(super) fn measurement(&self, of: &Measurement) -> Measurement {
+        let mut new = of.clone();
+        if let Self::Channel(channel, factor) = self {
+            let values = new
+                .cases
+                .iter_mut()
+                .map(|case| &mut case.channels[*channel]);
+            values.flatten().for_each(|value| *value *= factor);
+        }
+        new
+    }
+
+    /// The numbers of the deck that it sets.
+    pub(super) fn numbers(&self) -> &[(Address, f64)] {
+        match self {
+            Self::Numbers(numbers) => numbers,
+            _ => &[],
+        }
+    }
+}
+
+/// A slip that may have happened.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Candidate {
+    /// What mends it, as a sentence without its full stop.
+    pub remedy: String,
+    /// The same as a change.
+    pub change: Change,
+}
+
+/// Slips of one number.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Family {
+    /// One after the other.
+    pub candidates: Vec<Candidate>,
+    /// What a factor near one changes; `None` for slips that are no factor.
+    pub by_factor: Option<Effect>,
+    /// True for stiffnesses of a bushing: a deck may have many.
+    pub is_of_a_bushing: bool,
+}
+
+/// A coordinate of a load's point that is nearer to a plane of the axes than so many millimetres is on no side of it.
+const ON_A_SIDE: f64 = 20.0;
+
+/// All slips that are looked for.
+pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
+    let mut out = loads(study);
+    out.extend(springs(study));
+    out.extend(bushings(study));
+    out.extend(load_points(study));
+    out.extend(channels(study));
+    out.retain(|family| !family.candidates.is_empty());
+    out
+}
+
+/// A factor with four digits that count.
+fn four_digits(factor: f64) -> String {
+    let digits = 3 - libm::log10(factor).floor() as i32;
+    let text = format!("{factor:.*}", digits.max(0) as usize);
+    if digits <= 0 {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Candidates that scale something by the factors of unit pairs.
+fn scaled(
+    what: &str,
+    pairs: &[UnitPair],
+    change: impl Fn(f64) -> Change,
+) -> impl Iterator<Item = Candidate> {
+    pairs.iter().map(move |pair| Candidate {
+        remedy: format!(
+            "{what} times {}, as if in {}",
+            four_digits(pair.factor),
+            pair.unit
+        ),
+        change: change(pair.factor),
+    })
+}
+
+/// Each column that acts, and all columns of forces together.
+fn loads(study: &LoadedStudy) -> Vec<Family> {
+    let (programme, units) = (&study.programme, &study.model.units);
+    let acts = |k: &usize| programme.cases.iter().any(|case| case.values[*k] != 0.0);
+    let columns: Vec<usize> = (0..programme.loads.len()).filter(acts).collect();
+    let is_force = |k: &usize| acts_at(&study.model, &programme.loads[*k].target).is_some();
+    let family = |name: &str, columns: &[usize], pairs: &[UnitPair]| {
+        let change = |factor: f64| Change::Loads(columns.to_vec(), factor);
+        let mut candidates = vec![Candidate {
+            remedy: format!("{name} with the other sign"),
+            change: change(-1.0),
+        }];
+        candidates.extend(scaled(name, pairs, change));
+        let values = |k: usize| programme.cases.iter().map(|case| case.values[k]).collect();
+        let targets = columns.iter();
+        let by = targets.map(|k| (programme.loads[*k].target.clone(), values(*k)));
+        Family {
+            candidates,
+            by_factor: Some(Effect::PerCase(by.collect())),
+            is_of_a_bushing: false,
+        }
+    };
+    let mut out = Vec::new();
+    for k in &columns {
+        let load = &programme.loads[*k];
+        let pairs = if is_force(k) {
+            forces(units)
+        } else if load.name.ends_with("_deg") {
+            angles()
+        } else {
+            lengths(units)
+        };
+        let name = format!("column `{}` of the loads", load.name);
+        out.push(family(&name, &[*k], &pairs));
+    }
+    let together: Vec<usize> = columns.into_iter().filter(is_force).collect();
+    if together.len() > 1 {
+        out.push(family(
+            "all columns of the loads",
+            &together,
+            &forces(units),
+        ));
+    }
+    out
+}
+
+/// True for a number that is sought.
+fn is_sought(study: &LoadedStudy, address: &Address) -> bool {
+    let mut unknowns = study.unknowns.iter();
+    unknowns.any(|unknown| unknown.address == *address || unknown.tied.contains(address))
+}
+
+fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
+    Address {
+        kind: kind.to_string(),
+        id: Some(id),
+        argument: Some(argument.to_string()),
+        index,
+    }
+}
+
+/// Numbers of the deck that are scaled together; none if one of them is sought or all are zero.
+fn of_numbers(
+    study: &LoadedStudy,
+    what: &str,
+    numbers: &[(Address, f64)],
+    pairs: &[UnitPair],
+) -> Family {
+    let acting: Vec<(Address, f64)> = numbers.iter().filter(|n| n.1 != 0.0).cloned().collect();
+    if acting.is_empty() || acting.iter().any(|(address, _)| is_sought(study, address)) {
+        return Family::default();
+    }
+    let change = |factor: f64| {
+        let scaled = |(address, value): &(Address, f64)| (address.clone(), value * factor);
+        Change::Numbers(acting.iter().map(scaled).collect())
+    };
+    Family {
+        candidates: scaled(what, pairs, change).collect(),
+        by_factor: Some(Effect::Always(acting.clone())),
+        is_of_a_bushing: acting.iter().any(|(address, _)| address.kind == "BUSHING"),
+    }
+}
+
+/// Rates and forces of springs.
+fn springs(study: &LoadedStudy) -> Vec<Family> {
+    let units = &study.model.units;
+    let of = |spring: &crate::model::SpringDamper| {
+        let id = spring.header.id;
+        let (rate, force, pairs) = match spring.kind {
+            SpringKind::Translational => ("K", "FORCE", stiffnesses(units)),
+            SpringKind::Rotational => ("KT", "TORQUE", torsional(units)),
+        };
+        let family = |argument: &str, value: f64, pairs: &[UnitPair]| {
+            let address = number("SPRINGDAMPER", id, argument, None);
+            let what = format!("{address} = {value}");
+            of_numbers(study, &what, &[(address, value)], pairs)
+        };
+        [
+            family(rate, spring.stiffness, &pairs),
+            family(force, spring.preload, &forces(units)),
+        ]
+    };
+    let springs = study.model.springdampers.iter();
+    springs.filter(|s| s.header.active).flat_map(of).collect()
+}
+
+/// Stiffnesses of bushings that are not sought.
+fn bushings(study: &LoadedStudy) -> Vec<Family> {
+    let units = &study.model.units;
+    let of = |bushing: &crate::model::Bushing| {
+        let id = bushing.header.id;
+        let numbers = |argument: &str, values: [f64; 3]| -> Vec<(Address, f64)> {
+            let values = values.into_iter().enumerate();
+            values
+                .map(|(k, value)| (number("BUSHING", id, argument, Some(k + 1)), value))
+                .collect()
+        };
+        let (k, kt) = (numbers("K", bushing.k), numbers("KT", bushing.kt));
+        let both = [k.clone(), kt.clone()].concat();
+        let thousand: Vec<UnitPair> = [(1e3, "thousands"), (1e-3, "thousandths")]
+            .map(|(factor, unit)| UnitPair {
+                factor,
+                unit: unit.to_string(),
+            })
+            .to_vec();
+        [
+            of_numbers(study, &format!("BUSHING/{id}.K"), &k, &stiffnesses(units)),
+            of_numbers(study, &format!("BUSHING/{id}.KT"), &kt, &torsional(units)),
+            of_numbers(
+                study,
+                &format!("K and KT of BUSHING/{id}"),
+                &both,
+                &thousand,
+            ),
+        ]
+    };
+    let bushings = study.model.bushings.iter();
+    bushings.filter(|b| b.header.active).flat_map(of).collect()
+}
+
+/// Points of loads on the other side: of the planes of ground's axes, and of those of their part.
+fn load_points(study: &LoadedStudy) -> Vec<Family> {
+    let model = &study.model;
+    let mut seen: Vec<MarkerIx> = Vec::new();
+    for load in &study.programme.loads {
+        let marker = acts_at(model, &load.target);
+        seen.extend(marker.filter(|marker| !seen.contains(marker)));
+    }
+    let near = ON_A_SIDE * 1e-3 / model.units.length.si;
+    let of = |marker: MarkerIx| {
+        let own = &model.markers[marker.0];
+        let pose = &model.parts[own.part.0].pose;
+        let x = pose.point(&own.qp);
+        let turned = |of: &Vec3, axis: usize| {
+            let mut new = *of;
+            new[axis] = -new[axis];
+            new
+        };
+        let mut places: Vec<(&str, usize, Vec3)> = Vec::new();
+        for axis in 0..3 {
+            if x[axis].abs() > near {
+                let local = pose.R.transpose() * (turned(&x, axis) - pose.p);
+                places.push(("ground", axis, local));
+            }
+            if own.qp[axis].abs() > near {
+                places.push(("its part", axis, turned(&own.qp, axis)));
+            }
+        }
+        let id = own.header.id;
+        let candidate = |(frame, axis, qp): (&str, usize, Vec3)| {
+            let numbers = (0..3).map(|k| (number("MARKER", id, "QP", Some(k + 1)), qp[k]));
+            Candidate {
+                remedy: format!(
+                    "MARKER/{id} on the other side: its {} in the axes of {frame} with the other sign",
+                    ["x", "y", "z"][axis]
+                ),
+                change: Change::Numbers(numbers.collect()),
+            }
+        };
+        Family {
+            candidates: places.into_iter().map(candidate).collect(),
+            by_factor: None,
+            is_of_a_bushing: false,
+        }
+    };
+    seen.into_iter().map(of).collect()
+}
+
+/// Channels with the other sign.
+fn channels(study: &LoadedStudy) -> Vec<Family> {
+    let channels = study.measurement.channels.iter().enumerate();
+    let read = channels.filter(|(_, channel)| channel.is_read_by_case());
+    let of = |(k, channel): (usize, &crate::rig::Channel)| Family {
+        candidates: vec![Candidate {
+            remedy: format!("`{}` with the other sign", channel.name),
+            change: Change::Channel(k, -1.0),
+        }],
+        by_factor: None,
+        is_of_a_bushing: false,
+    };
+    read.map(of).collect()
+}

@@ -1,0 +1,96 @@
+//! Factors between a number and what it was meant to be, where its unit was mistaken.
+
+use std::f64::consts::PI;
+
+use crate::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
+
+/// What a number has to be multiplied by, and the unit it was written in.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct UnitPair {
+    /// The factor.
+    pub factor: f64,
+    /// The unit that explains it.
+    pub unit: String,
+}
+
+/// Units of force and length that people take for each other.
+const FORCES: [&str; 4] = ["NEWTON", "KNEWTON", "POUND_FORCE", "KILOGRAM_FORCE"];
+const LENGTHS: [&str; 5] = ["MILLIMETER", "CENTIMETER", "METER", "INCH", "FOOT"];
+/// Factors nearer to each other than this part are one.
+const SAME: f64 = 0.03;
+
+fn named(units: &'static [Unit], names: &'static [&str]) -> impl Iterator<Item = &'static Unit> {
+    units.iter().filter(|unit| names.contains(&unit.keyword))
+}
+
+/// Factors apart from one and from each other. Each stands beside its inverse: a number that was converted the wrong way.
+fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
+    let mut out: Vec<UnitPair> = Vec::new();
+    let mut add = |factor: f64, unit: String| {
+        let is_new = |known: f64| libm::log(known / factor).abs() > SAME;
+        if is_new(1.0) && out.iter().all(|pair| is_new(pair.factor)) {
+            out.push(UnitPair { factor, unit });
+        }
+    };
+    let all: Vec<(f64, String)> = all.into_iter().collect();
+    for (factor, unit) in &all {
+        add(*factor, unit.clone());
+    }
+    for (factor, unit) in all {
+        add(1.0 / factor, format!("{unit}, converted the wrong way"));
+    }
+    out
+}
+
+/// Of forces.
+pub(super) fn forces(units: &Units) -> Vec<UnitPair> {
+    let own = units.force.si;
+    pairs(named(FORCE_UNITS, &FORCES).map(|unit| (unit.si / own, unit.word.to_string())))
+}
+
+/// Of lengths.
+pub(super) fn lengths(units: &Units) -> Vec<UnitPair> {
+    let own = units.length.si;
+    pairs(named(LENGTH_UNITS, &LENGTHS).map(|unit| (unit.si / own, unit.word.to_string())))
+}
+
+/// Of angles that the solver takes in radians.
+pub(super) fn angles() -> Vec<UnitPair> {
+    pairs([(PI / 180.0, "degrees".to_string())])
+}
+
+/// Of stiffnesses.
+pub(super) fn stiffnesses(units: &Units) -> Vec<UnitPair> {
+    let own = units.force.si / units.length.si;
+    let of = [
+        ("NEWTON", "METER"),
+        ("NEWTON", "CENTIMETER"),
+        ("NEWTON", "MILLIMETER"),
+        ("POUND_FORCE", "INCH"),
+        ("KILOGRAM_FORCE", "MILLIMETER"),
+        ("KNEWTON", "MILLIMETER"),
+    ];
+    pairs(of.into_iter().filter_map(|(force, length)| {
+        let force = FORCE_UNITS.iter().find(|unit| unit.keyword == force)?;
+        let length = LENGTH_UNITS.iter().find(|unit| unit.keyword == length)?;
+        let unit = format!("{}/{}", force.word, length.word);
+        Some((force.si / length.si / own, unit))
+    }))
+}
+
+/// Of torsional stiffnesses, which the deck has per radian.
+pub(super) fn torsional(units: &Units) -> Vec<UnitPair> {
+    let own = units.force.si * units.length.si;
+    let per_degree = 180.0 / PI;
+    let of = [
+        ("MILLIMETER", "rad", 1.0),
+        ("MILLIMETER", "deg", per_degree),
+        ("METER", "rad", 1.0),
+        ("METER", "deg", per_degree),
+    ];
+    pairs(of.into_iter().filter_map(|(length, angle, factor)| {
+        let length = LENGTH_UNITS.iter().find(|unit| unit.keyword == length)?;
+        let unit = format!("newton-{}/{angle}", length.word);
+        Some((length.si * factor / own, unit))
+    }))
+}

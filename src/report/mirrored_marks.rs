@@ -1,0 +1,71 @@
+//! Whether the measured marks are a mirror image: one coordinate with the other sign, or two of them exchanged.
+
+use super::mark_scatter::rigidity;
+use crate::identify::LoadedStudy;
+use crate::mechanics::Vec3;
+
+/// A mirror image is no rigid part: mended, the marks of parts scatter by less than this part.
+const RIGID: f64 = 0.2;
+const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// What mends the marks, if they are a mirror image. Every mirror makes the parts rigid; the one that was meant leaves them nearest to their
+/// places in the deck.
+pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
+    let before = rigidity(loaded)?;
+    let mends = |change: &dyn Fn(&Vec3) -> Vec3| {
+        let mut mended = loaded.clone();
+        let marks = mended.measurement.cases.iter_mut();
+        for mark in marks.flat_map(|case| &mut case.marks) {
+            mark.x = change(&mark.x);
+        }
+        let after = rigidity(&mended)?;
+        (after < RIGID * before).then(|| from_deck(&mended))
+    };
+    let mut best: Option<(f64, String)> = None;
+    let mut look = |off: Option<f64>, what: String| {
+        if let Some(off) = off
+            && best.as_ref().is_none_or(|(least, _)| off < *least)
+        {
+            best = Some((off, what));
+        }
+    };
+    for axis in 0..3 {
+        let flipped = |x: &Vec3| {
+            let mut new = *x;
+            new[axis] = -new[axis];
+            new
+        };
+        look(
+            mends(&flipped),
+            format!("column `{}` with the other sign", NAMES[axis]),
+        );
+        let others = ((axis + 1) % 3, (axis + 2) % 3);
+        let exchanged = |x: &Vec3| {
+            let mut new = *x;
+            new.swap_rows(others.0, others.1);
+            new
+        };
+        let (a, b) = (others.0.min(others.1), others.0.max(others.1));
+        look(
+            mends(&exchanged),
+            format!("columns `{}` and `{}` exchanged", NAMES[a], NAMES[b]),
+        );
+    }
+    let (_, what) = best?;
+    Some(format!(
+        "the measured marks are a mirror image of the parts; with {what} they are not"
+    ))
+}
+
+/// How far the marks are from where the deck has them, rms.
+fn from_deck(loaded: &LoadedStudy) -> f64 {
+    let to = &loaded.measurement;
+    let (mut squares, mut count) = (0.0, 0_usize);
+    for mark in to.cases.iter().flat_map(|case| &case.marks) {
+        let part = &to.parts[mark.part];
+        let pose = &loaded.model.parts[part.part.0].pose;
+        squares += (pose.point(&part.marks[mark.mark].p) - mark.x).norm_squared();
+        count += 1;
+    }
+    (squares / count.max(1) as f64).sqrt()
+}

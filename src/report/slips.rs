@@ -1,0 +1,62 @@
+//! What may have been mistaken in a study, as lines of the table of plausibility.
+
+use super::check::Verdict;
+use super::mirrored_marks::mirrored;
+use super::plausibility::Plausibility;
+use crate::identify::LoadedStudy;
+use crate::identify::slips::{displaced, slip};
+use crate::rig::settings::BackendChoice;
+
+impl Plausibility {
+    /// Bushings and joints whose two sides lie apart at the design position. True if one change brings them together.
+    pub(super) fn assembly(&mut self, loaded: &LoadedStudy) -> bool {
+        let found = displaced(loaded);
+        let Some(mended) = found.iter().map(|gap| gap.is_mended).max() else {
+            return false;
+        };
+        let why: Vec<String> = found.into_iter().map(|gap| gap.why).collect();
+        let what = "parts of the deck do not fit together".to_string();
+        self.add("assembly", what, refused_if(mended), why.join("; "));
+        mended
+    }
+
+    /// Marks that are a mirror image. True if they are: then their noise says nothing.
+    pub(super) fn mirror(&mut self, loaded: &LoadedStudy) -> bool {
+        let Some(why) = mirrored(loaded) else {
+            return false;
+        };
+        let found = "marks do not fit their parts".to_string();
+        self.add("mirror", found, Verdict::Impossible, why);
+        true
+    }
+
+    /// One number that was mistaken, looked for where nothing else forbids a fit. True if it is sure.
+    pub(super) fn slip(&mut self, loaded: &LoadedStudy) -> bool {
+        if !self.allows_a_fit() || loaded.study.solver.backend != BackendChoice::Native {
+            return false;
+        }
+        let Some(slip) = slip(loaded) else {
+            return false;
+        };
+        let as_it_is = match slip.left.0 {
+            Some(left) => format!("{left:.1} times the noise is left"),
+            None => "there is no equilibrium".to_string(),
+        };
+        let found = "readings that no stiffness and no tolerance explains".to_string();
+        let why = format!(
+            "{as_it_is}, and {:.1} times with {}",
+            slip.left.1,
+            slip.remedies.join(", or ")
+        );
+        self.add("slip", found, refused_if(slip.is_sure), why);
+        slip.is_sure
+    }
+}
+
+const fn refused_if(mended: bool) -> Verdict {
+    if mended {
+        Verdict::Impossible
+    } else {
+        Verdict::Doubtful
+    }
+}
