@@ -110,7 +110,7 @@ pub fn diagnose_watched<'a>(
     let test = |fitted: &Fitted| Blind::new(&subject, fitted)?.test(&subject, fitted);
     let tests = [test(&none), test(&leading)];
     let folds = Folds::new(&subject);
-    let (mut findings, order) = findings(
+    let (mut findings, order, is_nameless) = findings(
         &subject,
         &found,
         &leading,
@@ -128,7 +128,13 @@ pub fn diagnose_watched<'a>(
         surprised(after, &mut unexplained);
     }
     stacked(&findings, &mut unexplained);
-    at_bounds(&subject, &leading, &mut unexplained);
+    if is_nameless {
+        unexplained.structured = true;
+        let acts = 100.0 * (1.0 - none_of_these(&found));
+        unexplained.places.push(format!(
+            "some cause acts with a probability of {acts:.0} percent, but none that is more probable than not and predicts other cases"
+        ));
+    }
     let stand_in = leading.chosen.iter().position(|h| !h.is_named());
     if let Some(at) = stand_in {
         unexplained.structured = true;
@@ -331,23 +337,6 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
             .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
             .collect(),
         remainder: None,
-    }
-}
-
-/// A group of errors that is as large as it may be has taken up what is none.
-fn at_bounds(subject: &Subject<'_>, fitted: &Fitted, unexplained: &mut Unexplained) {
-    let found = tolerances(subject, fitted);
-    let sizes = &fitted.sizes;
-    let groups = sizes.groups.iter().map(|(group, _)| group.as_str());
-    let names = groups.chain(sizes.scales.iter().map(|(scale, _)| scale.as_str()));
-    for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
-        if let (true, Some(own)) = (*ln >= size.bounds.1, found.get(name)) {
-            let (sd, unit) = (own.sd, own.unit);
-            unexplained.structured = true;
-            unexplained.places.push(format!(
-                "errors of the group {name}, which are as large as they may be ({sd:.3} {unit})"
-            ));
-        }
     }
 }
 

@@ -52,14 +52,15 @@ fn instead<'m>(model: &'m Visited, leading: &Fitted, at: usize) -> Option<&'m Hy
     rest.pop().filter(|h| !h.same_place(own))
 }
 
-/// Findings of the leading model, the most important first; and which of its causes each is.
+/// Findings of the leading model, the most important first; which of its causes each is; and whether some cause acts and matters though no
+/// such finding is one.
 pub(super) fn findings(
     subject: &Subject<'_>,
     found: &Found,
     leading: &Arc<Fitted>,
     folds: Option<&Folds<'_>>,
     after: Option<&HeldOutTest>,
-) -> (Vec<Finding>, Vec<usize>) {
+) -> (Vec<Finding>, Vec<usize>, bool) {
     let own = leading.ln_posterior();
     let of = |k: usize| {
         let h = &leading.chosen[k];
@@ -168,10 +169,10 @@ pub(super) fn findings(
             })
     };
     let told = (0..leading.chosen.len()).filter(is_told);
-    let mut out: Vec<(Finding, usize)> = told.map(of).collect();
-    // What makes the prediction of other cases worse is no cause, unless some cause acts for sure and no other is left.
-    let predicts = |finding: &Finding, k: usize| {
-        let worse = if leading.chosen[k].is_slab() {
+    let out: Vec<(Finding, usize)> = told.map(of).collect();
+    // What makes the prediction of other cases worse is no cause.
+    let predicts = |(finding, k): &(Finding, usize)| {
+        let worse = if leading.chosen[*k].is_slab() {
             WORSE.1
         } else {
             WORSE.0
@@ -179,15 +180,17 @@ pub(super) fn findings(
         let nats = finding.gain.cross_validated_nats;
         finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)
     };
-    if none_of_these(found) > NAMED || out.iter().any(|(finding, k)| predicts(finding, *k)) {
-        out.retain(|(finding, k)| predicts(finding, *k));
-    }
+    let matters = |(finding, _): &(Finding, usize)| !finding.minor;
+    let (mut out, others): (Vec<_>, Vec<_>) = out.into_iter().partition(predicts);
+    let is_nameless =
+        none_of_these(found) < NAMED && !out.iter().any(matters) && others.iter().any(matters);
     out.sort_by(|(a, ..), (b, ..)| {
         a.minor
             .cmp(&b.minor)
             .then(b.evidence.value.total_cmp(&a.evidence.value))
     });
-    out.into_iter().unzip()
+    let (findings, order) = out.into_iter().unzip();
+    (findings, order, is_nameless)
 }
 
 fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {

@@ -31,6 +31,16 @@ impl Outcome<'_> {
                 points.sd, points.unit
             ));
         }
+        let sizes = &self.extended.sizes;
+        let groups = sizes.groups.iter().map(|(group, _)| group.as_str());
+        let names = groups.chain(sizes.scales.iter().map(|(scale, _)| scale.as_str()));
+        for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
+            if *ln >= size.bounds.1 && self.diagnosis.tolerances.contains_key(name) {
+                out.push(format!(
+                    "Errors of the group {name} are as large as they may be, and may have taken up what is none of them."
+                ));
+            }
+        }
         if let Some(pose) = self.diagnosis.tolerances.get("pose-noise") {
             let sigma = self.subject.mark_sigma() / self.subject.millimetre();
             if pose.sd > sigma {
