@@ -1,8 +1,8 @@
+use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::{MotionError, NotSettled, Reason};
-use super::kinematic::has_arrived;
 use super::newton::{Equations, Stages, Unknowns};
 use super::regimes::Regimes;
 use super::sequence::Sequence;

@@ -1,5 +1,6 @@
 //! Positions, velocities, accelerations and reactions of a mechanism without freedoms.
 
+use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::error::{MotionError, Reason};
 use super::passage::{EXACT, PLACES, Watched};
@@ -84,11 +85,6 @@ impl Watched for Slips<'_> {
         let all = all.map(|(sticking, slip)| if *sticking { *slip } else { -slip });
         all.fold(f64::NEG_INFINITY, f64::max)
     }
-}
-
-/// True if what is left of the way to a time is round-off beside it or the longest step.
-pub(crate) fn has_arrived(time: f64, end: f64, largest: f64) -> bool {
-    end - time <= 1e-12 * end.abs().max(largest)
 }
 
 fn freely(

@@ -3,6 +3,7 @@
 //! Radau IIA of three stages on the stabilised index-2 form of the equations of motion, in a rotation chart per step. Knows no files and no
 //! commands.
 
+mod arrival;
 mod assembly;
 mod bordered;
 mod consistent;
@@ -36,13 +37,14 @@ mod tableau;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use arrival::has_arrived;
 pub use assembly::{Kept, assemble};
 pub use consistent::Consistent;
 pub(crate) use coordinates::Coordinates;
 pub(crate) use error::{MotionError, Reason};
 pub use integrator::Integrator;
 pub use kinematic::advance;
-pub(crate) use kinematic::{advance_watched, check_determined, has_arrived};
+pub(crate) use kinematic::{advance_watched, check_determined};
 pub(crate) use modes::Mode;
 pub use modes::modes;
 pub(crate) use modes::modes_in;

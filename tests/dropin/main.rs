@@ -5,6 +5,7 @@ mod common;
 
 mod bad_motions;
 mod commands;
+mod crank;
 mod edges;
 mod entities;
 mod errors;
@@ -18,6 +19,7 @@ mod known_motions;
 mod launch;
 mod level_arm;
 mod massless;
+mod measured;
 #[allow(non_snake_case, reason = "rotation matrices and inertias")]
 mod mechanisms;
 mod message;

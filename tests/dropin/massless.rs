@@ -232,3 +232,30 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
         ran.stdout
     );
 }
+
+#[test]
+fn state_matrices_without_states_are_those_of_the_outputs() {
+    let deck = "statemat without freedom
+PART/1, GROUND
+PART/2, MASS=1, CM=2, IP=1,1,1
+MARKER/1, PART=1
+MARKER/2, PART=2
+JOINT/1, FIXED, I=2, J=1
+VARIABLE/1, FUNCTION=0
+VARIABLE/2, FUNCTION=2*VARVAL(1)
+VARIABLE/3, FUNCTION=TIME
+PINPUT/1, VARIABLES=1
+POUTPUT/1, VARIABLES=2,3
+END
+";
+    let acf =
+        "deck\n\nSIM/STAT\nLINEAR/STATEMAT, PINPUT=1, POUTPUT=1, FILE=mat, FORMAT=MATLAB\nSTOP\n";
+    let folder = folder(&[("deck.adm", deck), ("run.acf", acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "b", "run.acf"]);
+    assert_eq!(ran.code, 0, "{}", ran.stdout);
+    assert!(!ran.stderr.contains("panicked"), "{}", ran.stderr);
+    let d = text(folder.path(), "matd");
+    let numbers: Vec<f64> = d.split_whitespace().map(|x| x.parse().unwrap()).collect();
+    assert_eq!(numbers, [2.0, 0.0]);
+    assert_eq!(text(folder.path(), "mata").trim(), "");
+}

@@ -77,6 +77,15 @@ pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
+/// Runs a deck with these commands: its results, what was said, and its message file.
+pub fn run_deck(deck: &str, commands: &str) -> (Results, Ran, String) {
+    let acf = format!("deck\n\n{commands}\nSTOP\n");
+    let folder = folder(&[("deck.adm", deck), ("run.acf", &acf)]);
+    let ran = mdi(folder.path(), &["ru-s", "b", "run.acf"]);
+    let message = text(folder.path(), "deck.msg");
+    (Results::read_all(folder.path(), "deck.res"), ran, message)
+}
+
 /// The text of a file of a run; empty if there is none. Its lines end with LF here, on Windows too.
 pub fn text(folder: &Path, name: &str) -> String {
     std::fs::read(folder.join(name))

@@ -1,6 +1,6 @@
 //! SENSORs act on static and quasi-static simulations after each output step.
 
-use crate::run::{Ran, Results, SLIDER, folder, mdi};
+use crate::run::{Ran, Results, SLIDER, folder, mdi, run_deck};
 
 /// The slider, which is at z = TIME, with a sensor.
 fn run(sensor: &str, commands: &str) -> (Results, Ran) {
@@ -286,5 +286,31 @@ fn arguments_without_sense_are_refused() {
         assert_eq!(ran.code, 1, "{}", ran.stdout);
         let said = format!("{name} of SENSOR must be more than 0");
         assert!(ran.stdout.contains(&said), "{}", ran.stdout);
+    }
+}
+
+#[test]
+fn a_sensor_that_halts_at_an_output_leaves_that_output_in() {
+    let deck = "a sensor at an output
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
+PART/1, GROUND
+PART/2, MASS=1, CM=20, IP=1,1,1
+MARKER/1, PART=1
+MARKER/20, PART=2
+BUSHING/1, I=20, J=1, K=1E3,1E3,1E3, KT=1E3,1E3,1E3, C=30,30,30, CT=1,1,1
+SFORCE/1, TRANS, ACTIONONLY, I=20, J=1, FUNCTION=TIME
+SENSOR/1, GE, VALUE=0.5, ERROR=1E-6, HALT, FUNCTION=TIME
+RESULTS/FORMATTED, XRF
+END
+";
+    let fixed = deck.replace("BUSHING/1,", "JOINT/1, FIXED, I=20, J=1\nBUSHING/1,");
+    for (deck, command) in [(deck, "DYN"), (&fixed[..], "KIN")] {
+        let (results, _, _) = run_deck(deck, &format!("SIM/{command}, END=1, STEPS=10"));
+        let times = results.column("time", "TIME");
+        assert!(
+            (times[times.len() - 1] - 0.5).abs() < 1e-9,
+            "{command}: {times:?}"
+        );
+        assert_eq!(times.len(), 6, "{command}: {times:?}");
     }
 }

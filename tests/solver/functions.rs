@@ -171,7 +171,9 @@ struct Change {
 fn changes(calls: &[(String, bool)]) -> Vec<Change> {
     let mut deck = elements();
     for (k, (call, _)) in calls.iter().enumerate() {
-        writeln!(deck, "VARIABLE/{}, FUNCTION={call}", 1000 + k).unwrap();
+        // A VARIABLE that reads itself is an unknown with a row of its own.
+        let id = 1000 + k;
+        writeln!(deck, "VARIABLE/{id}, FUNCTION={call}+0*VARVAL({id})").unwrap();
     }
     let model = read(&format!("{deck}END\n"));
     let compiled = System::compile(&model);
