@@ -25,7 +25,7 @@ pub struct LoadedStudy {
     /// Loads and cases.
     pub programme: LoadProgramme,
     /// Motions of the deck that nothing resists.
-    pub(crate) free: FreeMotions,
+    pub free: FreeMotions,
     /// What is sought.
     pub unknowns: Vec<Unknown>,
     /// The reference deck, for reports only.

@@ -449,11 +449,11 @@ mod tests {
         for row in table.rows() {
             assert!(table.number(row, x, &mut out).is_some());
         }
-        let read = table
+        let numbers = table
             .rows()
             .iter()
             .map(|row| table.number(row, y, &mut out));
-        assert_eq!(read.collect::<Vec<_>>(), [None, None, Some(-12.0)]);
+        assert_eq!(numbers.collect::<Vec<_>>(), [None, None, Some(-12.0)]);
         assert_eq!(out.len(), before + 1);
         assert_eq!(out[before].severity, crate::diagnostic::Severity::Error);
         assert!(
