@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Address, Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::Vec3;
 use crate::text::Edit;
 
 /// Points on the z axis and in the x-z plane of a MARKER, in the frame that its QP is given in (`state_marker`).
@@ -62,7 +61,7 @@ impl MarkerPoints {
     /// Those of a deck.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let place = |marker: &Statement, name: &str| match marker.numbers(name) {
-            [x, y, z] => Some(Vec3::new(x.value, y.value, z.value)),
+            [x, y, z] => Some([x.value, y.value, z.value]),
             _ => None,
         };
         let markers = dataset.statements().iter().filter(|marker| {
@@ -84,13 +83,14 @@ impl MarkerPoints {
             let Some([old_origin, old_points @ ..]) = self.0.get(&id) else {
                 continue;
             };
-            let shift = origin.unwrap_or_default() - old_origin.unwrap_or_default();
-            if shift.norm() == 0.0 {
+            let shift = difference(&origin.unwrap_or_default(), &old_origin.unwrap_or_default());
+            if shift == Point::default() {
                 continue;
             }
-            let follows = |(new, old): (&Option<Vec3>, &Option<Vec3>)| match (new, old) {
+            let follows = |(new, old): (&Option<Point>, &Option<Point>)| match (new, old) {
                 (Some(new), Some(old)) => {
-                    (new - old - shift).norm() <= ROUND_OFF * (new.norm() + old.norm())
+                    let left = difference(&difference(new, old), &shift);
+                    largest(&left) <= ROUND_OFF * (largest(new) + largest(old))
                 }
                 (new, old) => new == old,
             };
@@ -112,6 +112,14 @@ impl MarkerPoints {
 
 /// Relative error of sums of decimal numbers with fifteen digits.
 const ROUND_OFF: f64 = 1e-14;
+
+fn difference(a: &Point, b: &Point) -> Point {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+fn largest(point: &Point) -> f64 {
+    point.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
 
 /// True for the origin of a marker.
 fn moves_marker(address: &Address) -> bool {
