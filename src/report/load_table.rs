@@ -21,9 +21,13 @@ const SPARE: usize = 4;
 /// Directions of functions of the loads that are shorter than this part of the longest are none.
 const NONE: f64 = 1e-6;
 
-/// What is odd of loads and marks, beside what the model predicts at the start values.
-pub(super) fn odd_loads(loaded: &LoadedStudy, predicted: &[Case]) -> Vec<(Verdict, String)> {
-    let mut out = against(loaded, predicted).unwrap_or_default();
+/// What is odd of loads and marks, beside what the model predicts at the start values where that says something.
+pub(super) fn odd_loads(
+    loaded: &LoadedStudy,
+    predicted: Option<&[Case]>,
+) -> Vec<(Verdict, String)> {
+    let beside = predicted.and_then(|predicted| against(loaded, predicted));
+    let mut out = beside.unwrap_or_default();
     out.extend(exchanged(loaded).map(|why| (Verdict::Impossible, why)));
     out
 }

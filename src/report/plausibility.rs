@@ -53,8 +53,8 @@ impl Plausibility {
         }
         table.movement(loaded);
         table.free_motions(loaded);
-        let is_named = table.assembly(loaded) || is_mirrored || table.slip(loaded);
-        table.forecast(loaded, is_named);
+        let is_settled = table.assembly(loaded) || is_mirrored || table.slip(loaded);
+        table.forecast(loaded, is_settled);
         table
     }
 
@@ -403,9 +403,9 @@ impl Plausibility {
         }
     }
 
-    /// How well each number sought would be known if the start values were true, and what is odd of the readings beside them. Where a slip
-    /// `is_named`, nothing else is suspected of what it does.
-    fn forecast(&mut self, loaded: &LoadedStudy, is_named: bool) {
+    /// How well each number sought would be known if the start values were true, and what is odd of the readings beside them. Where it
+    /// `is_settled`, by a slip or because a fit explains them, the start values accuse nothing.
+    fn forecast(&mut self, loaded: &LoadedStudy, is_settled: bool) {
         let count = loaded.unknowns.len();
         if loaded.study.solver.backend != BackendChoice::Native {
             return;
@@ -415,7 +415,7 @@ impl Plausibility {
             channels,
             odd_frame,
             odd_loads,
-        }) = forecast(loaded)
+        }) = forecast(loaded, is_settled)
         else {
             self.add(
                 "forecast",
@@ -425,8 +425,6 @@ impl Plausibility {
             );
             return;
         };
-        let odd_frame = odd_frame.filter(|_| !is_named);
-        let odd_loads = if is_named { Vec::new() } else { odd_loads };
         if let Some((verdict, why)) = odd_frame {
             let found = "marks are not told in the deck's frame".to_string();
             self.add("frame", found, verdict, why);
@@ -497,7 +495,7 @@ struct Forecast {
 }
 
 /// `None` where the start values have no equilibrium in some load case.
-fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
+fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).ok()?;
     let cases: Vec<usize> = problem.measurement.fitted_cases().collect();
@@ -512,10 +510,11 @@ fn forecast(loaded: &LoadedStudy) -> Option<Forecast> {
     let rows = &global.observations.rows;
     let channels = agreement(loaded, rows, there.residual.as_slice());
     let predicted = global.observations.predicted(&there.residual);
-    let odd_frame = odd_frame(loaded, &predicted);
+    let odd_frame = odd_frame(loaded, &predicted).filter(|_| !is_settled);
     // Loads are compared in the deck's frame.
     let odd_loads = if odd_frame.is_none() {
-        odd_loads(loaded, &predicted)
+        let predicted = (!is_settled).then_some(predicted.as_slice());
+        odd_loads(loaded, predicted)
     } else {
         Vec::new()
     };

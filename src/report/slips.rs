@@ -4,7 +4,7 @@ use super::check::Verdict;
 use super::mirrored_marks::mirrored;
 use super::plausibility::Plausibility;
 use crate::identify::LoadedStudy;
-use crate::identify::slips::{displaced, slip};
+use crate::identify::slips::{displaced, search};
 use crate::rig::settings::BackendChoice;
 
 impl Plausibility {
@@ -30,26 +30,27 @@ impl Plausibility {
         true
     }
 
-    /// One number that was mistaken, looked for where nothing else forbids a fit. True if it is sure.
+    /// One number that was mistaken, looked for where nothing else forbids a fit. True if it is sure, or if nothing has to be explained.
     pub(super) fn slip(&mut self, loaded: &LoadedStudy) -> bool {
         if !self.allows_a_fit() || loaded.study.solver.backend != BackendChoice::Native {
             return false;
         }
-        let Some(slip) = slip(loaded) else {
-            return false;
+        let found = search(loaded);
+        let Some(slip) = found.slip else {
+            return found.is_explained;
         };
         let as_it_is = match slip.left.0 {
             Some(left) => format!("{left:.1} times the noise is left"),
             None => "there is no equilibrium".to_string(),
         };
-        let found = "readings that no stiffness and no tolerance explains".to_string();
+        let what = "readings that no stiffness and no tolerance explains".to_string();
         let why = format!(
             "{as_it_is}, and {:.1} times with {}",
             slip.left.1,
             slip.remedies.join(", or ")
         );
-        self.add("slip", found, refused_if(slip.is_sure), why);
-        slip.is_sure
+        self.add("slip", what, refused_if(slip.is_sure), why);
+        slip.is_sure || found.is_explained
     }
 }
 

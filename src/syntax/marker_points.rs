@@ -55,7 +55,9 @@ impl Dataset {
 
 /// Origin and points of the markers of a deck whose axes are given by points, by id.
 #[derive(Clone, Debug)]
-pub(crate) struct MarkerPoints(BTreeMap<u32, [Option<Vec3>; 3]>);
+pub(crate) struct MarkerPoints(BTreeMap<u32, [Option<Point>; 3]>);
+
+type Point = [f64; 3];
 
 impl MarkerPoints {
     /// Those of a deck.

@@ -1,6 +1,6 @@
 //! Parts without mass in motion: springs, damping or constraints say where they are. Against closed forms.
 
-use crate::run::{Ran, Results, folder, mdi};
+use crate::run::{Ran, Results, folder, mdi, text};
 
 /// A block of 2 kg and, between it and ground, a slider without mass on the same rail.
 const RAIL: &str = "rail

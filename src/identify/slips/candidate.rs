@@ -116,11 +116,16 @@ fn scaled(
     })
 }
 
+/// Columns of loads that are not zero in every case.
+pub(super) fn acting(programme: &LoadProgramme) -> Vec<usize> {
+    let acts = |k: &usize| programme.cases.iter().any(|case| case.values[*k] != 0.0);
+    (0..programme.loads.len()).filter(acts).collect()
+}
+
 /// Each column that acts, and all columns of forces together.
 fn loads(study: &LoadedStudy) -> Vec<Family> {
     let (programme, units) = (&study.programme, &study.model.units);
-    let acts = |k: &usize| programme.cases.iter().any(|case| case.values[*k] != 0.0);
-    let columns: Vec<usize> = (0..programme.loads.len()).filter(acts).collect();
+    let columns = acting(programme);
     let is_force = |k: &usize| acts_at(&study.model, &programme.loads[*k].target).is_some();
     let family = |name: &str, columns: &[usize], pairs: &[UnitPair]| {
         let change = |factor: f64| Change::Loads(columns.to_vec(), factor);

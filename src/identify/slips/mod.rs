@@ -13,4 +13,4 @@ mod thinned;
 mod unit_pairs;
 
 pub(crate) use apart::displaced;
-pub(crate) use search::slip;
+pub(crate) use search::search;

@@ -1,7 +1,7 @@
 //! The search for the one change that mends a study.
 
 use super::bench::{Bench, Trial};
-use super::candidate::{Candidate, Family, families};
+use super::candidate::{Candidate, Family, acting, families};
 use super::thinned::thinned;
 use crate::identify::LoadedStudy;
 
@@ -17,17 +17,25 @@ pub(crate) struct Slip {
     pub is_sure: bool,
 }
 
+/// So many more cases than a line through the loads has numbers tell a slip.
+const SPARE: usize = 4;
+/// What the search found.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(crate) struct Search {
+    /// The slip, if one explains the readings.
+    pub slip: Option<Slip>,
+    /// True where the study as it stands explains them: nothing odd at its start values says anything.
+    pub is_explained: bool,
+}
+
 /// Steps of the fit of the study as it stands.
 const STEPS: usize = 40;
-/// Steps of the first fit of each candidate, and of those that go on.
-const FIRST: usize = 3;
-const FURTHER: usize = 20;
+/// Steps of the fits of candidates, round after round, and how many of them go on into each.
+const ROUNDS: [(usize, usize); 3] = [(usize::MAX, 3), (12, 4), (4, 20)];
 /// Where a fit follows the readings, only slips are tried that could explain this part of what is left, near a factor of one.
 const LEAST_GAIN: f64 = 0.1;
 /// Where it does not, that tells little; of bushings so many are tried.
 const BUSHINGS: usize = 8;
-/// So many candidates go on.
-const GO_ON: usize = 5;
 /// Residuals beyond tolerances up to this times their noise, rms, are explained: no slip is looked for.
 const EXPLAINED: f64 = 1.1;
 /// Up to this, a wrong statement of the noise explains them.
@@ -36,41 +44,64 @@ const NOISE: f64 = 2.0;
 /// lacks move with no factor of units: they leave all.
 const MENDED: f64 = 0.7;
 const BETTER: f64 = 0.9;
-/// A fit follows the movement of the readings to this part of it, rms.
+/// A fit that leaves less than this part of the movement of the readings, rms, follows them; a mended study fits with less than the second part.
 const FOLLOWS: f64 = 0.1;
+const FITS: f64 = 0.25;
 /// Changes that leave less than this times the best one, rms, are not told apart from it.
 const ALIKE: f64 = 1.1;
 
-/// The slip of a study, if one explains it.
-pub(crate) fn slip(loaded: &LoadedStudy) -> Option<Slip> {
-    let bench = Bench::new(thinned(loaded))?;
+/// Looks for the slip of a study.
+pub(crate) fn search(loaded: &LoadedStudy) -> Search {
+    let cases = loaded.measurement.fitted_cases().count();
+    if cases < acting(&loaded.programme).len() + 1 + SPARE {
+        return Search::default();
+    }
+    let Some(bench) = Bench::new(thinned(loaded)) else {
+        return Search::default();
+    };
     let now = bench.fit(None, None, STEPS);
     let before = now
         .as_ref()
         .and_then(|now| bench.beyond_tolerances(None, &now.x));
-    if before.is_some_and(|before| before < EXPLAINED) {
-        return None;
+    let is_below = |most: f64| before.is_some_and(|before| before < most);
+    Search {
+        slip: if is_below(EXPLAINED) {
+            None
+        } else {
+            slip(&bench, now.as_ref(), before)
+        },
+        is_explained: is_below(NOISE),
     }
-    let first = promising(&bench, now.as_ref(), before).into_iter();
-    let first = first.filter_map(|candidate| {
-        let trial = bench.fit(Some(&candidate.change), None, FIRST)?;
-        Some((trial, candidate))
-    });
-    let mut first: Vec<(Trial, Candidate)> = first.collect();
-    first.sort_by(|a, b| a.0.objective.total_cmp(&b.0.objective));
-    first.truncate(GO_ON);
-    let go_on = |(first, candidate): (Trial, Candidate)| {
-        let further = bench.fit(Some(&candidate.change), Some(&first.x), FURTHER);
-        let x = further.unwrap_or(first).x;
-        let left = bench.beyond_tolerances(Some(&candidate.change), &x)?;
+}
+
+/// The change that explains what the fit of the study as it stands left, `before` beyond tolerances.
+fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip> {
+    let candidates = promising(bench, now, before).into_iter();
+    let mut tried: Vec<(Option<Trial>, Candidate)> = candidates.map(|c| (None, c)).collect();
+    for (most, steps) in ROUNDS {
+        tried.truncate(most);
+        let go_on = |(known, candidate): (Option<Trial>, Candidate)| {
+            let start = known.as_ref().map(|known| known.x.as_slice());
+            let further = bench.fit(Some(&candidate.change), start, steps);
+            Some((Some(further.or(known)?), candidate))
+        };
+        tried = tried.into_iter().filter_map(go_on).collect();
+        let objective = |trial: &Option<Trial>| {
+            let of = |trial: &Trial| trial.objective;
+            trial.as_ref().map_or(f64::INFINITY, of)
+        };
+        tried.sort_by(|a, b| objective(&a.0).total_cmp(&objective(&b.0)));
+    }
+    let left = |(trial, candidate): (Option<Trial>, Candidate)| {
+        let left = bench.beyond_tolerances(Some(&candidate.change), &trial?.x)?;
         Some((left, candidate.remedy))
     };
-    let mut left: Vec<(f64, String)> = first.into_iter().filter_map(go_on).collect();
+    let mut left: Vec<(f64, String)> = tried.into_iter().filter_map(left).collect();
     left.sort_by(|a, b| a.0.total_cmp(&b.0));
     let after = left.first()?.0;
     // What ended before its minimum may end elsewhere by any change.
     let is_minimum = now.is_some_and(|now| now.is_minimum);
-    let fits = is_minimum || after < FOLLOWS * bench.movement();
+    let fits = is_minimum || after < FITS * bench.movement();
     let is_sure = fits && before.is_none_or(|before| before > NOISE && after < MENDED * before);
     let is_better = before.is_some_and(|before| after < BETTER * before);
     let alike = left
