@@ -16,6 +16,7 @@ use crate::backend::{
     Backend, BackendError, Load, LoadCase, LoadProgramme, NativeBackend, SweepRequest,
 };
 use crate::identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
+use crate::identify::meet_marks_of_all;
 use crate::mechanics::Pose;
 use crate::syntax::Address;
 use crate::system::Scratch;
@@ -276,7 +277,7 @@ fn solved(
         programme: &programme,
     })?;
     let problem = &subject.problem;
-    problem.free.meet_all(&mut sweep, problem.measurement);
+    meet_marks_of_all(&problem.free, &mut sweep, problem.measurement);
     let poses = |case| sweep.equilibrium(case).map(|found| found.poses.clone());
     Ok((0..programme.cases.len()).map(poses).collect())
 }

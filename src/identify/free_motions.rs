@@ -5,62 +5,64 @@ use crate::backend::{FreeMotions, Sweep, Twist};
 use crate::mechanics::Pose;
 use crate::rig::Measurement;
 
-impl FreeMotions {
-    /// Moves parts along the free motions to where these marks of the observed parts are met best.
-    pub(crate) fn meet(&self, poses: &mut [Pose], observed: &Observed, marks: &[SeenMark]) {
-        if self.is_empty() {
+/// Moves parts along the free motions to where these marks of the observed parts are met best.
+pub(crate) fn meet_marks(
+    free: &FreeMotions,
+    poses: &mut [Pose],
+    observed: &Observed,
+    marks: &[SeenMark],
+) {
+    if free.is_empty() {
+        return;
+    }
+    for _ in 0..STEPS {
+        let each = free.twists().iter().map(|motion| {
+            let parts = observed.parts.iter();
+            parts
+                .map(|part| in_ground(&poses[part.0], &motion[part.0]))
+                .collect()
+        });
+        let twists: Vec<Vec<Twist>> = each.collect();
+        let pose = |part: usize| poses[observed.parts[part].0];
+        let Some(amounts) = step(marks, &pose, &twists) else {
             return;
-        }
-        for _ in 0..STEPS {
-            let each = self.twists().iter().map(|motion| {
-                let parts = observed.parts.iter();
-                parts
-                    .map(|part| in_ground(&poses[part.0], &motion[part.0]))
-                    .collect()
-            });
-            let twists: Vec<Vec<Twist>> = each.collect();
-            let pose = |part: usize| poses[observed.parts[part].0];
-            let Some(amounts) = step(marks, &pose, &twists) else {
-                return;
-            };
-            for (motion, amount) in self.twists().iter().zip(amounts) {
-                for (pose, own) in poses.iter_mut().zip(motion) {
-                    let (v, w) = in_ground(pose, own);
-                    *pose = pose.displaced(&(amount * v), &(amount * w));
-                }
+        };
+        for (motion, amount) in free.twists().iter().zip(amounts) {
+            for (pose, own) in poses.iter_mut().zip(motion) {
+                let (v, w) = in_ground(pose, own);
+                *pose = pose.displaced(&(amount * v), &(amount * w));
             }
         }
     }
+}
 
-    /// Twists of the observed parts at these poses, as changes along each motion; channels are taken to stay.
-    pub(crate) fn changes(
-        &self,
-        poses: &[Pose],
-        observed: &Observed,
-        channels: usize,
-    ) -> CaseChanges {
-        let mut out =
-            CaseChanges::with_capacity(self.twists().len(), observed.parts.len(), channels);
-        for motion in self.twists() {
-            let parts = observed.parts.iter().map(|part| {
-                let (v, w) = in_ground(&poses[part.0], &motion[part.0]);
-                [v.x, v.y, v.z, w.x, w.y, w.z]
-            });
-            out.push(parts, std::iter::repeat_n(0.0, channels));
-        }
-        out
+/// Twists of the observed parts at these poses, as changes along each motion; channels are taken to stay.
+pub(crate) fn changes_along(
+    free: &FreeMotions,
+    poses: &[Pose],
+    observed: &Observed,
+    channels: usize,
+) -> CaseChanges {
+    let mut out = CaseChanges::with_capacity(free.twists().len(), observed.parts.len(), channels);
+    for motion in free.twists() {
+        let parts = observed.parts.iter().map(|part| {
+            let (v, w) = in_ground(&poses[part.0], &motion[part.0]);
+            [v.x, v.y, v.z, w.x, w.y, w.z]
+        });
+        out.push(parts, std::iter::repeat_n(0.0, channels));
     }
+    out
+}
 
-    /// Moves the answers of all cases to where they meet the marks that were read best.
-    pub(crate) fn meet_all(&self, sweep: &mut Sweep, measurement: &Measurement) {
-        if self.is_empty() {
-            return;
-        }
-        let observed = Observed::of(measurement);
-        for (answer, marks) in sweep.cases.iter_mut().zip(&observed.marks) {
-            if let Ok(answer) = answer {
-                self.meet(&mut answer.poses, &observed, marks);
-            }
+/// Moves the answers of all cases to where they meet the marks that were read best.
+pub(crate) fn meet_marks_of_all(free: &FreeMotions, sweep: &mut Sweep, measurement: &Measurement) {
+    if free.is_empty() {
+        return;
+    }
+    let observed = Observed::of(measurement);
+    for (answer, marks) in sweep.cases.iter_mut().zip(&observed.marks) {
+        if let Ok(answer) = answer {
+            meet_marks(free, &mut answer.poses, &observed, marks);
         }
     }
 }

@@ -27,6 +27,7 @@ pub use fit::{
     CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
     ToleranceFound, UnidentifiableDirection, WheelFit, Written,
 };
+pub(crate) use free_motions::{meet_marks, meet_marks_of_all};
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
 pub use loaded::LoadedStudy;
 pub use noise::estimate_noise;

@@ -1,6 +1,7 @@
 use std::ops::ControlFlow;
 
 use super::Unknown;
+use super::free_motions::meet_marks_of_all;
 use crate::backend::{Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest};
 use crate::model::Model;
 use crate::rig::settings::{IdentifySettings, RegressionSettings};
@@ -51,7 +52,7 @@ impl Problem<'_> {
             theta: &self.theta(values),
             programme: self.programme,
         })?;
-        self.free.meet_all(&mut sweep, self.measurement);
+        meet_marks_of_all(&self.free, &mut sweep, self.measurement);
         Ok(sweep)
     }
 

@@ -1,7 +1,7 @@
 //! How exact marks are before any fit: by the rigid parts that carry them, and by loads that were applied again.
 
-use crate::identify::LoadedStudy;
 use crate::identify::global::{Observed, SeenMark};
+use crate::identify::{LoadedStudy, meet_marks};
 use crate::mechanics::{Pose, Vec3};
 
 /// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
@@ -80,7 +80,7 @@ fn moved(loaded: &LoadedStudy, [first, second]: [usize; 2]) -> Vec<Option<Pose>>
         .filter(seen)
         .copied()
         .collect();
-    free.meet(&mut poses, &observed, &marks);
+    meet_marks(free, &mut poses, &observed, &marks);
     let between = |k: usize| {
         let part = to.parts[k].part;
         if !free.moves(part) {

@@ -5,6 +5,7 @@ use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
 use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
 use crate::identify::Problem;
+use crate::identify::free_motions::{changes_along, meet_marks};
 use crate::mechanics::{Pose, log};
 use crate::rig::Channels;
 use crate::statics::Balance;
@@ -115,7 +116,7 @@ impl<'a> DifferencePredictor<'a> {
                 let poses = sweep.equilibrium(case).map(|found| {
                     let mut poses = found.poses.clone();
                     let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
-                    self.problem.free.meet(&mut poses, &self.observed, marks);
+                    meet_marks(&self.problem.free, &mut poses, &self.observed, marks);
                     poses
                 });
                 answers.push(poses.and_then(|poses| self.read(numbers, (programme, case), poses)));
@@ -211,7 +212,7 @@ impl Predictor for DifferencePredictor<'_> {
                 let count = answer.channels.len();
                 let free = &self.problem.free;
                 Some(CasePrediction {
-                    free: free.changes(&answer.poses, &self.observed, count),
+                    free: changes_along(free, &answer.poses, &self.observed, count),
                     poses: answer.poses,
                     channels: answer.channels,
                     by_unknown: CaseChanges::default(),
