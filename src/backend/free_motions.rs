@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::{CaseSweeper, Loads, tight_settings};
 use crate::mechanics::{Pose, Vec3};
-use crate::model::{MarkerIx, Model, PartIx};
+use crate::model::{MarkerIx, Model, Part, PartIx, PartKind};
 use crate::statics::{FreeMotion, twist};
-use crate::syntax::Address;
+use crate::syntax::catalogue::references;
+use crate::syntax::{Address, Dataset, Reference};
 use crate::system::{Parameters, Slot, State, System};
 
 /// Velocity of the origin and angular velocity, axes of the part.
@@ -14,6 +15,8 @@ pub(crate) type Twist = (Vec3, Vec3);
 
 /// Where so many load cases have no equilibrium no further one is tried.
 const TRIED: usize = 3;
+/// What is left of the mass of a part that spins: its weight then resists no motion beyond round-off.
+const TRACE: f64 = 1e-12;
 /// A part whose pitch is below this share of its motion turns about a line; a point nearer to it than this share of the model lies on it.
 const STEADY: f64 = 1e-6;
 
@@ -30,44 +33,69 @@ pub struct FreeMotions {
     weights: Arc<Vec<Weight>>,
 }
 
-/// The mass centre of a part that spins with the line through two points, on which it lies.
+/// A part that spins about a line on which its mass centre lies, and the parts that carry it there.
 ///
-/// An error of one of the points by a tenth of a millimetre would leave it beside the line, and its weight would then say how far the part
-/// is turned. On a rig friction does: it is a thousand times as large. The mass centre goes with the line.
+/// An error of a hardpoint by a hundredth of a millimetre leaves the mass centre beside the line, and the weight then says how far the part is
+/// turned. On a rig friction does, which is a thousand times as large. Its weight therefore acts where it is carried.
 #[derive(Clone, Debug)]
 struct Weight {
-    /// Its marker.
-    mass_centre: u32,
-    /// Markers at the ends of the line, with the frames of their parts in that of this one.
-    ends: [(u32, Pose); 2],
-    /// Where it lies between them.
-    share: f64,
+    part: Address,
+    carriers: Vec<Carrier>,
 }
 
-/// A [`Weight`] of a compiled deck: places of the mass centre and of both ends.
+/// What carries a share of a weight, if it is not ground.
+#[derive(Clone, Debug)]
+struct Carrier {
+    mass: Address,
+    share: f64,
+    /// Markers of its mass centre and of where it carries, by their ids; `None` where something else is at the marker of the mass centre.
+    places: Option<[u32; 2]>,
+}
+
+/// A [`Weight`] of a compiled deck.
 #[derive(Clone, Debug)]
 pub(crate) struct HeldWeight {
-    mass_centre: [Slot; 3],
-    ends: [([Slot; 3], Pose); 2],
+    mass: Slot,
+    carriers: Vec<HeldShare>,
+}
+
+#[derive(Clone, Debug)]
+struct HeldShare {
+    mass: Slot,
     share: f64,
+    places: Option<[[Slot; 3]; 2]>,
 }
 
 impl HeldWeight {
-    /// Puts the mass centre where the line is with these numbers.
+    /// Lets the weight act where the part is carried; of the part's own a trace is left.
     pub(crate) fn hold(&self, parameters: &mut Parameters) {
-        let [a, b] = self
-            .ends
-            .map(|(slots, pose)| pose.point(&Vec3::from(slots.map(|slot| parameters.get(slot)))));
-        let place = a + self.share * (b - a);
-        for (slot, value) in self.mass_centre.iter().zip(place.iter()) {
-            parameters.set(*slot, *value);
+        let weight = parameters.get(self.mass);
+        parameters.set(self.mass, TRACE * weight);
+        for carrier in &self.carriers {
+            let (own, more) = (parameters.get(carrier.mass), carrier.share * weight);
+            let whole = own + more;
+            parameters.set(carrier.mass, whole);
+            for (centre, end) in carrier.places.iter().flat_map(|[a, b]| a.iter().zip(b)) {
+                let moment = own * parameters.get(*centre) + more * parameters.get(*end);
+                parameters.set(*centre, moment / whole);
+            }
+        }
+    }
+
+    /// Gives everything that it changes the values of `deck`.
+    pub(crate) fn release(&self, parameters: &mut Parameters, deck: &Parameters) {
+        let places = self.carriers.iter().filter_map(|own| own.places);
+        let centres = places.flat_map(|[centre, _]| centre);
+        let masses = self.carriers.iter().map(|own| own.mass);
+        for slot in centres.chain(masses).chain([self.mass]) {
+            parameters.set(slot, deck.get(slot));
         }
     }
 }
 
 impl FreeMotions {
-    /// Of a model and what it was compiled to, under its loads; none where no load case has an equilibrium.
-    pub(crate) fn new(model: &Model, system: &System, loads: Loads) -> Self {
+    /// Of a deck, resolved and compiled, under its loads; none where no load case has an equilibrium.
+    pub(crate) fn new(deck: (&Dataset, &Model), system: &System, loads: Loads) -> Self {
         let mut parameters = system.parameters();
         let settings = tight_settings(system);
         let mut sweeper = CaseSweeper::new(system, loads, settings.clone());
@@ -96,7 +124,7 @@ impl FreeMotions {
             });
             let weights = motions
                 .iter()
-                .flat_map(|motion| weights(model, system, &state, motion));
+                .flat_map(|motion| weights(deck, system, &state, motion));
             return Self {
                 weights: Arc::new(weights.collect()),
                 motions: Arc::new(twists.collect()),
@@ -116,25 +144,25 @@ impl FreeMotions {
         &self.motions
     }
 
-    /// The weights that go with the ends of their parts, of a deck that has the same markers.
+    /// The weights of parts that spin, of a deck that has the same parts.
     pub(crate) fn held_weights(&self, system: &System) -> Vec<HeldWeight> {
+        let slot = |address: &Address| system.catalogue().slot(address);
         let place = |marker: u32| {
-            let slot = |k: usize| {
-                system.catalogue().slot(&Address {
-                    kind: "MARKER".to_string(),
-                    id: Some(marker),
-                    argument: Some("QP".to_string()),
-                    index: Some(k),
-                })
-            };
-            Some([slot(1)?, slot(2)?, slot(3)?])
+            let at = |k| slot(&address("MARKER", marker, "QP", Some(k)));
+            Some([at(1)?, at(2)?, at(3)?])
+        };
+        let share = |carrier: &Carrier| {
+            let places = carrier.places;
+            Some(HeldShare {
+                mass: slot(&carrier.mass)?,
+                share: carrier.share,
+                places: places.and_then(|[a, b]| Some([place(a)?, place(b)?])),
+            })
         };
         let held = |weight: &Weight| {
-            let [(a, pose_a), (b, pose_b)] = weight.ends;
             Some(HeldWeight {
-                mass_centre: place(weight.mass_centre)?,
-                ends: [(place(a)?, pose_a), (place(b)?, pose_b)],
-                share: weight.share,
+                mass: slot(&weight.part)?,
+                carriers: weight.carriers.iter().map(share).collect::<Option<_>>()?,
             })
         };
         self.weights.iter().filter_map(held).collect()
@@ -167,8 +195,13 @@ fn turns_about_a_line((v, w): &Twist) -> bool {
     turn > 0.0 && v.dot(w).abs() <= STEADY * turn * v.norm()
 }
 
-/// The mass centres on the line about which all parts of a motion turn, if they do, with the joints at its ends.
-fn weights(model: &Model, system: &System, state: &State, motion: &[f64]) -> Vec<Weight> {
+/// The parts with their mass centres on the line about which all parts of a motion turn, if they do.
+fn weights(
+    (dataset, model): (&Dataset, &Model),
+    system: &System,
+    state: &State,
+    motion: &[f64],
+) -> Vec<Weight> {
     let near = STEADY * system.length;
     let twists = (0..state.poses.len()).map(|part| twist(system, state, PartIx(part), motion));
     let twists: Vec<Twist> = twists.collect();
@@ -202,13 +235,15 @@ fn weights(model: &Model, system: &System, state: &State, motion: &[f64]) -> Vec
         let on_line = moving(own.part.0) && (from - along * axis).norm() <= near;
         on_line.then_some(along)
     };
-    let joints = model.joints.iter().map(|joint| [joint.i, joint.j]);
-    let primitives = model
-        .primitives
-        .iter()
-        .map(|primitive| [primitive.i, primitive.j]);
-    let ends = joints.chain(primitives).flatten();
-    let mut ends: Vec<(f64, MarkerIx)> = ends.filter_map(|end| Some((along(end)?, end))).collect();
+    // Where the parts are held along the line, and by what.
+    let pairs = model.joints.iter().map(|joint| (joint.i, joint.j));
+    let pairs = pairs.chain(model.primitives.iter().map(|own| (own.i, own.j)));
+    let pairs = pairs.flat_map(|(i, j)| [(i, j), (j, i)]);
+    let part_of = |marker: MarkerIx| model.markers[marker.0].part;
+    let mut ends: Vec<(f64, MarkerIx)> = pairs
+        .filter(|(_, carrier)| !moving(part_of(*carrier).0))
+        .filter_map(|(own, carrier)| Some((along(own)?, carrier)))
+        .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (Some(&(from, a)), Some(&(to, b))) = (ends.first(), ends.last()) else {
         return Vec::new();
@@ -216,19 +251,48 @@ fn weights(model: &Model, system: &System, state: &State, motion: &[f64]) -> Vec
     if to - from <= near {
         return Vec::new();
     }
-    let weight = |(k, part): (usize, &crate::model::Part)| {
-        let mass_centre = part.cm?;
-        let share = (along(mass_centre)? - from) / (to - from);
-        let inverse = state.poses[k].inverse();
-        let end = |marker: MarkerIx| {
-            let own = &model.markers[marker.0];
-            (own.header.id, inverse.compose(&state.poses[own.part.0]))
-        };
-        Some(Weight {
-            mass_centre: model.markers[mass_centre.0].header.id,
-            ends: [end(a), end(b)],
+    let id = |marker: MarkerIx| model.markers[marker.0].header.id;
+    // Nothing but the part itself may be at the marker of a mass centre that moves.
+    let is_alone = |centre: &MarkerIx| {
+        let all = dataset.statements().iter().flat_map(references);
+        let named = |own: &Reference| own.space == "marker" && own.id == id(*centre);
+        all.filter(named).count() == 1
+    };
+    let carrier = |(end, share): (MarkerIx, f64)| {
+        let part = &model.parts[part_of(end).0];
+        let centre = part.cm.filter(is_alone);
+        (part.kind != PartKind::Ground).then(|| Carrier {
+            mass: mass(part),
             share,
+            places: centre.map(|centre| [id(centre), id(end)]),
         })
     };
-    model.parts.iter().enumerate().filter_map(weight).collect()
+    let weight = |part: &Part| {
+        let share = (along(part.cm?)? - from) / (to - from);
+        Some(Weight {
+            part: mass(part),
+            carriers: [(a, 1.0 - share), (b, share)]
+                .into_iter()
+                .filter_map(carrier)
+                .collect(),
+        })
+    };
+    model.parts.iter().filter_map(weight).collect()
+}
+
+fn mass(part: &Part) -> Address {
+    let kind = match part.kind {
+        PartKind::PointMass => "POINT_MASS",
+        _ => "PART",
+    };
+    address(kind, part.header.id, "MASS", None)
+}
+
+fn address(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
+    Address {
+        kind: kind.to_string(),
+        id: Some(id),
+        argument: Some(argument.to_string()),
+        index,
+    }
 }

@@ -556,13 +556,19 @@ impl Plain {
                 *x = 0.0;
             }
         }
-        predictor.predict(&fitted.unknowns.numbers(&parameters, &x), None);
+        let numbers = fitted.unknowns.numbers(&parameters, &x);
+        predictor.predict(&numbers, None);
         subject.spend(1);
+        let held = problem.free.held_weights(&deck.prepared.system);
         let (mut thetas, mut states) = (Vec::new(), Vec::new());
         for case in 0..fitted.states.len() {
             let (state, theta) = predictor.answer(case)?;
+            let mut theta = theta.clone();
+            for weight in &held {
+                weight.release(&mut theta, &numbers.theta);
+            }
             states.push(state.clone());
-            thetas.push(theta.clone());
+            thetas.push(theta);
         }
         Some(Self { thetas, states })
     }

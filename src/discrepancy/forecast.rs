@@ -116,9 +116,16 @@ impl Runs<'_> {
         let x = &self.fitted.x[..list.len()];
         let numbers = list.numbers(&self.unknowns.deck, x);
         let directions = list.directions(&numbers.theta, x);
+        // Along free motions a further case is where the nearest one was read: those of several models are compared.
+        let mut observed = self.observed.clone();
+        let near = further.iter().map(|values| {
+            let nearest = nearest(programme, values);
+            nearest.map_or_else(Vec::new, |case| self.observed.marks[case].clone())
+        });
+        observed.marks.extend(near);
         let mut predictor = self
             .prepared
-            .native(self.problem, self.observed.clone())
+            .native(self.problem, observed)
             .ok()?
             .with_cases(cases)
             .remembering(self.unknowns.memories.clone());
@@ -137,7 +144,7 @@ impl Runs<'_> {
 }
 
 /// The case of the study whose loads are nearest, each load in units of its range.
-fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize> {
+pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize> {
     let range = |load: usize| {
         let all = programme.cases.iter().map(|case| case.values[load]);
         let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {

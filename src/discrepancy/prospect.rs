@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::candidate::{Candidate, Candidates, New, sigma_of_a_cell, sigma_of_a_mark};
 use super::fit::Fitted;
-use super::forecast::{Asked, Forecast};
+use super::forecast::{Asked, Forecast, nearest};
 use super::frame::{at_point, by_frame, centroid, motions};
 use super::subject::Subject;
 use super::wheel_place::WheelPlace;
@@ -459,7 +459,8 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
     turned
 }
 
-/// The measurement of a study with further cases, in which all is read that the study reads anywhere; their readings are zero.
+/// The measurement of a study with further cases, in which all is read that the study reads anywhere; their readings are zero. Where parts
+/// move freely their marks are where the nearest case has them: predictions are compared beside such a place.
 fn continued(subject: &Subject<'_>, further: &[Vec<f64>]) -> Measurement {
     let mut new = subject.problem.measurement.clone();
     // One unit of a row stays what it is.
@@ -479,11 +480,19 @@ fn continued(subject: &Subject<'_>, further: &[Vec<f64>]) -> Measurement {
             read.then_some(0.0)
         })
         .collect();
+    let problem = &subject.problem;
+    let read = |loads: &[f64], own: (usize, usize)| {
+        let near = nearest(problem.programme, loads).filter(|_| !problem.free.is_empty())?;
+        let mut marks = problem.measurement.cases[near].marks.iter();
+        marks
+            .find(|read| (read.part, read.mark) == own)
+            .map(|read| read.x)
+    };
     for loads in further {
         let marks = marks.iter().map(|(part, mark)| MarkReading {
             part: *part,
             mark: *mark,
-            x: Vec3::zeros(),
+            x: read(loads, (*part, *mark)).unwrap_or_default(),
             place: Span::at(0),
         });
         new.cases.push(Case {

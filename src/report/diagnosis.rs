@@ -165,12 +165,15 @@ impl DiagnosisReport<'_> {
     /// When a picture cannot be drawn.
     pub(crate) fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
+        // Tolerances that grow make any chi-square small: beside a verdict against the model it says nothing.
         let lead = match diagnosis.verdict {
-            Verdict::Consistent => {
-                "The model explains the data to their noise and to tolerances of the size shown below."
-            }
-            Verdict::Discrepancy => "The model is wrong in what is listed below.",
-            Verdict::Unexplained => "Structure remains that no known cause explains.",
+            Verdict::Consistent => format!(
+                "The model explains the data to their noise and to tolerances of the size shown below, with a chi-square of {:.2} per degree \
+                 of freedom.",
+                diagnosis.baseline.chi2_per_dof
+            ),
+            Verdict::Discrepancy => "The model is wrong in what is listed below.".to_string(),
+            Verdict::Unexplained => "Structure remains that no known cause explains.".to_string(),
         };
         let scene = diagnosis_scene(self.loaded, self.outcome);
         let title = format!("Diagnosis of {}", self.loaded.dataset.title().trim());
@@ -403,16 +406,9 @@ impl DiagnosisReport<'_> {
             }
             let [low, high] = sides(after);
             let low = Some(low).filter(|low| *low > 0.0);
-            let diamond = before.0 / after.0;
-            table.picture(
-                4,
-                scale.svg(
-                    low,
-                    Some(high),
-                    Some((diamond, Role::Initial.colour())),
-                    &shown(after),
-                ),
-            );
+            let diamond = Some((before.0 / after.0, Role::Initial.colour()));
+            let picture = scale.svg(low, Some(high), diamond, &shown(after));
+            table.picture(4, picture);
             if (before.0 - after.0).abs() > 2.0 * libm::hypot(before.1, after.1) {
                 table.mark(5, "bad");
             }

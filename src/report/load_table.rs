@@ -10,8 +10,6 @@ use crate::rig::Case;
 
 /// Marks move against the model with a load below this cosine between the two motions, and with it above its negative.
 const AGAINST: f64 = -0.5;
-/// Start values that are a hundred times off turn no motion round so far.
-const REVERSED: f64 = -0.8;
 /// Loads in another unit are off by a factor between these: newtons and kilonewtons.
 const THOUSAND: (f64, f64) = (300.0, 3000.0);
 /// Two cases are exchanged if what their loads leave unexplained falls below this part when they change places.
@@ -54,15 +52,10 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
         let together = read.dot(&model) / size;
         let name = &loaded.programme.loads[*load].name;
         if together < AGAINST {
-            let verdict = if together < REVERSED {
-                Verdict::Impossible
-            } else {
-                Verdict::Doubtful
-            };
             let why = format!(
                 "marks move against the model with {name}: does its sign agree with the deck's?"
             );
-            out.push((verdict, why));
+            out.push((Verdict::Doubtful, why));
         } else if together > -AGAINST {
             let times = longer.max(1.0 / longer);
             if times > THOUSAND.0 && times < THOUSAND.1 {

@@ -123,7 +123,8 @@ pub(crate) fn virtual_rig_watched(
     // What spins freely in the deck as it is does so whatever is planted.
     let free = compile(&lowered.value).ok().and_then(|system| {
         let loads = Loads::of(&system, &reality.programme).ok()?;
-        Some(FreeMotions::new(&lowered.value, &system, loads))
+        let deck = (&reality.dataset, &lowered.value);
+        Some(FreeMotions::new(deck, &system, loads))
     });
     let free = free.unwrap_or_default();
     // Tolerances and outliers are drawn from the deck as it is, whatever else is planted.

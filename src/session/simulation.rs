@@ -307,7 +307,7 @@ impl Session<'_> {
         let part = softest.part(system);
         let motion = softest.described(system, parameters, state);
         let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
-        // Where two motions are as soft, now one and now the other is the softest: each is told once until the model is stable again.
+        // Of two motions that are as soft, now one is the softest and now the other: each is said once until the model is stable again.
         if !softest.is_unstable() || loaded.said_unstable.contains(&part) {
             return;
         }

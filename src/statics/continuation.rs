@@ -58,8 +58,9 @@ impl Solver {
         (found.is_ok().then_some(Continuation::Damped), iterations)
     }
 
-    /// Newton's method is drawn to saddles of the energy as to its minima. From a start so far off that steps were cut it may pass a stable
-    /// equilibrium and end at an unstable one: then the slow ways are tried, and what they find is taken.
+    /// Newton's method is drawn to saddles of the energy as to its minima. From a start that is no equilibrium, and so far off that steps
+    /// were cut, it may pass a stable equilibrium and end at an unstable one: then the slow ways are tried, and what they find is taken.
+    /// Large systems are left where they are: their stability costs more than their solution.
     pub(super) fn leave_saddle(
         &mut self,
         system: &System,
@@ -68,8 +69,11 @@ impl Solver {
         settings: &Settings,
         (plain, report): (Way, &mut Report),
     ) -> Result<(), SolveError> {
+        if self.remaining == 0 || !Softest::is_cheap(system) {
+            return Ok(());
+        }
         let softest = Softest::doubtful(system, parameters, state, &mut self.scratch)?;
-        if self.remaining == 0 || !softest.is_some_and(|softest| softest.is_unstable()) {
+        if !softest.is_some_and(|softest| softest.is_unstable()) {
             return Ok(());
         }
         let (saddle, memory) = (state.clone(), self.clone());

@@ -6,7 +6,7 @@ use super::measures::{
 };
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::{Balance, Iteration, Report, Settings, Softest, SolveError, Tangent};
+use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -174,6 +174,7 @@ impl Solver {
         settings: &Settings,
     ) -> Result<Report, SolveError> {
         let mut report = Report::default();
+        let from_afar = self.poses != state.poses;
         self.factorisations = 0;
         self.remaining = settings.budget.unwrap_or(usize::MAX);
         if state.redundant.len() != system.equations {
@@ -204,7 +205,7 @@ impl Solver {
                 return Err(error);
             }
             report.continuation = help;
-        } else if settings.continuation && self.limited > 0 && Softest::is_cheap(system) {
+        } else if settings.continuation && from_afar && self.limited > 0 {
             self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
         }
         if self.matrix.deficiency() > 0 {

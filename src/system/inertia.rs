@@ -170,11 +170,14 @@ mod tests {
         let system = System::compile(&model).value;
         let state = system.state();
         let M = system.mass_matrix(&system.parameters(), &state, PartIx(1));
+        // V is that of the reference point.
+        let centre = system.local_reference(&state, 1);
+        assert!((centre - cm).norm() < 1e-14);
         let V = Vec6::new(0.3, -1.2, 0.8, 0.5, 2.0, -0.9);
         let (v, w) = (Vec3::new(V[0], V[1], V[2]), Vec3::new(V[3], V[4], V[5]));
         let twice: f64 = points
             .iter()
-            .map(|(m, x)| m * (v + w.cross(&(state.poses[1].R * x))).norm_squared())
+            .map(|(m, x)| m * (v + w.cross(&(state.poses[1].R * (x - centre)))).norm_squared())
             .sum();
         assert!((V.dot(&(M * V)) * ucf - twice).abs() < 1e-12 * twice);
         assert!((M - M.transpose()).norm() < 1e-14 * M.norm());

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::whitening::{Class, Turned};
+use super::class::{Class, Turned};
 use crate::mechanics::eigen::symmetric_eigen;
 
 /// Squares of directions below this share of the largest are round-off.

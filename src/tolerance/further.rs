@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::class::Class;
 use super::columns::{ByClass, Columns};
 use super::product::{dot, transposed};
 use super::share::Block;
-use super::whitening::{Class, Whitening};
+use super::whitening::Whitening;
 
 /// So many columns are looked at together: few enough to stay in a processor's cache.
 const TOGETHER: usize = 64;

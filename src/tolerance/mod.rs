@@ -10,6 +10,7 @@
 //! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
 //! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
 
+mod class;
 mod columns;
 mod factor;
 mod free;

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::class::Class;
 use super::columns::Columns;
 use super::product::{dot, gram, transposed};
-use super::whitening::Class;
 
 /// Rows of one class: of `A`, the derivatives by the unknowns, and `z`, what is left.
 #[derive(Clone, Debug)]

@@ -166,7 +166,7 @@ impl Linkage {
             0 => {
                 let mut at = draw.vector(1000.0);
                 let mut before = 0;
-                for k in 0..1 + kind / 5 % 3 {
+                for k in 0..=(kind / 5 % 3) {
                     let z = draw.across(&Vec3::z());
                     let turn = exp(&(z * draw.between(-0.7, 0.7)));
                     let end = at + turn * (-Vec3::z() * draw.between(100.0, reach));
@@ -419,7 +419,7 @@ fn an_arm_on_a_spring_is_where_it_is() {
         println!("{name}: {} iterations", report.iterations);
         turned.push(x.y.atan2(x.x).to_degrees());
     }
-    // As the README has it for the frame at the pivot.
+    // The equilibrium that is found with the frame at the pivot.
     assert!((turned[0] - 50.7).abs() < 0.05, "{turned:?}");
     assert!((turned[1] - turned[0]).abs() < 1e-3, "{turned:?}");
 }

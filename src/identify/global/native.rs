@@ -46,7 +46,7 @@ pub struct NativePredictor<'a> {
     answers: Vec<Option<Arc<Answer>>>,
     kept: Kept,
     memories: Vec<Memory>,
-    /// Mass centres that go with the ends of links that spin.
+    /// Weights of parts that spin.
     weights: Vec<HeldWeight>,
     sweeps: usize,
     runs: usize,
@@ -83,7 +83,7 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// With mass centres that go with the ends of links that spin.
+    /// With weights of parts that spin, which act on what carries these.
     #[must_use]
     pub(crate) fn holding(mut self, weights: Vec<HeldWeight>) -> Self {
         self.weights = weights;
@@ -240,6 +240,9 @@ impl<'a> NativePredictor<'a> {
     ) -> Prediction {
         self.sweeps += 1;
         let mut theta = numbers.theta.clone();
+        for weight in &self.weights {
+            weight.hold(&mut theta);
+        }
         let memories = std::mem::take(&mut self.memories);
         let mut carried = Carried::new(&memories, &theta, directions);
         let mut out = Vec::with_capacity(self.sweeper.cases());
@@ -273,9 +276,6 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.load(case, theta);
         for (slot, values) in &numbers.per_case {
             theta.set(*slot, theta.get(*slot) + values[case]);
-        }
-        for weight in &self.weights {
-            weight.hold(theta);
         }
         carried.apply(theta);
         let mut state = self.solve(case, theta, &numbers.x)?;

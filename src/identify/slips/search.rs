@@ -45,7 +45,7 @@ const NOISE: f64 = 2.0;
 const MENDED: f64 = 0.7;
 const BETTER: f64 = 0.9;
 /// A fit that leaves less than this part of the movement of the readings, rms, follows them; a mended study fits with less than the second part.
-const FOLLOWS: f64 = 0.1;
+const FOLLOWS: f64 = 0.05;
 const FITS: f64 = 0.25;
 /// Changes that leave less than this times the best one, rms, are not told apart from it.
 const ALIKE: f64 = 1.1;
