@@ -38,6 +38,6 @@ pub(crate) use sensitivity::Unavailable;
 pub use sensitivity::{SensitivityRow, SensitivityTable};
 pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 pub(crate) use suggested::suggested;
-pub(crate) use value::{dimension, is_angle, rounded, value};
+pub(crate) use value::{is_angle, rounded, value};
 pub use watch::{Stand, Watch, Watched};
 pub(crate) use writing::{replace_file, take_place};

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind};
+use crate::grammar::{STATEMENTS, ValueKind};
 use crate::syntax::{self, Address, Argument, Dataset};
 use crate::units::Dimension;
 
@@ -105,25 +105,9 @@ fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     )
 }
 
-fn definition(address: &Address) -> Option<&'static ArgumentDef> {
-    let def = STATEMENTS.iter().find(|def| def.name == address.kind)?;
-    let name = address.argument.as_deref()?;
-    def.arguments.iter().find(|argument| argument.name == name)
-}
-
-/// The dimension of the number at an address; none for numbers inside of functions.
-pub(crate) fn dimension(address: &Address) -> Dimension {
-    match definition(address) {
-        Some(def) if def.kind == ValueKind::Real => {
-            def.dimension_of(address.index.map_or(0, |k| k.saturating_sub(1)))
-        }
-        _ => Dimension::NONE,
-    }
-}
-
 /// True if an address is that of an angle. Numbers inside of functions have no unit but that of their suffix.
 pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
-    match definition(address) {
+    match address.definition() {
         Some(def) if def.kind == ValueKind::Real => def.dimension == Dimension::ANGLE,
         Some(def) if def.kind == ValueKind::Function => {
             address.index.is_some()

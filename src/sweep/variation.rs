@@ -1,7 +1,6 @@
 use std::collections::BTreeSet;
 
 use crate::diagnostic::{Code, Diagnostic};
-use crate::front::dimension;
 use crate::syntax::{Address, Dataset};
 use crate::text::{Edit, Source, apply_edits};
 use crate::units::Units;
@@ -44,7 +43,7 @@ impl Variation {
         let unit = match self.apply {
             Apply::Factor => String::new(),
             _ if self.degrees => "deg".to_string(),
-            _ => units.name(dimension(address)),
+            _ => units.name(address.dimension()),
         };
         (!unit.is_empty()).then_some(unit)
     }

@@ -3,9 +3,11 @@ use std::fmt;
 use super::{Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{
-    Lookup, Role, STATEMENTS, StatementDef, find_argument, find_statement, nearest,
+    ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, ValueKind, find_argument, find_statement,
+    nearest,
 };
 use crate::text::Span;
+use crate::units::Dimension;
 
 /// The address of an object or of one of its numbers: `BUSHING/12.K.2`, `MARKER/7.QP.1`, `SFORCE/3`, `SFORCE/3.FUNCTION.2` (the
 /// second number of that function's text). Indices are 1-based. The kind is the whole keyword in capitals.
@@ -38,6 +40,23 @@ impl fmt::Display for Address {
 }
 
 impl Address {
+    /// The argument as the grammar has it.
+    pub fn definition(&self) -> Option<&'static ArgumentDef> {
+        let def = STATEMENTS.iter().find(|def| def.name == self.kind)?;
+        let name = self.argument.as_deref()?;
+        def.arguments.iter().find(|argument| argument.name == name)
+    }
+
+    /// The dimension of its number; none for numbers inside of functions.
+    pub fn dimension(&self) -> Dimension {
+        match self.definition() {
+            Some(def) if def.kind == ValueKind::Real => {
+                def.dimension_of(self.index.map_or(0, |k| k.saturating_sub(1)))
+            }
+            _ => Dimension::NONE,
+        }
+    }
+
     /// The address of a whole statement; `None` if the grammar does not know it.
     pub fn of(statement: &Statement) -> Option<Self> {
         Some(Self {
