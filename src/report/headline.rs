@@ -126,7 +126,7 @@ mod tests {
         };
         fit.tolerances.insert("pose-noise".to_string(), pose);
         let lead = lead(&fit);
-        let first = "The model follows the readings only with pose-noise of 0.060 mm, 20 times the usual size: axle and rig are";
+        let first = "The model follows the readings only with pose-noise of 0.06 mm, 20 times the usual size: axle and rig are";
         assert!(lead.starts_with(first), "{lead}");
         assert!(!lead.contains("explain"), "{lead}");
         assert!(lead.contains("admire diagnose"), "{lead}");

@@ -7,6 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use parquet::errors::ParquetError;
+use parquet::file::metadata::RowGroupMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use sha2::{Digest, Sha256};
 
@@ -121,29 +122,38 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let (mut from, mut row) = (0, 1);
     let mut wrong = Vec::new();
     for (index, group) in metadata.row_groups().iter().enumerate() {
-        let ranges = group.columns().iter().map(|column| column.byte_range());
-        let to = ranges
-            .map(|(start, size)| start + size)
-            .max()
-            .unwrap_or(from);
+        let Some(to) = end_of(group) else {
+            return Ok("what it says of itself is".to_string());
+        };
         let mut sum = Sha256::new();
         let whole = to >= from && add(file, from..to, &mut sum).is_ok();
         if !whole || stated.next() != Some(&hexadecimal(&sum.finalize())) {
-            let rows = row..row + group.num_rows();
+            let rows = row..row.saturating_add(group.num_rows());
             wrong.push(format!(
                 "{} (rows {} to {})",
                 index + 1,
                 rows.start,
-                rows.end - 1
+                rows.end.saturating_sub(1)
             ));
         }
-        (from, row) = (to, row + group.num_rows());
+        (from, row) = (to, row.saturating_add(group.num_rows()));
     }
     Ok(match wrong.len() {
         0 => "what it says of itself is".to_string(),
         1 => format!("row group {} is", wrong[0]),
         _ => format!("row groups {} are", wrong.join(", ")),
     })
+}
+
+/// Where the last column of a row group ends; `None` where its metadata name no such place.
+fn end_of(group: &RowGroupMetaData) -> Option<u64> {
+    let mut ends = group.columns().iter().map(|column| {
+        let pages = column.data_page_offset();
+        let start = column.dictionary_page_offset().unwrap_or(pages);
+        let size = u64::try_from(column.compressed_size()).ok()?;
+        u64::try_from(start).ok()?.checked_add(size)
+    });
+    ends.try_fold(0, |most: u64, end| Some(most.max(end?)))
 }
 
 /// Adds some bytes of a file to a checksum.

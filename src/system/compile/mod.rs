@@ -2,6 +2,7 @@
 //!
 //! Knows no equilibrium. What cannot be solved is said, with what leaving it out means; nothing is silently dropped.
 
+mod centres;
 mod conditions;
 mod constraints;
 mod forces;
@@ -13,6 +14,7 @@ mod order;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use self::centres::{centres, sizes};
 use self::motion::{not_in_motion, reference_mass};
 
 use super::carried::Carried;
@@ -525,80 +527,4 @@ impl<'a> Compiler<'a> {
             diagnostics: self.diagnostics,
         }
     }
-}
-
-/// Gives every part its centre: where it is must not depend on where the part's frame is.
-fn centres(
-    bodies: &mut [Body],
-    (elements, joints, multis): (&[Element], &[Joint], &[Multi]),
-    owners: &[usize],
-    parameters: &Parameters,
-) {
-    let ends = elements
-        .iter()
-        .flat_map(|e| [Some(e.i), Some(e.j), e.frame]);
-    let terms = joints.iter().flat_map(|joint| &joint.terms);
-    let terms = terms.flat_map(|term| [term.i, term.j]);
-    let multis = multis.iter();
-    let multis = multis.flat_map(|multi| multi.i.iter().copied().chain([multi.j]));
-    let mut acting: Vec<usize> = ends.flatten().chain(terms).chain(multis).collect();
-    acting.sort_unstable();
-    acting.dedup();
-    let mut sums = vec![(Vec3::zeros(), 0.0); bodies.len()];
-    for marker in acting {
-        let (sum, count) = &mut sums[owners[marker]];
-        *sum += parameters.markers()[marker].p;
-        *count += 1.0;
-    }
-    for (body, (sum, count)) in bodies.iter_mut().zip(sums) {
-        let mean = sum / f64::max(count, 1.0);
-        let centre = body.cm.map_or(mean, |cm| parameters.markers()[cm].p);
-        if body.freedoms == 6 {
-            body.centre = centre;
-        }
-    }
-}
-
-/// Markers nearer to the centre of their part than this share of the model's extent are at it.
-const NEAREST: f64 = 1e-9;
-
-/// How far a radian reaches, and the size of the mechanism: the mean distance of used markers from the centre of their part, and the
-/// largest distance of a marker from that one which is furthest from the first.
-fn sizes(
-    used: &[usize],
-    owners: &[usize],
-    parameters: &Parameters,
-    (poses, bodies): (&[Pose], &[Body]),
-) -> (f64, f64) {
-    let place = |marker: usize| poses[owners[marker]].point(&parameters.markers()[marker].p);
-    let furthest = |from: Vec3| {
-        let apart = |marker: &usize| ((place(*marker) - from).norm(), *marker);
-        let all = used.iter().map(apart);
-        all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
-    };
-    let first = used
-        .first()
-        .map_or_else(Vec3::zeros, |&marker| place(marker));
-    let (extent, end) = furthest(first);
-    let size = if used.is_empty() {
-        0.0
-    } else {
-        furthest(place(end)).0
-    };
-    let mut sum = 0.0;
-    let mut count = 0;
-    for &marker in used {
-        let arm = (parameters.markers()[marker].p - bodies[owners[marker]].centre).norm();
-        // What is next to nothing beside the model is no length to measure it by.
-        if arm > NEAREST * extent && owners[marker] != 0 {
-            sum += arm;
-            count += 1;
-        }
-    }
-    let length = if count == 0 {
-        1.0
-    } else {
-        sum / f64::from(count)
-    };
-    (length, size)
 }
