@@ -7,6 +7,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use parquet::errors::ParquetError;
+use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use sha2::{Digest, Sha256};
 
@@ -121,7 +122,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let (mut from, mut row) = (0, 1);
     let mut wrong = Vec::new();
     for (index, group) in metadata.row_groups().iter().enumerate() {
-        let ranges = group.columns().iter().map(|column| column.byte_range());
+        let ranges = group.columns().iter().map(ColumnChunkMetaData::byte_range);
         let to = ranges
             .map(|(start, size)| start + size)
             .max()

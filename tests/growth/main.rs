@@ -17,7 +17,6 @@ use admire::syntax::lint::{Options, check as lint, check_commands};
 use admire::syntax::property::PropertyFile;
 use admire::syntax::{CommandFile, Dataset, Expression, all_fixes};
 use admire::text::{Source, apply_edits};
-use admire::units::Units;
 use cpu_time::ProcessTime;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
