@@ -91,9 +91,12 @@ impl NamedProgram {
 
     /// The command as a line; words with blanks have quotes.
     fn shown(&self) -> String {
-        let quoted = |word: &String| match word.contains(char::is_whitespace) {
-            true => format!("'{word}'"),
-            false => word.clone(),
+        let quoted = |word: &String| {
+            if word.contains(char::is_whitespace) {
+                format!("'{word}'")
+            } else {
+                word.clone()
+            }
         };
         let words: Vec<String> = self.words.iter().map(quoted).collect();
         words.join(" ")

@@ -181,7 +181,7 @@ fn a_part_with_flipped_bits_is_not_taken() {
         let mut bytes = whole.clone();
         for bit in 0..3 {
             let at = (whole.len() * (3 * k + bit) / 27).min(whole.len() - 1);
-            bytes[at] ^= 1 << (k + bit) % 8;
+            bytes[at] ^= 1 << ((k + bit) % 8);
         }
         std::fs::write(part, &bytes).expect("written");
         let merged = admire(&["merge", shown(&out)]);
