@@ -105,6 +105,37 @@ fn a_link_that_spins_is_as_good_as_one_that_is_held() {
     }
 }
 
+/// A tie rod that yields is found where it spins as where it cannot, with the same probability, and its deck keeps its masses.
+#[test]
+fn a_cause_in_a_link_that_spins_is_as_probable_as_in_one_that_is_held() {
+    let yields = ["link-compliance@PART/6:stiffness=6000"];
+    let nothing: fn(&Path) = |_| {};
+    let found = [nothing, spins].map(|change| {
+        let (_folder, folder) = measured(change, &yields);
+        let study = Study::open(&folder).unwrap();
+        let answer = study.diagnose(false, &Watched::default()).unwrap();
+        let first = answer
+            .diagnosis
+            .findings
+            .first()
+            .expect("a finding")
+            .clone();
+        let deck = String::from_utf8(answer.deck).unwrap();
+        assert!(deck.contains("MASS = 0.9") && deck.contains("MASS = 14.0"));
+        first
+    });
+    let [held, free] = &found;
+    assert_eq!((held.cause, &held.address), (free.cause, &free.address));
+    let apart = held.probability - free.probability;
+    assert!(apart.abs() < 0.1, "{apart}");
+    assert!(free.group_probability > 0.95);
+    let compliance = |of: &admire::diagnosis::Finding| of.parameters["compliance"] * 6000.0;
+    assert!(
+        (compliance(free) - compliance(held)).abs() < 0.1,
+        "{found:?}"
+    );
+}
+
 /// `check` names the motion, and repeated loads show the noise of the marks: 0.05 mm.
 #[test]
 fn check_says_what_is_ignored() {

@@ -44,8 +44,11 @@ const NOISE: f64 = 2.0;
 /// lacks move with no factor of units: they leave all.
 const MENDED: f64 = 0.7;
 const BETTER: f64 = 0.9;
-/// A fit that leaves less than this part of the movement of the readings, rms, follows them; a mended study fits with less than the second part.
+/// A fit that leaves less than this part of the movement of the readings, rms, follows them, and so does one that leaves less than so many times
+/// their noise.
 const FOLLOWS: f64 = 0.05;
+const NEARLY: f64 = 10.0;
+/// A mended study fits if it leaves less than this part of the movement.
 const FITS: f64 = 0.25;
 /// Changes that leave less than this times the best one, rms, are not told apart from it.
 const ALIKE: f64 = 1.1;
@@ -119,7 +122,7 @@ fn promising(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Vec<Can
     let families = families(bench.study());
     let gains = now.and_then(|now| bench.gains(&families, &now.x));
     let gains = gains.unwrap_or_else(|| vec![f64::INFINITY; families.len()]);
-    let follows = before.is_some_and(|before| before < FOLLOWS * bench.movement());
+    let follows = before.is_some_and(|before| before < NEARLY.max(FOLLOWS * bench.movement()));
     let mut all: Vec<(f64, Family)> = gains.into_iter().zip(families).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut bushings = 0;
