@@ -169,7 +169,10 @@ fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
 /// Velocity of the origin and angular velocity of a part in a free motion, ground axes.
 pub(crate) fn twist(system: &System, state: &State, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
     let [x, y, z, rx, ry, rz] = system.pose_change(state, part, motion);
-    (Vec3::new(x, y, z), Vec3::new(rx, ry, rz))
+    let (v, w) = (Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
+    // An origin on the axis of a rotation stays.
+    let stays = v.amax() < ROUND_OFF * system.length;
+    (if stays { Vec3::zeros() } else { v }, w)
 }
 
 /// Moves the parts of a state along a free motion, each steadily along its own screw, by `amount` of it.

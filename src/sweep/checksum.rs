@@ -119,7 +119,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let stated = facts.and_then(|facts| facts.iter().find(|fact| fact.key == GROUPS));
     let stated = stated.and_then(|fact| fact.value.as_deref()).unwrap_or("");
     let mut stated = stated.split(' ');
-    let (mut from, mut row) = (0, 1);
+    let (mut from, mut row) = (0, 1_i64);
     let mut wrong = Vec::new();
     for (index, group) in metadata.row_groups().iter().enumerate() {
         let Some(to) = end_of(group) else {

@@ -433,7 +433,12 @@ fn a_mirrored_axle_has_mirrored_columns() {
         let apart = (a - b).abs() / a.abs().max(floor);
         worst = f64::max(worst, apart);
         let own = (a - b).abs() / a.abs();
-        assert!(a == b || own <= 1e-11, "{path}: {own:.1e} of itself");
+        // A travel of next to nothing is round-off of places in the deck.
+        let is_round_off = matches!(reading.unit, Unit::Length) && a.abs().max(b.abs()) < 1e-9;
+        assert!(
+            a == b || own <= 1e-11 || is_round_off,
+            "{path}: {own:.1e} of itself"
+        );
         if own > 1e-12 {
             println!("{path}: {:e} {other:e}, {own:.1e} of itself", reading.value);
         }
