@@ -25,7 +25,7 @@ use super::watch::Watch;
 /// run.succeeded()?;
 /// run.write(&file, false)?;
 ///
-/// let equilibria = StepFilter { kinds: vec![StepKind::QuasiStatic], ..StepFilter::default() };
+/// let equilibria = StepFilter { kinds: vec![StepKind::Static], ..StepFilter::default() };
 /// let patterns = ["BUSHING/*.F?"];
 /// let rows = Results::open(&file)?.select(&patterns, &equilibria, &Watched::default())?;
 /// let mut steps = rows.values.chunks(rows.columns.len());

@@ -39,8 +39,8 @@ fn holds(
 }
 
 /// Aims: cause 95 and place 90 percent on the McPherson, 80 and 70 on the multilink. When this was written 38 and
-/// 37 of 41 were right on the McPherson, more than half of them by a law no hypothesis uses; what is held to leaves one or two more for
-/// the luck of the noise.
+/// 37 of 41 were right on the McPherson, more than half of them by a law no hypothesis uses; what is held to leaves two more for the
+/// luck of the noise: a second cause that takes up what a foreign law leaves matters by its own effect.
 #[test]
 fn hidden_causes_are_named() {
     let tally = tally(Kind::Single);
@@ -61,14 +61,14 @@ fn hidden_causes_are_named() {
         tally,
         of(Axle::McPherson),
         |s| s.cause,
-        86,
+        85,
         "McPherson, cause",
     );
     holds(
         tally,
         of(Axle::McPherson),
         |s| s.address,
-        86,
+        85,
         "McPherson, place",
     );
     holds(
