@@ -277,7 +277,7 @@ fn solved(
         programme: &programme,
     })?;
     let problem = &subject.problem;
-    meet_marks_of_all(&problem.free, &mut sweep, problem.measurement);
+    meet_marks_of_all(problem.free, &mut sweep, problem.measurement);
     let poses = |case| sweep.equilibrium(case).map(|found| found.poses.clone());
     Ok((0..programme.cases.len()).map(poses).collect())
 }

@@ -52,7 +52,7 @@ impl Problem<'_> {
             theta: &self.theta(values),
             programme: self.programme,
         })?;
-        meet_marks_of_all(&self.free, &mut sweep, self.measurement);
+        meet_marks_of_all(self.free, &mut sweep, self.measurement);
         Ok(sweep)
     }
 

@@ -153,7 +153,9 @@ fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
     } else {
         shift / system.length
     };
-    z.iter_mut().for_each(|x| *x /= unit);
+    for x in &mut z {
+        *x /= unit;
+    }
     for body in &system.bodies {
         for first in (0..body.freedoms).step_by(3) {
             let own = &mut z[body.first + first..body.first + first + 3];

@@ -89,7 +89,9 @@ impl Reads<'_> {
                 match source {
                     Source::Variable(k) => read(*k),
                     Source::Output((_, by_variable)) => {
-                        by_variable.iter().for_each(|(k, _)| read(*k));
+                        for (k, _) in by_variable {
+                            read(*k);
+                        }
                     }
                     _ => {}
                 }
@@ -221,8 +223,11 @@ impl System {
     pub(crate) fn reads_solution(&self) -> bool {
         let mut sources = self.order.iter().flat_map(|&f| &self.functions[f].sources);
         sources.any(|source| match source {
-            Source::Force(_) | Source::Friction(..) => true,
-            Source::State(_) | Source::StateRate(..) | Source::Output(_) => true,
+            Source::Force(_)
+            | Source::Friction(..)
+            | Source::State(_)
+            | Source::StateRate(..)
+            | Source::Output(_) => true,
             Source::Variable(k) => self.variables[*k].unknown.is_some(),
             _ => false,
         })

@@ -116,7 +116,7 @@ impl<'a> DifferencePredictor<'a> {
                 let poses = sweep.equilibrium(case).map(|found| {
                     let mut poses = found.poses.clone();
                     let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
-                    meet_marks(&self.problem.free, &mut poses, &self.observed, marks);
+                    meet_marks(self.problem.free, &mut poses, &self.observed, marks);
                     poses
                 });
                 answers.push(poses.and_then(|poses| self.read(numbers, (programme, case), poses)));

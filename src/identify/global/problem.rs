@@ -37,7 +37,7 @@ pub struct GlobalProblem<'a> {
 
 impl GlobalProblem<'_> {
     /// How many unknowns there are in all.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
     }
 

@@ -298,9 +298,12 @@ impl<'a> Compiler<'a> {
             if active && d.static_hold {
                 self.held_rates.insert(k, function);
             }
-            let rate = |held: bool| match held || !active {
-                true => Rate::Held,
-                false => Rate::Function(function),
+            let rate = |held: bool| {
+                if held || !active {
+                    Rate::Held
+                } else {
+                    Rate::Function(function)
+                }
             };
             self.states.push(StateEquation {
                 name: of,
@@ -335,9 +338,12 @@ impl<'a> Compiler<'a> {
                         .collect(),
                 );
                 let active = l.header.active;
-                let rate = |held: bool| match held || !active {
-                    true => Rate::Held,
-                    false => linear.clone(),
+                let rate = |held: bool| {
+                    if held || !active {
+                        Rate::Held
+                    } else {
+                        linear.clone()
+                    }
                 };
                 self.states.push(StateEquation {
                     name: of.clone(),
