@@ -37,7 +37,8 @@ pub struct GlobalProblem<'a> {
 
 impl GlobalProblem<'_> {
     /// How many unknowns there are in all.
-    pub(crate) fn len(&self) -> usize {
+    #[expect(clippy::len_without_is_empty, reason = "a problem has unknowns")]
+    pub fn len(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
     }
 
