@@ -11,6 +11,8 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
+/// An equation with less than this share of a free motion takes no part in it.
+const LEAST_SHARE: f64 = 1e-6;
 /// ADAMS' default of STABILITY: up to here it only holds massive free motions.
 const DEFAULT_STABILITY: f64 = 1e-5;
 /// So many shortened steps in one sequence are too many.
@@ -546,9 +548,10 @@ impl Solver {
         for m in 0..self.matrix.deficiency() {
             let z = self.matrix.null_vector(m);
             let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();
+            let least = LEAST_SHARE * largest(&z[..system.first_equation]);
             for &row in self.matrix.left_out() {
                 let row = row as usize;
-                if z[row] != 0.0 {
+                if z[row].abs() > least {
                     floor[row] = floor[row].max(gathered / z[row].abs());
                 }
             }
