@@ -35,7 +35,8 @@ pub(crate) use predictor::{
     CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor,
 };
 pub use prepared::Prepared;
-pub use problem::{GlobalProblem, Watch};
+pub(crate) use problem::GlobalProblem;
+pub use problem::Watch;
 pub use profile::profile_interval;
 pub use study::{Options, Start, fit_study};
 pub use unknown::{Component, Meaning, Numbers};
