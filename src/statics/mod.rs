@@ -19,6 +19,7 @@ mod report;
 mod sensitivity;
 mod settings;
 mod settle;
+mod shortest;
 mod stability;
 mod tangent;
 

@@ -6,6 +6,7 @@ use super::measures::{
 };
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
+use super::shortest::Unresisted;
 use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
@@ -419,6 +420,7 @@ impl Solver {
                 *dx = -g;
             }
             self.matrix.solve(&mut self.dx);
+            Unresisted::of(system, &self.matrix).take_off(&mut self.dx);
             let mut correction = relative_correction(system, state, &self.dx);
             if iteration == 0
                 && correction > NEAR
@@ -575,6 +577,7 @@ impl Solver {
             *dx = -g;
         }
         self.matrix.solve(&mut self.dx_bar);
+        Unresisted::of(system, &self.matrix).take_off(&mut self.dx_bar);
         motion_norm(system, &self.dx_bar) <= (1.0 - 0.25 * step) * motion_norm(system, &self.dx)
     }
 }

@@ -1,5 +1,6 @@
 use super::SolveError;
 use super::rank::{UNDETERMINED, motion_of};
+use super::shortest::Unresisted;
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
@@ -16,6 +17,7 @@ const ONLY_SHIFTS: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Tangent {
     factors: Lu,
+    unresisted: Unresisted,
     scratch: Scratch,
     residual: Vec<f64>,
 }
@@ -40,6 +42,7 @@ impl Tangent {
     pub(super) fn with(system: &System, factors: Lu) -> Self {
         Self {
             factors,
+            unresisted: Unresisted::default(),
             scratch: Scratch::new(system),
             residual: vec![0.0; system.unknowns()],
         }
@@ -61,6 +64,7 @@ impl Tangent {
         system.assemble(parameters, state, scratch, g, matrix)?;
         matrix.finish();
         self.factors.factor(matrix);
+        self.unresisted = Unresisted::of(system, &self.factors);
         Ok(())
     }
 
@@ -76,12 +80,13 @@ impl Tangent {
         each.filter_map(|z| motion_of_parts(system, z)).collect()
     }
 
-    /// The change of the unknowns under a change `dg` of the residual: replaces `dg` by `-J^-1 dg`.
+    /// The change of the unknowns under a change `dg` of the residual, the shortest there is: replaces `dg` by `-J^-1 dg`.
     pub fn respond(&mut self, dg: &mut [f64]) {
         for value in dg.iter_mut() {
             *value = -*value;
         }
         self.factors.solve(dg);
+        self.unresisted.take_off(dg);
     }
 
     /// The same for many changes that follow one another.
@@ -90,10 +95,14 @@ impl Tangent {
             *value = -*value;
         }
         self.factors.solve_many(changes);
+        for change in changes.chunks_mut(self.residual.len()) {
+            self.unresisted.take_off(change);
+        }
     }
 
     /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
     pub(crate) fn adjoint(&mut self, weights: &mut [f64]) {
+        self.unresisted.ignore(weights);
         for value in weights.iter_mut() {
             *value = -*value;
         }

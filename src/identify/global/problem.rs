@@ -37,15 +37,14 @@ pub struct GlobalProblem<'a> {
 
 impl GlobalProblem<'_> {
     /// How many unknowns there are in all.
-    #[expect(clippy::len_without_is_empty, reason = "a problem has unknowns")]
-    pub fn len(&self) -> usize {
+    pub fn dimension(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
     }
 
     /// Where a fit starts.
     pub fn start(&self) -> Vec<f64> {
         let mut x = self.unknowns.start();
-        x.resize(self.len(), 0.0);
+        x.resize(self.dimension(), 0.0);
         x
     }
 

@@ -44,7 +44,7 @@ impl Span {
             .native(&problem, observations.observed.clone())
             .expect("loads of the deck");
         let mut global = global_problem(&problem, observations, unknowns, Box::new(predictor));
-        offset_of.resize(global.len(), None);
+        offset_of.resize(global.dimension(), None);
         let start = global.start();
         let evaluation = global
             .evaluate(&start, true)
