@@ -190,10 +190,13 @@ fn read(path: &Path, shell: &mut Shell) -> Result<Deck, Exit> {
 }
 
 fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<'a>, Exit> {
-    Bench::new(config, (&deck.dataset, &deck.files, &deck.model)).map_err(|found| {
+    let bench = Bench::new(config, (&deck.dataset, &deck.files, &deck.model));
+    let bench = bench.map_err(|found| {
         shell.complain(&found);
         Exit::Findings
-    })
+    })?;
+    shell.complain(&bench.implausible());
+    Ok(bench)
 }
 
 /// Says why there is no answer.

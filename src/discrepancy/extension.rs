@@ -6,8 +6,10 @@ use super::diagnose::Outcome;
 use super::fit::{Fitted, Plain};
 use super::subject::Subject;
 use crate::identify::global::Meaning;
+use crate::mechanics::Vec3;
+use crate::model::{MarkerIx, Model};
 use crate::syntax::{Address, Dataset};
-use crate::system::Slot;
+use crate::system::{Parameters, Slot};
 use crate::text::Edit;
 
 impl Outcome<'_> {
@@ -156,5 +158,55 @@ fn deck(fitted: &Fitted, plain: &Plain, driven: &[Slot]) -> Vec<u8> {
             dataset = edited.value;
         }
     }
+    turn_points(&mut dataset, &fitted.deck.prepared.model, (&before, after));
     dataset.bytes().to_vec()
+}
+
+/// Turns the points ZP and XP of the markers that a cause turns about their origins. A marker that has one of them only gets the other.
+fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Parameters, &Parameters)) {
+    for (k, marker) in model.markers.iter().enumerate() {
+        let (Some(old), Some(new)) = [before, after]
+            .map(|all| all.axes_by_points(MarkerIx(k)))
+            .into()
+        else {
+            continue;
+        };
+        if old == new {
+            continue;
+        }
+        let address = |name: &str| Address {
+            kind: "MARKER".to_string(),
+            id: Some(marker.header.id),
+            argument: Some(name.to_string()),
+            index: None,
+        };
+        let place = |name: &str| {
+            let component = |k| {
+                dataset.value_at(&Address {
+                    index: Some(k),
+                    ..address(name)
+                })
+            };
+            Some(Vec3::new(component(1)?, component(2)?, component(3)?))
+        };
+        let origin = place("QP").unwrap_or_default();
+        let points = ["ZP", "XP"].map(place);
+        let arms = points.map(|point| point.map(|point| point - origin));
+        let length = arms
+            .iter()
+            .flatten()
+            .map(|arm| arm.norm())
+            .fold(0.0, f64::max);
+        let own = [Vec3::z(), Vec3::x()];
+        let mut edits = Vec::new();
+        for (name, (arm, own)) in ["ZP", "XP"].into_iter().zip(arms.into_iter().zip(own)) {
+            let arm = arm.map_or(new * own * length, |arm| new * old.transpose() * arm);
+            let texts = (origin + arm).map(|x| crate::syntax::spell_like(x, b"1.0"));
+            let text = texts.as_slice().join(", ");
+            edits.extend(dataset.set_text(&address(name), &text).unwrap_or_default());
+        }
+        if let Ok(edited) = dataset.edited(&edits) {
+            *dataset = edited.value;
+        }
+    }
 }

@@ -80,7 +80,7 @@ impl Deck {
             }
             None => Vec::new(),
         };
-        let found = self.tests(&config, (&model, &files), &sources)?;
+        let found = self.tests(&config, (&model, &files), (&sources, &mut told))?;
         let mut others = Vec::new();
         for (name, deck) in &beside.decks {
             let (model, files) = deck.model()?;
@@ -92,7 +92,7 @@ impl Deck {
             sources.add(deck.dataset().source().clone());
             others.push((
                 name.clone(),
-                deck.tests(&config, (&model, &files), &sources)?,
+                deck.tests(&config, (&model, &files), (&sources, &mut told))?,
             ));
         }
         let complaints = told.iter();
@@ -118,11 +118,12 @@ impl Deck {
         &self,
         config: &Config,
         (model, files): (&Model, &Files),
-        sources: &Sources,
+        (sources, told): (&Sources, &mut Vec<Diagnostic>),
     ) -> Result<KcRun, Error> {
         let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, sources);
         let bench = Bench::new(config, (self.dataset(), files, model));
         let mut bench = bench.map_err(|found| refused(&found))?;
+        told.extend(bench.implausible());
         run(&mut bench, &model.units).map_err(|why| match why {
             BenchError::Deck(found) => refused(&found),
             other => {

@@ -83,6 +83,11 @@ impl<'a> Bench<'a> {
         worst
     }
 
+    /// What the file says.
+    pub(crate) fn config(&self) -> &'a Config {
+        self.config
+    }
+
     /// The deck as it came.
     pub(crate) fn dataset(&self) -> &'a Dataset {
         self.dataset

@@ -273,7 +273,7 @@ fn out_of_bounds(
 }
 
 /// Where a file gives a key: the line that begins with its last word, or its table's line that has it.
-fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
+pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
     let key = name.rsplit('.').next().unwrap_or(name);
     let text = source.utf8().unwrap_or_default();
     let is_key = |(at, _): &(usize, &str)| {

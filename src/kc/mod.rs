@@ -22,6 +22,7 @@ mod golden;
 mod gradient;
 mod inputs;
 pub mod output;
+mod plausibility;
 mod reading;
 mod replay;
 pub mod ride;

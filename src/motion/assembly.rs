@@ -1,7 +1,7 @@
 //! Initial conditions: positions, velocities, then accelerations and forces that satisfy the constraints, as near to the data as they can be.
 
 use super::bordered::plain_weight;
-use super::consistent::{Consistent, difference, largest_speed};
+use super::consistent::{Consistent, REMOVED, difference, largest_speed};
 use super::error::{MotionError, Reason};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, Rates, State, System};
@@ -176,7 +176,7 @@ fn velocities(
             violation,
         });
     }
-    memory.check_removed_rates(system, parameters, state, CONFLICT * scale)
+    memory.check_removed_rates(system, parameters, state, REMOVED * scale)
 }
 
 /// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass in metres and of the angular velocity

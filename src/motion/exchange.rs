@@ -5,8 +5,8 @@ use super::consistent::Consistent;
 use super::error::Reason;
 use crate::system::{Parameters, State, System};
 
-/// An equation that is left out may count this much of one that is kept. What is left out agrees with the others to 1e-8 of its length where
-/// that is decided, and must hold to 1e-6 everywhere: half of the digits between are for this, half for the way of a step.
+/// An equation that is left out may count this much of one that is kept. What is left out agrees with the others to 1e-6 of its length where
+/// that is decided, and must hold to 1e-4 everywhere: half of the digits between are for this, half for the way of a step.
 const EXCHANGED: f64 = 10.0;
 
 impl Consistent {

@@ -73,6 +73,11 @@ impl Parameters {
         self.refresh(marker.0);
     }
 
+    /// Axes of a marker whose points ZP and XP give them, in the frame that these are given in.
+    pub(crate) fn axes_by_points(&self, marker: crate::model::MarkerIx) -> Option<Mat3> {
+        self.by_points[marker.0]
+    }
+
     /// Where a marker is on its part.
     pub(crate) fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
         &self.markers[marker.0]

@@ -9,7 +9,8 @@ use crate::constraint::Constraint as _;
 use crate::linear::{Matrix, Sink as _, dependent_columns};
 
 /// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
-const REDUNDANT: f64 = 1e-8;
+/// Decks write angles and places with some seven digits: what is redundant but for them is so.
+const REDUNDANT: f64 = 1e-6;
 
 /// A distance that keeps less than this holds what other equations hold better: a rotation by a short lever.
 const WEAK: f64 = 1e-3;

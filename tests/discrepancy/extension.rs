@@ -2,11 +2,15 @@
 
 use std::fs::File;
 use std::io::BufReader;
+use std::path::Path;
 
-use admire::discrepancy::Outcome;
-use admire::mechanics::Vec3;
+use admire::discrepancy::{Outcome, diagnose, held_out};
+use admire::identify::LoadedStudy;
+use admire::mechanics::{Vec3, euler313};
 use admire::results::{StepKind, XrfReader};
 use admire::session::Session;
+
+use crate::plant::{Plant, study};
 
 /// Runs `extended.acf` and compares the place of every part of the deck in every case: to a millionth of a millimetre.
 pub fn reproduces(outcome: &Outcome<'_>) {
@@ -46,4 +50,55 @@ pub fn reproduces(outcome: &Outcome<'_>) {
         case += 1;
     }
     assert_eq!(case, outcome.plain.states.len(), "{console}");
+}
+
+/// Gives markers the same axes by points: `words` are their angles in degrees as the deck has them.
+fn by_points(deck: &Path, markers: &[([f64; 3], &str)]) {
+    let mut text = std::fs::read_to_string(deck).unwrap();
+    for (origin, words) in markers {
+        let angles: Vec<f64> = words
+            .split(", ")
+            .map(|word| {
+                word.trim_end_matches('D')
+                    .parse::<f64>()
+                    .unwrap()
+                    .to_radians()
+            })
+            .collect();
+        let axes = euler313(angles[0], angles[1], angles[2]);
+        let point = |axis: usize, length: f64| {
+            let at = Vec3::from(*origin) + length * axes.column(axis);
+            format!("{:.12}, {:.12}, {:.12}", at.x, at.y, at.z)
+        };
+        let points = format!("ZP = {}, XP = {}", point(2, 1.0), point(0, 40.0));
+        let angles = format!("REULER = {words}");
+        assert!(text.contains(&angles), "{angles}");
+        text = text.replace(&angles, &points);
+    }
+    std::fs::write(deck, text).unwrap();
+}
+
+/// Points that give the axes of a marker are turned with it.
+#[test]
+fn a_turned_bushing_whose_markers_have_points() {
+    let plant = Plant {
+        truth: ("bushing-orientation", "BUSHING/1"),
+        turned: vec![(1, 0, 14.0), (2, 0, 14.0)],
+        ..Plant::nothing()
+    };
+    let folder = study("pseudo-mcpherson", &plant, 0.02, 23, None);
+    let markers = [
+        (
+            [0.0; 3],
+            "-39.30443017783D, 84.30774983023D, 9.464977668106D",
+        ),
+        ([60.0, -370.0, 205.0], "-94.26789330029D, 94.0D, 7.0D"),
+    ];
+    by_points(&folder.path().join("model.adm"), &markers);
+    let loaded = LoadedStudy::read(folder.path()).value.unwrap();
+    let problem = loaded.problem();
+    let outcome = diagnose(&problem, held_out(&loaded.study, &loaded.measurement)).unwrap();
+    let first = &outcome.diagnosis.findings[0];
+    assert_eq!((first.cause.as_str(), first.address.as_str()), plant.truth);
+    reproduces(&outcome);
 }

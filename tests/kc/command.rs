@@ -300,8 +300,15 @@ fn wrong_files_are_refused_at_their_place() {
     }
     write(&(good.replace("mirror = true", "mirror = false") + "[tests.roll]\n"));
     assert!(said(&run(), 1).contains("needs two wheels"));
+    // Within bounds, but not of this axle.
+    write(&good.replacen("radius = 300.0", "radius = 30.0", 1));
+    let warned = said(&run(), 0);
+    assert!(
+        warned.contains("kc.toml:12") && warned.contains("of the deck's track"),
+        "{warned}"
+    );
     write(&good);
-    said(&run(), 0);
+    assert!(!said(&run(), 0).contains("of the deck's track"));
     // A second run replaces its own files; those of others it leaves.
     said(&run(), 0);
     std::fs::write(folder.path().join("out/report.html"), "mine").unwrap();

@@ -313,6 +313,12 @@ fn a_table_of_loads_that_marks_do_not_follow_is_seen() {
     let said = told();
     let wanted = "column `lateral` of the loads times 1000, as if in knewton";
     assert!(said.contains(wanted) && !said.contains(odd), "{said}");
+    let exchanged = shipped.replacen("lateral", "?", 1);
+    let exchanged = exchanged.replacen("longitudinal", "lateral", 1);
+    std::fs::write(&table, exchanged.replacen('?', "longitudinal", 1)).unwrap();
+    let said = told();
+    let wanted = "of the loads exchanged";
+    assert!(said.contains(wanted) && said.contains("no slip"), "{said}");
     std::fs::write(&table, &shipped).unwrap();
     // Marks from another origin.
     let marks = study.join("marks_measured.csv");

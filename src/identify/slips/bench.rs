@@ -1,5 +1,6 @@
 //! One study, compiled once, on which changes are tried by short fits.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -19,6 +20,8 @@ use crate::tolerance::{Effect, Layer, LayerOf, Sizes};
 pub(super) struct Bench {
     study: LoadedStudy,
     prepared: Prepared,
+    /// Equilibria solved so far.
+    solved: Cell<usize>,
 }
 
 /// Where a short fit ended.
@@ -72,7 +75,11 @@ impl Bench {
     /// Of a study; `None` where the built-in solver does not solve it.
     pub(super) fn new(study: LoadedStudy) -> Option<Self> {
         let prepared = Prepared::new(&study.problem()).ok()?;
-        Some(Self { study, prepared })
+        Some(Self {
+            study,
+            prepared,
+            solved: Cell::new(0),
+        })
     }
 
     /// Works on the global problem of the changed study. `further` unknowns stand behind those of the deck.
@@ -109,7 +116,15 @@ impl Bench {
             let slot = system.catalogue().slot(address)?;
             global.deck.set(slot, *value);
         }
-        work(&mut global)
+        let done = work(&mut global);
+        let solved = self.solved.get() + global.predictor.solver_runs();
+        self.solved.set(solved);
+        done
+    }
+
+    /// Equilibria solved so far.
+    pub(super) fn solved(&self) -> usize {
+        self.solved.get()
     }
 
     /// Fits the changed study from `start`, or from its start values, with so many steps at most. `None` where it has no equilibrium.

@@ -14,6 +14,8 @@ use crate::tolerance::{Effect, acts_at};
 pub(super) enum Change {
     /// Columns of loads times a factor.
     Loads(Vec<usize>, f64),
+    /// Two columns of loads change places.
+    Exchange(usize, usize),
     /// Numbers of the deck get these values.
     Numbers(Vec<(Address, f64)>),
     /// Readings of a channel times a factor.
@@ -24,11 +26,15 @@ impl Change {
     /// The loads with it.
     pub(super) fn programme(&self, of: &LoadProgramme) -> LoadProgramme {
         let mut new = of.clone();
-        if let Self::Loads(columns, factor) = self {
-            for case in &mut new.cases {
-                for column in columns {
-                    case.values[*column] *= factor;
+        for case in &mut new.cases {
+            match self {
+                Self::Loads(columns, factor) => {
+                    for column in columns {
+                        case.values[*column] *= factor;
+                    }
                 }
+                Self::Exchange(a, b) => case.values.swap(*a, *b),
+                Self::Numbers(_) | Self::Channel(..) => {}
             }
         }
         new
@@ -82,6 +88,7 @@ const ON_A_SIDE: f64 = 20.0;
 /// All slips that are looked for.
 pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
     let mut out = loads(study);
+    out.extend(exchanges(study));
     out.extend(springs(study));
     out.extend(bushings(study));
     out.extend(load_points(study));
@@ -163,6 +170,31 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
             &together,
             &forces(units),
         ));
+    }
+    out
+}
+
+/// Columns of forces on one point, two and two.
+fn exchanges(study: &LoadedStudy) -> Vec<Family> {
+    let programme = &study.programme;
+    let columns = acting(programme);
+    let point = |k: usize| acts_at(&study.model, &programme.loads[k].target);
+    let mut out = Vec::new();
+    for (at, a) in columns.iter().enumerate() {
+        for b in &columns[at + 1..] {
+            if point(*a).is_none() || point(*a) != point(*b) {
+                continue;
+            }
+            let [first, second] = [a, b].map(|k| &programme.loads[*k].name);
+            out.push(Family {
+                candidates: vec![Candidate {
+                    remedy: format!("columns `{first}` and `{second}` of the loads exchanged"),
+                    change: Change::Exchange(*a, *b),
+                }],
+                by_factor: None,
+                is_of_a_bushing: false,
+            });
+        }
     }
     out
 }
