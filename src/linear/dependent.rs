@@ -2,12 +2,12 @@
 
 use super::entries::Entries;
 use super::ordering::by_shared_rows;
-use super::pivoting::eliminated;
+use super::pivoting::{RANK_TOLERANCE, eliminated};
 
 /// Columns of a sparse matrix without which the others have the same span and depend on none of each other; all that are empty are among
 /// them. Which of several it is goes by the order that keeps the elimination short.
 pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
-    eliminated(matrix, by_shared_rows(matrix), false).free
+    eliminated(matrix, by_shared_rows(matrix), false, RANK_TOLERANCE).free
 }
 
 #[cfg(test)]

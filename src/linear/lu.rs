@@ -16,7 +16,7 @@ use super::form::Form;
 use super::lanes::Lanes;
 use super::matrix::Matrix;
 use super::ordering::columns_of;
-use super::pivoting::eliminated;
+use super::pivoting::{RANK_TOLERANCE, eliminated};
 use super::scalar::Scalar;
 use super::step::{GROWTH, GROWTH_OF_STEPS};
 
@@ -39,6 +39,8 @@ pub(crate) struct Lu<T = f64> {
     pub(crate) orders: usize,
     /// What may stand below a small pivot.
     growth: f64,
+    /// A pivot below this is none.
+    rank_tolerance: f64,
 }
 
 impl Lu {
@@ -76,7 +78,13 @@ impl<T: Scalar> Lu<T> {
             fingerprint: 0,
             orders: 0,
             growth,
+            rank_tolerance: RANK_TOLERANCE,
         }
+    }
+
+    /// From here on a pivot below this, after rows and columns are scaled to one, is none. Orders are then chosen anew for each matrix.
+    pub(crate) fn set_rank_tolerance(&mut self, tolerance: f64) {
+        self.rank_tolerance = tolerance;
     }
 
     /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own. Both
@@ -105,7 +113,8 @@ impl<T: Scalar> Lu<T> {
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
     ) {
         let known = self.orders > 0 && self.fingerprint == matrix.fingerprint;
-        if !(known && self.free.is_empty() && self.repeat(matrix)) {
+        let is_usual = self.rank_tolerance == RANK_TOLERANCE;
+        if !(known && is_usual && self.free.is_empty() && self.repeat(matrix)) {
             self.eliminate(matrix, order);
         }
     }
@@ -116,7 +125,12 @@ impl<T: Scalar> Lu<T> {
         matrix: &Entries<'_, T>,
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
     ) {
-        let mut done = eliminated(matrix, order(matrix), self.form.takes_targets());
+        let mut done = eliminated(
+            matrix,
+            order(matrix),
+            self.form.takes_targets(),
+            self.rank_tolerance,
+        );
         self.form.take(&mut done, matrix);
         (self.free, self.idle) = (done.free, done.idle);
         (self.row_scale, self.column_scale) = (done.row_scale, done.column_scale);

@@ -5,7 +5,7 @@ use super::scalar::Scalar;
 use super::step::Step;
 
 /// A pivot smaller than this, after rows and columns are scaled to one, is none.
-const RANK_TOLERANCE: f64 = 1e-11;
+pub(super) const RANK_TOLERANCE: f64 = 1e-11;
 /// A pivot must reach this share of the largest entry of its column.
 const THRESHOLD: f64 = 0.1;
 /// Entries smaller than this beside others are round-off of directions: cos 90 degrees.
@@ -47,6 +47,7 @@ impl<T> Eliminated<T> {
 struct Elimination<T> {
     done: Eliminated<T>,
     with_targets: bool,
+    rank_tolerance: f64,
     /// (column, place) of the entries of each active row.
     rows: Vec<Vec<(u32, u32)>>,
     /// (row, place) of the entries of each column in active rows.
@@ -65,6 +66,7 @@ pub(super) fn eliminated<T: Scalar>(
     matrix: &Entries<'_, T>,
     mut given: Vec<u32>,
     with_targets: bool,
+    rank_tolerance: f64,
 ) -> Eliminated<T> {
     let n = matrix.n;
     given.reverse();
@@ -91,6 +93,7 @@ pub(super) fn eliminated<T: Scalar>(
             column_scale,
         },
         with_targets,
+        rank_tolerance,
         rows,
         columns,
         buckets: vec![Vec::new(); n + 1],
@@ -187,7 +190,7 @@ impl<T: Scalar> Elimination<T> {
         for &(row, value) in &self.columns[column as usize] {
             largest = largest.max(self.size(row, column, value));
         }
-        let enough = largest >= RANK_TOLERANCE;
+        let enough = largest >= self.rank_tolerance;
         if !enough {
             return None;
         }

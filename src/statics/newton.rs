@@ -26,6 +26,8 @@ const NEAR: f64 = 1e-3;
 const NOISE: f64 = 1e-9;
 /// Relative error of the numbers of a deck, which have ten digits or so.
 const WRITTEN: f64 = 1e-9;
+/// A free motion that is known may be resisted by this share of the stiffnesses beside it: round-off of large forces, not friction's hold.
+const RESISTED: f64 = 1e-8;
 /// A removed constraint equation may be violated by so much of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
@@ -261,6 +263,11 @@ impl Solver {
     /// True if nothing resists some motion of what was solved last.
     pub(crate) fn has_free_motions(&self) -> bool {
         self.matrix.deficiency() > 0
+    }
+
+    /// Says that the model has motions that nothing resists. What resists a motion by less than any friction does then resists none.
+    pub(crate) fn expect_free_motions(&mut self) {
+        self.matrix.set_rank_tolerance(RESISTED);
     }
 
     /// The linearised equations at an equilibrium.

@@ -10,7 +10,7 @@ use super::free::{STEPS, step};
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
-use crate::backend::{CaseSweeper, HeldWeight, Loads};
+use crate::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
 use crate::model::PartIx;
 use crate::rig::Channels;
 use crate::statics::{Balance, Settings, Tangent, displace, twist};
@@ -48,6 +48,8 @@ pub struct NativePredictor<'a> {
     memories: Vec<Memory>,
     /// Weights of parts that spin.
     weights: Vec<HeldWeight>,
+    /// True if the deck has motions that nothing resists.
+    has_free_motions: bool,
     sweeps: usize,
     runs: usize,
 }
@@ -67,6 +69,7 @@ impl<'a> NativePredictor<'a> {
             kept: Kept::default(),
             memories: Vec::new(),
             weights: Vec::new(),
+            has_free_motions: false,
             sweeper: CaseSweeper::new(system, loads, Settings::tight()),
             system,
             observed,
@@ -83,10 +86,14 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// With weights of parts that spin, which act on what carries these.
+    /// With motions that nothing resists; the weights of parts that spin act on what carries these.
     #[must_use]
-    pub(crate) fn holding(mut self, weights: Vec<HeldWeight>) -> Self {
-        self.weights = weights;
+    pub(crate) fn with_free_motions(mut self, free: &FreeMotions) -> Self {
+        self.weights = free.held_weights(self.system);
+        self.has_free_motions = !free.is_empty();
+        if self.has_free_motions {
+            self.sweeper.solver().expect_free_motions();
+        }
         self
     }
 
@@ -136,14 +143,14 @@ impl<'a> NativePredictor<'a> {
     ) -> (DMatrix<f64>, Option<Tangent>) {
         let (mut motions, mut last) = (Vec::new(), None);
         for _ in 0..=STEPS {
-            if !self.sweeper.solver().has_free_motions() {
+            // Factors of the last iteration, not quite in equilibrium, may not show them.
+            if !(self.has_free_motions || self.sweeper.solver().has_free_motions()) {
                 break;
             }
             let Ok(tangent) = self.sweeper.solver().tangent(self.system, theta, state) else {
                 break;
             };
             motions = tangent.free_motions(self.system);
-            last = Some(tangent);
             let marks = self.observed.marks.get(case).map_or(&[][..], Vec::as_slice);
             let observed = self.observed.parts.iter();
             let twist = |motion: &Vec<f64>, part: &PartIx| twist(self.system, state, *part, motion);
