@@ -78,12 +78,12 @@ fn by_points(deck: &Path, markers: &[([f64; 3], &str)]) {
     std::fs::write(deck, text).unwrap();
 }
 
-/// Points that give the axes of a marker are turned with it.
+/// Points that give the axes of a marker are turned with it. About one axis a turned bushing is one with coupling; about two it is not.
 #[test]
 fn a_turned_bushing_whose_markers_have_points() {
     let plant = Plant {
         truth: ("bushing-orientation", "BUSHING/1"),
-        turned: vec![(1, 0, 14.0), (2, 0, 14.0)],
+        turned: vec![(1, 0, 14.0), (2, 0, 14.0), (1, 1, 12.0), (2, 1, 12.0)],
         ..Plant::nothing()
     };
     let folder = study("pseudo-mcpherson", &plant, 0.02, 23, None);
