@@ -4,7 +4,7 @@ use super::subject::Subject;
 use crate::backend::Load;
 use crate::identify::global::Row;
 use crate::mechanics::{Pose, Vec3};
-use crate::model::{MarkerIx, Model, Orientation, PartIx};
+use crate::model::{MarkerIx, Model, PartIx};
 use crate::rig::Measurement;
 use crate::syntax::{Address, NewStatement};
 use crate::system::{Reading, Scratch};
@@ -217,12 +217,6 @@ impl<'a> Survey<'a> {
     /// Pose of a part in a case.
     pub(super) fn pose(&self, case: usize, part: PartIx) -> Pose {
         self.fitted.states[case].poses[part.0]
-    }
-
-    /// True if a marker's Euler angles say how it is turned, so that they can follow a turn.
-    pub(super) fn can_turn(&self, marker: MarkerIx) -> bool {
-        let orientation = &self.model.markers[marker.0].orientation;
-        matches!(orientation, Orientation::Reuler(_))
     }
 
     /// An id that no statement of this kind has yet.

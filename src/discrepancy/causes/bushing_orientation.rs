@@ -11,7 +11,7 @@ const SD: f64 = 0.17;
 /// Every bushing, about each of its axes alone and about all of them.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
-        if !bushing.header.active || !survey.can_turn(bushing.i) || !survey.can_turn(bushing.j) {
+        if !bushing.header.active {
             continue;
         }
         let address = format!("BUSHING/{}", bushing.header.id);
