@@ -49,144 +49,85 @@
 //! Fit + Measurement -> discrepancy -> Findings -> extended Dataset -> gain on held-out load cases
 //! ```
 //!
-//! # Floors
+//! # Crates
 //!
-//! A module uses only lower floors; on the same floor there is no edge. `tests/architecture.rs` reads this table and holds
-//! every `use crate::` line to it.
+//! From the bottom up; a crate uses those above it in this list only, and each can be taken alone. The commands, the Python package and
+//! this front use them all.
 //!
-//! | floor | module | what it owns |
-//! |---|---|---|
-//! | 0 | text | bytes, spans, edits |
-//! | 0 | units | units of a dataset, dimensions |
-//! | 0 | guide | the pages of the guide, text only |
-//! | 0 | mechanics | pose, rotation, relative motion |
-//! | 0 | linear | sparse matrix, LU factors, their order |
-//! | 1 | diagnostic | what to tell a person, as data |
-//! | 2 | grammar | statements, commands and functions as tables |
-//! | 3 | syntax | lexer, dataset, command file, expressions, addresses, editor, lint |
-//! | 3 | results | .res, .req: readers and writers |
-//! | 4 | model | resolved, typed, named objects |
-//! | 5 | function | compiled FUNCTION expressions |
-//! | 6 | element | force laws |
-//! | 6 | constraint | joints and primitives |
-//! | 7 | system | compile, assemble, parameters, state |
-//! | 8 | statics | equilibrium, sensitivities, report |
-//! | 8 | motion | initial conditions, kinematics, integration over time |
-//! | 9 | session | executes a command file: the drop-in solver |
-//! | 10 | check | everything there is to say of one file |
-//! | 10 | backend | who solves: native, external command, replay |
-//! | 11 | kc | standard tests and characteristics of an axle |
-//! | 12 | rig | marks, orientation, load cases, noise, planted effects |
-//! | 13 | tolerance | noise of readings, tolerances of axle and rig, evidence |
-//! | 14 | identify | regression, direct, Gauss-Newton |
-//! | 15 | discrepancy | causes, search, extension, gain |
-//! | 16 | report | HTML and SVG |
-//! | 17 | lsp | the language server |
-//! | 17 | front | a deck, its runs, studies, results: what most programs need |
-//! | 18 | sweep | variants by the thousand: cases, shards, the table of answers |
-//! | 19 | uncertainty | identifications by the thousand: bootstrap, sampled posterior |
-//! | 20 | cli | subcommands |
-//! | 20 | python | the Python package |
+//! | crate | what it owns |
+//! |---|---|
+//! | `admire-guide` | the pages of the guide, text only |
+//! | `admire-syntax` | datasets and command files as text, units, grammar, complaints |
+//! | `admire-results` | results files: readers and writers |
+//! | `admire-solver` | model, laws, joints, equations, equilibrium, motion |
+//! | `admire-session` | command files executed, backends, the check of one file |
+//! | `admire-study` | study files, marks, readings |
+//! | `admire-rig` | the virtual rig, planted effects |
+//! | `admire-kc` | standard tests and characteristics of an axle |
+//! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |
+//! | `admire-diagnosis` | causes, search, extension, gain |
+//! | `admire-design` | what to measure next |
+//! | `admire-report` | HTML and SVG |
+//! | `admire-lsp` | the language server |
+//! | `admire-sweep` | variants and identifications by the thousand |
+//!
+//! Features: `cli` (the command `admire`), `lsp`, `sweep`, on by default; `python` (the Python package).
 #![warn(unreachable_pub)]
 // Rooms that are hidden or private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]
+// Some of the front is for the commands alone.
+#![cfg_attr(not(feature = "cli"), allow(dead_code))]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
-#[doc(hidden)]
-pub mod backend;
-#[doc(hidden)]
-pub mod check;
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
-mod constraint;
-#[doc(hidden)]
-pub mod diagnostic;
-#[doc(hidden)]
-pub mod discrepancy;
-mod element;
 mod front;
-#[doc(hidden)]
-pub mod function;
-#[doc(hidden)]
-pub mod grammar;
-pub mod guide;
-#[doc(hidden)]
-pub mod identify;
-#[doc(hidden)]
-pub mod kc;
-mod linear;
-#[doc(hidden)]
-pub mod lsp;
-#[doc(hidden)]
-pub mod mechanics;
-#[doc(hidden)]
-pub mod model;
-#[doc(hidden)]
-pub mod motion;
 #[cfg(feature = "python")]
 mod python;
-#[doc(hidden)]
-pub mod report;
-#[doc(hidden)]
-pub mod results;
-#[doc(hidden)]
-pub mod rig;
-#[doc(hidden)]
-pub mod session;
-#[doc(hidden)]
-pub mod statics;
-#[doc(hidden)]
-pub mod sweep;
-#[doc(hidden)]
-pub mod syntax;
-#[doc(hidden)]
-pub mod system;
-#[doc(hidden)]
-pub mod text;
-mod tolerance;
-mod uncertainty;
-#[doc(hidden)]
-pub mod units;
 
-pub use diagnostic::{Code, Severity};
-pub use discrepancy::{Aim, GainCheck};
+pub use admire_design::Aim;
+pub use admire_diagnosis::GainCheck;
+#[doc(inline)]
+pub use admire_guide as guide;
+pub use admire_kc::Convention;
+pub use admire_results::{Header, ResultUnits, SelectedColumn, StepFilter, StepKind};
+pub use admire_session::{Ending, Stop};
+pub use admire_study::settings::Method;
+pub use admire_syntax::diagnostic::{Code, Severity};
+pub use admire_syntax::diff::{Change, Difference, Tolerance};
 pub use front::{
     AxleTests, Beside, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind, Identification, Place,
     PlanAnswer, Results, Rows, Run, SensitivityRow, SensitivityTable, Setting, Stand, Study, Watch,
     Watched,
 };
-pub use kc::Convention;
-pub use results::{Header, ResultUnits, SelectedColumn, StepFilter, StepKind};
-pub use rig::settings::Method;
-pub use session::{Ending, Stop};
-pub use syntax::diff::{Change, Difference, Tolerance};
 
 /// What an [`Identification`] holds: the types of `identification.json`.
 pub mod fit {
-    pub use crate::identify::structure::StructureTest;
-    pub use crate::identify::{
+    pub use admire_identify::structure::StructureTest;
+    pub use admire_identify::{
         BootstrapMade, CurveHeldOut, Fit, FitTest, HeldOut, Marks, NoiseFound, OffsetFit,
         ParameterFit, PosteriorMade, ReadingsLeft, Repeated, Status, ToleranceFound,
         UnidentifiableDirection, Verdict, WheelFit, Written,
     };
-    pub use crate::statics::{Balance, Left};
-    pub use crate::system::Name;
+    pub use admire_solver::statics::{Balance, Left};
+    pub use admire_solver::system::Name;
 }
 
 /// What a [`DiagnosisAnswer`] holds: the types of `diagnosis.json`.
 pub mod diagnosis {
-    pub use crate::discrepancy::{
+    pub use admire_diagnosis::{
         BaselineFit, Cause, CauseLimit, CrossValidation, DetectionLimit, Diagnosis, Evidence,
         Finding, Gain, GroupGain, HoldOut, Indistinguishable, NextMeasurement, Over, Parameter,
         Predicted, Remainder, RemainderPoint, SolverDifference, Unexplained, Verdict,
     };
-    pub use crate::identify::{NoiseFound, Status, ToleranceFound};
+    pub use admire_identify::{NoiseFound, Status, ToleranceFound};
 }
 
 /// What a [`PlanAnswer`] holds: the types of `plan.json`.
 pub mod plan {
-    pub use crate::discrepancy::{
-        CauseLimit, Combination, Curves, DetectionLimit, Kind, Plan, Ranked, Separation, Undecided,
-        WheelSd,
+    pub use admire_design::{
+        Combination, Curves, Kind, Plan, Ranked, Separation, Undecided, WheelSd,
     };
+    pub use admire_diagnosis::{CauseLimit, DetectionLimit};
 }

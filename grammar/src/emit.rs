@@ -4,7 +4,7 @@ use crate::declaration::{
     Argument, Count, Grammar, Keyword, Law, LeftOut, Presence, Solved, Statement, Value,
 };
 
-/// The text of `src/grammar/generated.rs`.
+/// The text of `src/syntax/grammar/generated.rs`.
 pub fn emit(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Written by `cargo run -p grammar` from `grammar/*.grammar`. Do not edit.\n\n\

@@ -1,7 +1,7 @@
 //! The grammar of the dataset language as a file people read, and the generator that turns it into tables.
 //!
 //! `*.grammar` files declare statements, commands and functions; [`read`] parses them and [`emit`] prints the Rust tables of
-//! `src/grammar/generated.rs`. Knows nothing about the crate it writes for, except the names of its types.
+//! `src/syntax/grammar/generated.rs`. Knows nothing about the crate it writes for, except the names of its types.
 //!
 //! # The format
 //!

@@ -1,4 +1,4 @@
-//! `cargo run -p grammar` rewrites `src/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar`; with
+//! `cargo run -p grammar` rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar`; with
 //! `--coverage` it prints that table instead.
 
 use std::path::Path;
@@ -17,7 +17,7 @@ fn main() -> ExitCode {
         print!("{}", grammar::coverage(&grammar));
         return ExitCode::SUCCESS;
     }
-    let path = folder.join("../src/grammar/generated.rs");
+    let path = folder.join("../src/syntax/grammar/generated.rs");
     let statements = grammar.statements.len();
     let functions = grammar.functions.len();
     let page = folder.join("../src/guide/coverage.md");
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     match written {
         Ok(()) => {
             println!(
-                "src/grammar/generated.rs, src/guide/coverage.md: {statements} statements and commands, {functions} functions"
+                "src/syntax/grammar/generated.rs, src/guide/coverage.md: {statements} statements and commands, {functions} functions"
             );
             ExitCode::SUCCESS
         }

@@ -1,5 +1,5 @@
 //! The drop-in solver, with ADAMS' own command line.
 
 fn main() -> std::process::ExitCode {
-    admire::session::mdi()
+    admire_session::mdi()
 }

@@ -1,9 +1,9 @@
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic};
 use crate::front::Before;
-use crate::syntax::{Dataset, NewStatement};
-use crate::text::Source;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
+use admire_syntax::{Dataset, NewStatement};
 
 use super::Outcome;
 use super::edited::{edited, refuse_faults};

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 
 use clap_complete::CompletionCandidate;
 
-use crate::grammar::ValueKind;
-use crate::results::{Selection, open_any};
-use crate::syntax::{Dataset, Statement};
-use crate::text::Source;
+use admire_results::{Selection, open_any};
+use admire_syntax::grammar::ValueKind;
+use admire_syntax::text::Source;
+use admire_syntax::{Dataset, Statement};
 
 /// More candidates than a person chooses from are not offered.
 const MOST: usize = 2000;

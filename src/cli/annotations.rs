@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 
-use crate::diagnostic::{Code, Diagnostic, Label, Severity};
-use crate::session::Sources;
-use crate::text::{Source, Span};
+use admire_session::Sources;
+use admire_syntax::diagnostic::{Code, Diagnostic, Label, Severity};
+use admire_syntax::text::{Source, Span};
 
 /// One log with one run; the rules are the codes that occur.
 pub(super) fn sarif(diagnostics: &[Diagnostic], sources: &Sources) -> String {
@@ -195,8 +195,8 @@ mod tests {
             .help("did you mean MARKER?")
             .fix(
                 "write MARKER",
-                vec![crate::text::Edit::new(Span::new(8, 13), "MARKER")],
-                crate::diagnostic::Applicability::MaybeIncorrect,
+                vec![admire_syntax::text::Edit::new(Span::new(8, 13), "MARKER")],
+                admire_syntax::diagnostic::Applicability::MaybeIncorrect,
             );
         (vec![found], sources)
     }

@@ -1,8 +1,8 @@
 //! What an assignment of the command line means: `BUSHING/*.K.1*=1.2` is one value for each of several addresses.
 
-use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{is_angle, rounded};
-use crate::syntax::{Address, Argument, Dataset, Value, number, spell_like};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::{Address, Argument, Dataset, Value, number, spell_like};
 
 use super::shell::{Exit, Shell};
 

@@ -1,13 +1,14 @@
 use std::path::PathBuf;
 
-use crate::check::{self, is_command_file};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::report::Plausibility;
-use crate::rig::{Study, missing};
-use crate::syntax::lint::Options;
-use crate::syntax::property::PropertyFile;
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::Source;
+use admire_report::Plausibility;
+use admire_session::check;
+use admire_session::check::is_command_file;
+use admire_study::{Study, missing};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::lint::Options;
+use admire_syntax::property::PropertyFile;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 
 use super::Outcome;
 use super::check_settings::{AllSettings, Flags};

@@ -3,17 +3,35 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::check::{Settings, Solver, code_named, table_above};
-use crate::diagnostic::Code;
+use admire_session::check::{Settings, Solver, code_named, table_above};
+use admire_syntax::diagnostic::Code;
 
 use super::shell::{Exit, Shell};
+
+/// Who is to solve a deck.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
+enum SolverChoice {
+    /// ADAMS: what only the built-in solver lacks is not told, nor files that only graphics read.
+    Adams,
+    /// The built-in solver: what it does not solve is told, files that only graphics read are not.
+    Admire,
+}
+
+impl From<SolverChoice> for Solver {
+    fn from(choice: SolverChoice) -> Self {
+        match choice {
+            SolverChoice::Adams => Self::Adams,
+            SolverChoice::Admire => Self::Admire,
+        }
+    }
+}
 
 /// Which complaints are shown, and which make the check fail.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub(super) struct Flags {
     /// Who is to solve the decks. Without it everything is told.
     #[arg(long = "for", value_enum, value_name = "SOLVER")]
-    solver: Option<Solver>,
+    solver: Option<SolverChoice>,
     /// Tell only complaints of these codes: `--select undefined-id,tab`.
     #[arg(long, value_delimiter = ',', value_name = "CODE")]
     select: Vec<String>,
@@ -75,7 +93,7 @@ impl<'a> AllSettings<'a> {
             settings.select = select;
         }
         settings.ignore.extend(ignore);
-        settings.solver = flags.solver.or(settings.solver);
+        settings.solver = flags.solver.map(Solver::from).or(settings.solver);
         settings.quiet |= shell.is_quiet();
         settings.strict |= flags.strict;
         settings.fortran |= flags.fortran;

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::front::edits;
-use crate::grammar::{Lookup, Role, find_statement};
-use crate::syntax::{Address, CommandFile, Dataset, lint};
-use crate::text::{Source, Span, apply_edits};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::grammar::{Lookup, Role, find_statement};
+use admire_syntax::text::{Source, Span, apply_edits};
+use admire_syntax::{Address, CommandFile, Dataset, lint};
 
 use super::assignment::{Assignment, reckoned};
 use super::shell::{Exit, Shell};

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::session::recorded_commands;
+use admire_session::recorded_commands;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::results::{Comparison, Tolerance, compare};
+use admire_results::{Comparison, Tolerance, compare};
 
 use super::Outcome;
 use super::format::Format;

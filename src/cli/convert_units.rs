@@ -1,12 +1,12 @@
 use std::path::PathBuf;
 
-use crate::check::is_command_file;
-use crate::diagnostic::{Code, Diagnostic};
 use crate::front::Before;
-use crate::grammar::nearest;
-use crate::model::{Model, convert_units};
-use crate::syntax::Dataset;
-use crate::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
+use admire_session::check::is_command_file;
+use admire_solver::model::{Model, convert_units};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::nearest;
+use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
 use super::Outcome;
 use super::edited::{edited, refuse_faults};

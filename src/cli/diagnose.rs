@@ -1,15 +1,17 @@
+use admire_design::propose;
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{
+use crate::front::fit_view::changed_lines;
+use crate::front::foreign_parts;
+use admire_diagnosis::{
     Finding, GainCheck, Outcome as Diagnosed, Progress as Watched, Verdict, diagnose_watched,
     held_out,
 };
-use crate::front::fit::changed_lines;
-use crate::front::{foreign_parts, permission::NamedProgram, solver};
-use crate::identify::{LoadedStudy, estimate_noise};
-use crate::report::{DiagnosisReport, fit_in_words, sizes};
-use crate::rig::settings::BackendChoice;
+use admire_identify::{LoadedStudy, estimate_noise};
+use admire_report::{DiagnosisReport, fit_in_words, sizes};
+use admire_study::settings::BackendChoice;
+use admire_study::{permission::NamedProgram, solver};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::format::Format;
@@ -109,6 +111,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.fail(Diagnostic::error(Code::NoFit, error.to_string()));
         Exit::NoAnswer
     })?;
+    propose(&mut outcome);
     if loaded.study.solver.backend != BackendChoice::Native && !outcome.is_stopped() {
         compare(&loaded, &mut outcome, shell);
     }

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
-use crate::syntax::Dataset;
-use crate::syntax::diff::{Change, Difference, Tolerance, diff};
+use admire_syntax::Dataset;
+use admire_syntax::diff::{Change, Difference, Tolerance, diff};
 
 use super::Outcome;
 use super::format::Format;
@@ -71,7 +71,7 @@ fn line(difference: &Difference) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Source;
+    use admire_syntax::text::Source;
 
     #[test]
     fn each_kind_of_change_is_one_line() {

@@ -3,11 +3,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::report::VERSION;
-use crate::rig::Study;
-use crate::rig::settings::BackendChoice;
+use admire_report::VERSION;
+use admire_study::Study;
+use admire_study::settings::BackendChoice;
 
-use crate::front::{permission::NamedProgram, solver::found_on_path};
+use admire_study::{permission::NamedProgram, solver::found_on_path};
 
 use super::Outcome;
 use super::permission::Permission;

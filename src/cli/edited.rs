@@ -1,10 +1,10 @@
 //! What an edit does to a deck beyond the value it is about: looked at before anything is written.
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::front::Before;
-use crate::syntax::Dataset;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
-use crate::text::Edit;
+use admire_syntax::text::Edit;
 
 use super::shell::{Exit, Shell};
 

@@ -1,10 +1,12 @@
 use clap_complete::{ArgValueCompleter, CompletionCandidate};
 
-use crate::diagnostic::Code;
-use crate::grammar::{FUNCTIONS, Lookup, Role, STATEMENTS, find_function, find_statement, nearest};
-use crate::guide::glossary::{self, Entry};
-use crate::rig::schema;
-use crate::syntax::describe::{self, minimal};
+use admire_guide::glossary::{self, Entry};
+use admire_study::schema;
+use admire_syntax::describe::{self, minimal};
+use admire_syntax::diagnostic::Code;
+use admire_syntax::grammar::{
+    FUNCTIONS, Lookup, Role, STATEMENTS, find_function, find_statement, nearest,
+};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use crate::syntax::{Dataset, json};
+use admire_syntax::{Dataset, json};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

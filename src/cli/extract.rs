@@ -3,11 +3,11 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::front::Before;
-use crate::model::{Model, extract};
-use crate::syntax::{Address, Dataset};
-use crate::text::printable;
+use admire_solver::model::{Model, extract};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::printable;
+use admire_syntax::{Address, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let statement = dataset
                 .find(&address)
                 .filter(|s| s.is_body() && !s.has("GROUND"));
-            if let Some(object) = statement.and_then(crate::syntax::Statement::object) {
+            if let Some(object) = statement.and_then(admire_syntax::Statement::object) {
                 bodies.insert(object);
                 found += 1;
             }

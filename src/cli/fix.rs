@@ -2,13 +2,13 @@ use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 
-use crate::check::is_command_file;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::replace_user_forces;
-use crate::syntax::files::references;
-use crate::syntax::lint::{self, Options};
-use crate::syntax::{CommandFile, Dataset, all_fixes, safe_fixes};
-use crate::text::{Source, Span, apply_edits};
+use admire_session::check::is_command_file;
+use admire_solver::model::replace_user_forces;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::files::references;
+use admire_syntax::lint::{self, Options};
+use admire_syntax::text::{Source, Span, apply_edits};
+use admire_syntax::{CommandFile, Dataset, all_fixes, safe_fixes};
 
 use super::Outcome;
 use super::get;

@@ -3,10 +3,10 @@ use std::path::PathBuf;
 use clap_complete::ArgValueCompleter;
 use serde_json::Value;
 
-use crate::check::is_command_file;
-use crate::diagnostic::Diagnostic;
 use crate::front::value;
-use crate::syntax::{Address, CommandFile, Dataset};
+use admire_session::check::is_command_file;
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::{Address, CommandFile, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;

@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
-use crate::report::TopologyGraph;
-use crate::syntax::Dataset;
+use admire_report::TopologyGraph;
+use admire_syntax::Dataset;
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

@@ -2,8 +2,8 @@ use std::fmt::Write as _;
 
 use clap_complete::{ArgValueCompleter, CompletionCandidate};
 
-use crate::grammar::nearest;
-use crate::guide::{PAGES, page};
+use admire_guide::{PAGES, page};
+use admire_syntax::grammar::nearest;
 
 use super::Outcome;
 use super::markdown::in_lines;

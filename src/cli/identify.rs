@@ -3,18 +3,17 @@ use std::sync::{Arc, Mutex};
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::fit::{
-    changed_lines, identify_with, not_repeatable, nothing_to_identify, positions,
-};
-use crate::front::{permission::NamedProgram, solver};
-use crate::identify::{Fit, LoadedStudy, Repeated};
-use crate::report::{IdentificationReport, Positions, VERSION, lead, number, status};
-use crate::rig::settings::Method;
-use crate::units::short_unit;
+use crate::front::fit_view::{changed_lines, positions};
+use admire_diagnosis::study_fit::{identify_with, not_repeatable, nothing_to_identify};
+use admire_identify::{Fit, LoadedStudy, Repeated};
+use admire_report::{IdentificationReport, Positions, VERSION, lead, number, status};
+use admire_study::settings::Method;
+use admire_study::{permission::NamedProgram, solver};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::short_unit;
 
-use crate::identify::global::Marginal;
-use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
+use admire_identify::global::Marginal;
+use admire_sweep::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
 
 use super::Outcome;
 use super::format::Format;

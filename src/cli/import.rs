@@ -1,8 +1,8 @@
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{Before, new_errors};
-use crate::syntax::{Dataset, MarkerPoints, json};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::{Dataset, MarkerPoints, json};
 
 use super::Outcome;
 use super::edited::{edited, refuse_faults};

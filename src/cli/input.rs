@@ -1,11 +1,11 @@
 use std::path::Path;
 
-use crate::diagnostic::{Checked, Diagnostic, Severity};
-use crate::identify::LoadedStudy;
-use crate::model::lint::implausible_units;
-use crate::model::{Ignore, Model, said_left_out};
-use crate::syntax::Dataset;
-use crate::system::System;
+use admire_identify::LoadedStudy;
+use admire_solver::model::lint::implausible_units;
+use admire_solver::model::{Ignore, Model, said_left_out};
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 
 use super::shell::{Exit, Shell};
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use clap_complete::env::Shells;
 
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 use super::{Cli, Outcome};

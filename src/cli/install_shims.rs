@@ -1,6 +1,6 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::front::permissions::make_executable;
 

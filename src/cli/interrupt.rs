@@ -1,6 +1,6 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::backend::end_runs;
+use admire_session::backend::end_runs;
 
 use super::shell::Exit;
 

@@ -2,17 +2,18 @@ use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::front::{Watch as _, kc_page, measured};
-use crate::kc::{
+use crate::front::{kc_page, measured};
+use admire_diagnosis::Watch as _;
+use admire_kc::{
     Bench, BenchError, Config, Convention, KcRun, Unit, deck_files, output, run_watched, shown,
     slope,
 };
-use crate::model::Model;
-use crate::report::number;
-use crate::statics::{SolveError, history_table};
-use crate::syntax::Dataset;
-use crate::syntax::files::Files;
+use admire_report::number;
+use admire_solver::model::Model;
+use admire_solver::statics::{SolveError, history_table};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
 
 use super::Outcome;
 use super::format::Format;
@@ -244,7 +245,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
 }
 
 /// Ride height and the gradients of every test.
-fn summary(run: &KcRun, units: &crate::units::Units, convention: Convention) -> String {
+fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convention) -> String {
     let mut out = String::from("at ride height\n");
     let mut table = Table::new();
     table.load_style(presets::NOTHING);

@@ -1,5 +1,5 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::lsp::{Ended, serve_stdio};
+use admire_lsp::{Ended, serve_stdio};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

@@ -181,7 +181,7 @@ fn table(rows: Vec<Vec<String>>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::guide::PAGES;
+    use admire_guide::PAGES;
 
     /// Nothing is lost, and nothing but code is wider than the terminal.
     #[test]

@@ -2,8 +2,8 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::sweep::{Summary, SweepFolder, merge, page, six_digits};
+use admire_sweep::{Summary, SweepFolder, merge, page, six_digits};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::format::Format;
@@ -110,7 +110,7 @@ fn text(summary: &Summary) -> String {
 }
 
 /// The number that matters most, and how much.
-fn most(output: &crate::sweep::OutputSummary) -> String {
+fn most(output: &admire_sweep::OutputSummary) -> String {
     let by_total = output
         .indices
         .iter()

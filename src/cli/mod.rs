@@ -71,7 +71,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::report::VERSION;
+use admire_report::VERSION;
 
 use format::Format;
 use shell::{ColorChoice, Exit, Shell, Verbosity};

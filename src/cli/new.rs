@@ -2,12 +2,12 @@ use std::collections::BTreeSet;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::front::permission::trust_study;
-use crate::model::Model;
-use crate::rig::{Kind, Starter};
-use crate::syntax::Dataset;
-use crate::text::Source;
+use admire_solver::model::Model;
+use admire_study::permission::trust_study;
+use admire_study::{Kind, Starter};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::Source;
 
 use super::Outcome;
 use super::output_folder::{Replacing, refuse_replacing, write_folder};

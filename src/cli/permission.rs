@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal;
 
-use crate::front::permission::NamedProgram;
+use admire_study::permission::NamedProgram;
 
 use super::new::answer;
 use super::shell::{Exit, Shell};

@@ -2,11 +2,12 @@ use std::path::PathBuf;
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{Aim, Combination, Plan, Progress as Watched, Ranked, plan};
-use crate::front::fit::{no_wheel, nothing_to_identify};
 use crate::front::{foreign_parts, suggested};
-use crate::identify::estimate_noise;
+use admire_design::{Aim, Combination, Plan, Ranked, plan};
+use admire_diagnosis::Progress as Watched;
+use admire_diagnosis::study_fit::{no_wheel, nothing_to_identify};
+use admire_identify::estimate_noise;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::format::Format;

@@ -2,10 +2,10 @@
 
 use comfy_table::{ContentArrangement, Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::identify::LoadedStudy;
-use crate::model::lint;
-use crate::report::{Plausibility, Verdict};
+use admire_identify::LoadedStudy;
+use admire_report::{Plausibility, Verdict};
+use admire_solver::model::lint;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 use super::width::table_text;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::front::Watch;
+use admire_diagnosis::Watch;
 
 use super::format::Format;
 use super::interrupt;

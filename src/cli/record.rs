@@ -1,9 +1,10 @@
 use std::path::PathBuf;
 
-use crate::backend::Recording;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::{fit::fitted, permission::NamedProgram, solver};
-use crate::rig::settings::BackendChoice;
+use admire_diagnosis::study_fit::fitted;
+use admire_session::backend::Recording;
+use admire_study::settings::BackendChoice;
+use admire_study::{permission::NamedProgram, solver};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::identify::MethodChoice;

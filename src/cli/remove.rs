@@ -3,9 +3,9 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::front::Before;
-use crate::syntax::{Address, Dataset};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::{Address, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;

@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use miette::{GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteSpanContents, SourceCode};
 use serde_json::{Value, json};
 
-use crate::diagnostic::{Applicability, Diagnostic, Severity};
-use crate::session::Sources;
-use crate::text::{Source, Span, masked, printable};
+use admire_session::Sources;
+use admire_syntax::diagnostic::{Applicability, Diagnostic, Severity};
+use admire_syntax::text::{Source, Span, masked, printable};
 
 use super::annotations;
 use super::format::Format;
@@ -358,8 +358,8 @@ impl SourceCode for Decoded {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Code;
-    use crate::text::Edit;
+    use admire_syntax::diagnostic::Code;
+    use admire_syntax::text::Edit;
 
     fn sample() -> (Vec<Diagnostic>, Sources) {
         let text =

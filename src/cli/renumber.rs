@@ -2,11 +2,11 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{Lookup, Role, find_statement};
-use crate::syntax::renumber::{Renumbering, in_order, renumber};
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::{Edit, Source, apply_edits};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::{Lookup, Role, find_statement};
+use admire_syntax::renumber::{Renumbering, in_order, renumber};
+use admire_syntax::text::{Edit, Source, apply_edits};
+use admire_syntax::{CommandFile, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;

@@ -2,10 +2,10 @@ use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::Watch;
-use crate::identify::reproduction::{Comparison, ReproductionError, STAGES, Section, reproduce};
-use crate::report::ReproductionReport;
+use admire_diagnosis::Watch;
+use admire_identify::reproduction::{Comparison, ReproductionError, STAGES, Section, reproduce};
+use admire_report::ReproductionReport;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::format::Format;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap_complete::ArgValueCompleter;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::results::{MessageFile, ResultsError, ResultsReader, Selection, StepFilter, StepKind};
-use crate::text::Source;
+use admire_results::{MessageFile, ResultsError, ResultsReader, Selection, StepFilter, StepKind};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
 
 use super::Outcome;
 use super::addresses::complete_columns;

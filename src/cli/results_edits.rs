@@ -3,10 +3,11 @@
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::{leftover, permissions::as_new_files, take_place};
-use crate::results::{Change, ResultsError, StepFilter, rewrite};
-use crate::text::open_to_read;
+use crate::front::{permissions::as_new_files, take_place};
+use admire_results::{Change, ResultsError, StepFilter, rewrite};
+use admire_study::leftover;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::open_to_read;
 
 use super::Outcome;
 use super::results_file::{open, refused, selection};
@@ -107,7 +108,7 @@ pub(super) fn run(
 
 fn read(
     text: &str,
-    reader: &dyn crate::results::ResultsReader,
+    reader: &dyn admire_results::ResultsReader,
     shell: &Shell,
 ) -> Result<Assignment, Exit> {
     let wrong = |message: String| {

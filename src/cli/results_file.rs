@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::shell::{Exit, Shell};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::nearest;
-use crate::results::{AnyResults, ResultsError, ResultsReader, Selection, open_any};
+use admire_results::{AnyResults, ResultsError, ResultsReader, Selection, open_any};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::nearest;
 
 /// Opens a results file of any kind that can be read, and prints the complaints about it.
 pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {

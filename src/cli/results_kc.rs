@@ -7,13 +7,13 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::kc::{
+use admire_kc::{
     BodyPoint, Convention, Frame, Given, Reading, Replay, ReplayError, ReplayOptions, Road, Tyre,
 };
-use crate::mechanics::Vec3;
-use crate::results::{ResultsError, ResultsReader, Selection, StepFilter, StepKind};
-use crate::units::{LENGTH_UNITS, Units};
+use admire_results::{ResultsError, ResultsReader, Selection, StepFilter, StepKind};
+use admire_solver::mechanics::Vec3;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::{LENGTH_UNITS, Units};
 
 use super::Outcome;
 use super::format::Format;

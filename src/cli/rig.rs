@@ -1,9 +1,9 @@
 use std::path::PathBuf;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::Watch as _;
-use crate::rig::effect::EffectSpec;
-use crate::rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig_watched};
+use admire_diagnosis::Watch as _;
+use admire_rig::effect::EffectSpec;
+use admire_rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig_watched};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::output_folder::{Replacing, write_folder};

@@ -4,9 +4,9 @@ use clap_complete::ArgValueCompleter;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::json;
 
-use crate::diagnostic::{Code, Diagnostic};
 use crate::front::{SensitivityRow, SensitivityTable, Unavailable};
-use crate::units::short_unit;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::short_unit;
 
 use super::Outcome;
 use super::addresses::complete;

@@ -3,11 +3,11 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::check::is_command_file;
-use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::front::{Before, edits, new_errors, outline};
-use crate::syntax::{Address, Dataset, MarkerPoints};
-use crate::text::{Edit, EditConflict, Source};
+use admire_session::check::is_command_file;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Edit, EditConflict, Source};
+use admire_syntax::{Address, Dataset, MarkerPoints};
 
 use super::Outcome;
 use super::addresses::complete;

@@ -3,12 +3,12 @@ use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Read, Write};
 use std::path::Path;
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
 use crate::front::replace_file;
-use crate::session::{FilePolicy, Sources, check_name, folder_of, read_files};
-use crate::syntax::Dataset;
-use crate::syntax::files::Files;
-use crate::text::{CodePage, Source, check_size, printable};
+use admire_session::{FilePolicy, Sources, check_name, folder_of, read_files};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::text::{CodePage, Source, check_size, printable};
 
 use super::format::Format;
 use super::render;

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Value, json};
 
-use crate::check::is_command_file;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::psi_theta_phi;
-use crate::model::{Ignore, Model, PartIx, PartKind};
-use crate::statics::{
+use admire_session::check::is_command_file;
+use admire_solver::mechanics::psi_theta_phi;
+use admire_solver::model::{Ignore, Model, PartIx, PartKind};
+use admire_solver::statics::{
     Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
 };
-use crate::system::{Scratch, State, System};
-use crate::units::Dimension;
+use admire_solver::system::{Scratch, State, System};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::Dimension;
 
 use super::Outcome;
 use super::format::Format;

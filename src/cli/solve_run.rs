@@ -4,11 +4,11 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::Ignore;
-use crate::report::{Chart, DrawingError, Figure, Mark, Page, Series};
-use crate::results::{ResultsError, Selection, StepFilter, StepKind};
-use crate::session::{Moment, Session, on_deck};
+use admire_report::{Chart, DrawingError, Figure, Mark, Page, Series};
+use admire_results::{ResultsError, Selection, StepFilter, StepKind};
+use admire_session::{Moment, Session, on_deck};
+use admire_solver::model::Ignore;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::interrupt;

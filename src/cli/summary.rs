@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::model::Model;
-use crate::model::summary::{Summary, summary};
-use crate::statics::Freedoms;
-use crate::syntax::Dataset;
-use crate::syntax::property::{PropertyFile, PropertyKind};
-use crate::system::System;
-use crate::text::Source;
+use admire_solver::model::Model;
+use admire_solver::model::summary::{Summary, summary};
+use admire_solver::statics::Freedoms;
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::property::{PropertyFile, PropertyKind};
+use admire_syntax::text::Source;
 
 use super::Outcome;
 use super::format::Format;

@@ -2,14 +2,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::solver;
-use crate::report::VERSION;
-use crate::rig::settings::BackendChoice;
-use crate::sweep::{
+use admire_report::VERSION;
+use admire_study::settings::BackendChoice;
+use admire_study::solver;
+use admire_sweep::{
     MOST_SHARDS, Manifest, Progress as Done, Runner, Shard, ShardError, SweepFolder, SweepPlan,
     Task, run_shard,
 };
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::interrupt;

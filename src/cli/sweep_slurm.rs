@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::sweep::SweepFolder;
+use admire_sweep::SweepFolder;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
 use super::shell::{Exit, Shell};

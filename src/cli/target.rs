@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::Source;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
 
 use super::shell::{Exit, Shell};
 

@@ -1,13 +1,13 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::model::Model;
-use crate::report::scene::{bodies, motion};
-use crate::report::{Page, Scene};
-use crate::results::{ResultsReader, Timestamp};
-use crate::syntax::Dataset;
-use crate::text::open_to_read;
+use admire_report::scene::{bodies, motion};
+use admire_report::{Page, Scene};
+use admire_results::{ResultsReader, Timestamp};
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::open_to_read;
 
 use super::Outcome;
 use super::results_file::{open, refused};
@@ -172,7 +172,7 @@ fn footer(arguments: &Arguments) -> String {
     format!(
         "{}{run} · admire {} · {} UTC",
         arguments.deck.display(),
-        crate::report::VERSION,
+        admire_report::VERSION,
         Timestamp::now().date_time()
     )
 }

@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use sha2::{Digest, Sha256};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::grammar::{STATEMENTS, ValueKind};
-use crate::syntax::lint::{self, Options};
-use crate::syntax::{Address, Dataset};
-use crate::text::Edit;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::grammar::{STATEMENTS, ValueKind};
+use admire_syntax::lint::{self, Options};
+use admire_syntax::text::Edit;
+use admire_syntax::{Address, Dataset};
 
 /// A flag is switched by true and false; a number and anything else is written as it was typed. `beside` are addresses that have values
 /// of their own.

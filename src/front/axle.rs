@@ -2,12 +2,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::kc::{Bench, BenchError, Config, Convention, KcRun, output, run};
-use crate::model::Model;
-use crate::session::Sources;
-use crate::syntax::files::Files;
-use crate::text::Source;
+use admire_kc::{Bench, BenchError, Config, Convention, KcRun, output, run};
+use admire_session::Sources;
+use admire_solver::model::Model;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::files::Files;
+use admire_syntax::text::Source;
 
 use super::deck::Deck;
 use super::error::{Complaint, Error, ErrorKind};

@@ -5,23 +5,23 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use crate::check::{self, Settings, table_above};
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model::{Model, lint};
-use crate::session::{Sources, folder_of, read_files};
-use crate::syntax::diff::{self, Difference, Tolerance};
-use crate::syntax::lint::Options;
-use crate::syntax::{Address, CommandFile, Dataset};
-use crate::system::System;
-use crate::text::{Edit, Source};
+use admire_session::check::{Settings, table_above};
+use admire_session::{Sources, check, folder_of, read_files};
+use admire_solver::model::{Model, lint};
+use admire_solver::system::System;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::diff::{self, Difference, Tolerance};
+use admire_syntax::lint::Options;
+use admire_syntax::text::{Edit, Source};
+use admire_syntax::{Address, CommandFile, Dataset};
 
 use super::assignment::{Before, edits, new_errors, outline};
 use super::error::{Complaint, Error, ErrorKind};
 use super::run::Run;
 use super::sensitivity::{SensitivityTable, Unavailable};
 use super::value::{address, typed, value};
-use super::watch::{Watch, Watched};
 use super::writing::{may_replace, replace_file};
+use admire_diagnosis::{Watch, Watched};
 
 /// A dataset (.adm): its values by address, its equilibrium, its runs. Cheap to clone.
 ///
@@ -399,7 +399,7 @@ impl Deck {
     }
 
     /// The model of the deck.
-    pub(super) fn model(&self) -> Result<(Model, crate::syntax::files::Files), Error> {
+    pub(super) fn model(&self) -> Result<(Model, admire_syntax::files::Files), Error> {
         let folder = folder_of(self.dataset().source());
         let files = read_files(self.dataset(), &folder, &check::policy(&folder));
         let lowered = Model::lower_with(self.dataset(), &files.value);

@@ -2,8 +2,8 @@ use std::fmt;
 use std::io;
 use std::path::Path;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::session::{Sources, located};
+use admire_session::{Sources, located};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 /// Why there is no answer: the complaints of the command line, at their places.
 #[derive(Clone, Debug)]
@@ -64,7 +64,7 @@ pub struct Place {
 impl Complaint {
     /// A complaint with places in these files.
     pub(crate) fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
-        let place = |label: &crate::diagnostic::Label| {
+        let place = |label: &admire_syntax::diagnostic::Label| {
             let source = sources.get(&label.file);
             let at = source.map(|source| source.line_column(label.span.start()));
             Place {

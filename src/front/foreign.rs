@@ -1,6 +1,6 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::identify::LoadedStudy;
-use crate::rig::{ForeignMarks, foreign_marks};
+use admire_identify::LoadedStudy;
+use admire_study::{ForeignMarks, foreign_marks};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Marks that belong to other parts, with the cases where they do.
 pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {

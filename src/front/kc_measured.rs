@@ -1,10 +1,10 @@
 //! Measured curves beside those of K&C tests.
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::kc::{Config, unit_in_deck};
-use crate::report::MeasuredCurve;
-use crate::text::Source;
-use crate::units::Units;
+use admire_kc::{Config, unit_in_deck};
+use admire_report::MeasuredCurve;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::Source;
+use admire_syntax::units::Units;
 
 /// Reads a table with the columns `test`, `value` and characteristics. A head may end in a unit as `curves.csv` has it, such as `[deg]`; without one
 /// values are in the deck's units and radians. Cells may be empty. Semicolons or tabs between the cells are read too, and then decimal commas.

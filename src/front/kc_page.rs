@@ -2,11 +2,11 @@ use std::path::Path;
 
 use serde_json::json;
 
-use crate::kc::{Config, Convention, KcRun, output};
-use crate::report::{DrawingError, KcReport, MeasuredCurve};
-use crate::results::Timestamp;
-use crate::text::digest;
-use crate::units::Units;
+use admire_kc::{Config, Convention, KcRun, output};
+use admire_report::{DrawingError, KcReport, MeasuredCurve};
+use admire_results::Timestamp;
+use admire_study::digest;
+use admire_syntax::units::Units;
 
 /// The report of K&C tests, beside other decks and measured curves.
 pub(crate) fn kc_page(
@@ -19,7 +19,7 @@ pub(crate) fn kc_page(
         .file_name()
         .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let (force, length) = (
-        crate::report::short_unit(units.force.word),
+        admire_report::short_unit(units.force.word),
         units.length.word,
     );
     let given = |value: Option<String>| value.unwrap_or_else(|| "not given".to_string());
@@ -88,7 +88,7 @@ pub(crate) fn kc_page(
         ),
         ("Definitions", format!("version {}", output::DEFINITIONS)),
         ("Date", format!("{} UTC", Timestamp::now().date_time())),
-        ("Made by", format!("admire {}", crate::report::VERSION)),
+        ("Made by", format!("admire {}", admire_report::VERSION)),
         (
             "Inputs",
             format!("SHA-256 {}", digest([bytes, config.source.bytes()])),
@@ -103,6 +103,6 @@ pub(crate) fn kc_page(
         convention,
         facts: &facts,
     };
-    let footer = format!("admire {}", crate::report::VERSION);
+    let footer = format!("admire {}", admire_report::VERSION);
     report.page(&footer)
 }

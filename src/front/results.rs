@@ -1,14 +1,14 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::nearest;
-use crate::results::{
+use admire_results::{
     AnyResults, Catalogue, EntityKind, Header, ResultsError, SelectedColumn, Selection, StepFilter,
     StepKind, open_any,
 };
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::nearest;
 
 use super::error::{Error, ErrorKind};
-use super::watch::Watch;
+use admire_diagnosis::Watch;
 
 /// A results file of any kind (.res, .req, .gra): names and units at once, values read from the file when they are asked for, step by
 /// step, so that its size does not matter.

@@ -5,16 +5,16 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::results::{Catalogue, ResultsTable, SelectedColumn, Selection, StepKind};
-use crate::session::{Ending, Session, Stop, folder_of};
-use crate::statics::Balance;
-use crate::syntax::{CommandFile, Dataset};
+use admire_results::{Catalogue, ResultsTable, SelectedColumn, Selection, StepKind};
+use admire_session::{Ending, Session, Stop, folder_of};
+use admire_solver::statics::Balance;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::{CommandFile, Dataset};
 
 use super::error::{Complaint, Error, ErrorKind};
 use super::results::{one_column, selected};
-use super::watch::Watch;
 use super::writing::{may_replace, replace_file};
+use admire_diagnosis::Watch;
 
 /// What came of executing commands on a deck: results, messages and other files, all in memory.
 ///

@@ -1,9 +1,9 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Model, PartIx};
-use crate::statics::{Sensitivity, Settings, SolveError, solve};
-use crate::syntax::{Address, Dataset};
-use crate::system::{Quantity, Slot, System};
-use crate::units::Dimension;
+use admire_solver::model::{Model, PartIx};
+use admire_solver::statics::{Sensitivity, Settings, SolveError, solve};
+use admire_solver::system::{Quantity, Slot, System};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::Dimension;
+use admire_syntax::{Address, Dataset};
 
 /// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians). By QP a marker moves
 /// without turning, and markers that are given in its frame (RM) move with it.

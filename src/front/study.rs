@@ -1,25 +1,24 @@
+use admire_design::propose;
 use std::path::{Path, PathBuf};
 
-use crate::backend::Backend;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{
-    Aim, Diagnosis, GainCheck, Plan, Progress, diagnose_watched, held_out, plan,
-};
-use crate::identify::global::Marginal;
-use crate::identify::{Fit, LoadedStudy, estimate_noise};
-use crate::model::lint;
-use crate::report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
-use crate::rig::settings::{BackendChoice, Method};
-use crate::session::Sources;
-use crate::text::{Source, read_at_most};
+use admire_design::{Aim, Plan, plan};
+use admire_diagnosis::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
+use admire_identify::global::Marginal;
+use admire_identify::{Fit, LoadedStudy, estimate_noise};
+use admire_report::{DiagnosisReport, IdentificationReport, Plausibility, lead};
+use admire_session::Sources;
+use admire_session::backend::Backend;
+use admire_solver::model::lint;
+use admire_study::settings::{BackendChoice, Method};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Source, read_at_most};
 
 use super::error::{Complaint, Error, ErrorKind};
-use super::fit;
+use super::fit_view::{changed_lines, positions};
 use super::foreign::foreign_parts;
-use super::permission::NamedProgram;
-use super::solver;
 use super::suggested::suggested;
-use super::watch::Watch;
+use admire_diagnosis::{Watch, study_fit as fit};
+use admire_study::{NamedProgram, solver};
 
 /// The largest file in which places are shown, in bytes.
 const LARGEST_SHOWN: u64 = 64 << 20;
@@ -189,11 +188,11 @@ impl Study {
             };
             again(&loaded, &marginal, &mut fit)?;
         }
-        let positions = fit::positions(&loaded, &fit, backend.as_mut());
+        let positions = positions(&loaded, &fit, backend.as_mut());
         let deck = loaded
             .identified_deck(&fit.values())
             .map_err(|refused| self.refused(&[refused]))?;
-        let diff = fit::changed_lines(loaded.dataset.bytes(), &deck);
+        let diff = changed_lines(loaded.dataset.bytes(), &deck);
         let report = IdentificationReport {
             loaded: &loaded,
             fit: &fit,
@@ -236,6 +235,7 @@ impl Study {
         let problem = loaded.problem();
         let found = diagnose_watched(&problem, held, check, &progress);
         let mut outcome = found.map_err(|error| self.no_fit(&error.to_string()))?;
+        propose(&mut outcome);
         let mut remarks = Vec::new();
         if loaded.study.solver.backend != BackendChoice::Native {
             let mut backend = backend(&loaded);
@@ -243,7 +243,7 @@ impl Study {
             remarks.extend(backend.remarks());
         }
         let deck = outcome.extended_deck();
-        let diff = fit::changed_lines(loaded.dataset.bytes(), &deck);
+        let diff = changed_lines(loaded.dataset.bytes(), &deck);
         let report = DiagnosisReport {
             loaded: &loaded,
             outcome: &outcome,

@@ -1,7 +1,7 @@
 //! Load cases of a plan as rows of the study's own table.
 
-use crate::discrepancy::{Plan, Ranked};
-use crate::identify::LoadedStudy;
+use admire_design::{Plan, Ranked};
+use admire_identify::LoadedStudy;
 
 /// Load cases among the first candidates, or the best one, as rows of the study's own file of load cases; what begins with # is no row.
 pub(crate) fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {

@@ -2,10 +2,11 @@
 
 use serde_json::{Value, json};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::{STATEMENTS, ValueKind};
-use crate::syntax::{self, Address, Argument, Dataset};
-use crate::units::Dimension;
+use admire_syntax as syntax;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::{STATEMENTS, ValueKind};
+use admire_syntax::units::Dimension;
+use admire_syntax::{Address, Argument, Dataset};
 
 /// A number, a list of numbers, a text, or the statement as it is written; what is not written has its default.
 pub(crate) fn value(

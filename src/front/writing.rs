@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::session::check_name;
-use crate::text::{patiently, persist, real_path};
+use admire_session::check_name;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{patiently, real_path};
 
 use super::error::{Error, ErrorKind};
-use super::leftover;
 use super::permissions::{as_new_files, can_be_replaced};
+use super::persist::persist;
+use admire_study::leftover;
 
 /// Refuses to replace a file unless that is asked for.
 pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {

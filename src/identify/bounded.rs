@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::mechanics::eigen::symmetric_eigen;
+use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// The minimum of `x^T A x / 2 - b^T x` with `lower <= x <= upper`, and which unknowns are at a bound.
 ///
@@ -210,7 +210,7 @@ fn pseudo_solve(a: DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::noise::Noise;
+    use admire_study::noise::Noise;
 
     #[test]
     fn a_bound_that_binds_and_one_that_does_not() {

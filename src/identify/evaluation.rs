@@ -1,9 +1,9 @@
 use super::goodness::{FitTest, Kind, Tally};
 use super::{Fit, Marks, Problem, WheelFit, Written};
-use crate::backend::Sweep;
-use crate::mechanics::Pose;
-use crate::model::{MarkerIx, Model};
-use crate::rig::Measurement;
+use admire_session::backend::Sweep;
+use admire_solver::mechanics::Pose;
+use admire_solver::model::{MarkerIx, Model};
+use admire_study::Measurement;
 
 /// How far a sweep is from what was read, over some of the cases.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -145,7 +145,7 @@ fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> Discrepancy {
 }
 
 /// Fills what the decks with the initial and with the final values achieve by themselves.
-pub(crate) fn written(fit: &mut Fit, problem: &Problem<'_>, before: &Sweep, after: &Sweep) {
+pub fn written(fit: &mut Fit, problem: &Problem<'_>, before: &Sweep, after: &Sweep) {
     let measurement = problem.measurement;
     let of_fitted = [before, after].map(|sweep| over(problem, sweep, false).marks_rms);
     fit.written = of_fitted[0]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::goodness::FitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use super::structure::StructureTest;
-use crate::statics::Balance;
+use admire_solver::statics::Balance;
 
 /// What is told of a fit that ended before its minimum.
 pub const NOT_CONVERGED: &str = "The fit did not converge; these are the values it had reached.";

@@ -1,17 +1,12 @@
 //! Free motions and what was read of them: answers of any solver moved to where the readings are.
 
 use super::global::{CaseChanges, Observed, STEPS, SeenMark, step};
-use crate::backend::{FreeMotions, Sweep, Twist};
-use crate::mechanics::Pose;
-use crate::rig::Measurement;
+use admire_session::backend::{FreeMotions, Sweep, Twist};
+use admire_solver::mechanics::Pose;
+use admire_study::Measurement;
 
 /// Moves parts along the free motions to where these marks of the observed parts are met best.
-pub(crate) fn meet_marks(
-    free: &FreeMotions,
-    poses: &mut [Pose],
-    observed: &Observed,
-    marks: &[SeenMark],
-) {
+pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, marks: &[SeenMark]) {
     if free.is_empty() {
         return;
     }
@@ -55,7 +50,7 @@ pub(crate) fn changes_along(
 }
 
 /// Moves the answers of all cases to where they meet the marks that were read best.
-pub(crate) fn meet_marks_of_all(free: &FreeMotions, sweep: &mut Sweep, measurement: &Measurement) {
+pub fn meet_marks_of_all(free: &FreeMotions, sweep: &mut Sweep, measurement: &Measurement) {
     if free.is_empty() {
         return;
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::rig::Measurement;
+use admire_study::Measurement;
 
 /// A verdict against the fit is wrong in so many of its cases: one in a thousand.
 pub(crate) const LEVEL: f64 = 1e-3;
@@ -52,7 +52,7 @@ pub struct FitTest {
 
 impl FitTest {
     /// Tests a statistic. `None` without a degree of freedom.
-    pub(crate) fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
+    pub fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
         let distribution = ChiSquared::new(dof).ok().filter(|_| chi2.is_finite())?;
         let (above, below) = (distribution.sf(chi2), distribution.cdf(chi2));
         Some(Self {
@@ -71,7 +71,7 @@ impl FitTest {
     }
 
     /// By which factor the noise would have to be larger for the statistic to be what it should be.
-    pub(crate) fn noise_factor(&self) -> f64 {
+    pub fn noise_factor(&self) -> f64 {
         (self.chi2 / self.dof).sqrt()
     }
 }

@@ -1,15 +1,15 @@
 use std::path::Path;
 
 use super::{Problem, Unknown, unknowns};
-use crate::backend::{FreeMotions, LoadProgramme, Loads};
-use crate::diagnostic::{Checked, Diagnostic, Severity};
-use crate::model::Model;
-use crate::rig::settings::BackendChoice;
-use crate::rig::{Measurement, Study, programme};
-use crate::session::{FilePolicy, folder_of, read_files};
-use crate::syntax::{Address, Dataset};
-use crate::system::System;
-use crate::text::Source;
+use admire_session::backend::{FreeMotions, LoadProgramme, Loads};
+use admire_session::{FilePolicy, folder_of, read_files};
+use admire_solver::model::Model;
+use admire_solver::system::System;
+use admire_study::settings::BackendChoice;
+use admire_study::{Measurement, Study, programme};
+use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 /// A study with its deck resolved: all that identification and diagnosis start from.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ impl LoadedStudy {
     }
 
     /// The same study with another deck in place of its own.
-    pub(crate) fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
+    pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
         let mut study = self.study.clone();
         study.deck = deck;
         Self::of(study, Vec::new())
@@ -154,7 +154,7 @@ impl LoadedStudy {
         for (address, value) in &assigned {
             edits.extend(self.dataset.set_beside(address, *value, &beside)?);
         }
-        let bytes = crate::text::apply_edits(self.dataset.bytes(), &edits);
+        let bytes = admire_syntax::text::apply_edits(self.dataset.bytes(), &edits);
         Ok(bytes.expect("every number of a deck has its own place"))
     }
 }

@@ -2,8 +2,8 @@
 
 use super::LoadedStudy;
 use super::global::{GlobalFit, Observations, Options, Prepared, Row, effective_dof, fit_study};
-use crate::backend::Backend;
-use crate::identify::IdentifyError;
+use crate::IdentifyError;
+use admire_session::backend::Backend;
 
 /// Fits until the noise moves by less than this part of itself, or so often.
 const SETTLED: f64 = 0.01;

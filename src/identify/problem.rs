@@ -2,11 +2,13 @@ use std::ops::ControlFlow;
 
 use super::Unknown;
 use super::free_motions::meet_marks_of_all;
-use crate::backend::{Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest};
-use crate::model::Model;
-use crate::rig::settings::{IdentifySettings, RegressionSettings};
-use crate::rig::{Measurement, ToleranceSettings};
-use crate::syntax::{Address, Dataset};
+use admire_session::backend::{
+    Backend, BackendError, FreeMotions, LoadProgramme, Sweep, SweepRequest,
+};
+use admire_solver::model::Model;
+use admire_study::settings::{IdentifySettings, RegressionSettings};
+use admire_study::{Measurement, ToleranceSettings};
+use admire_syntax::{Address, Dataset};
 
 /// All an identification works with.
 #[derive(Clone, Debug)]
@@ -65,7 +67,7 @@ impl Problem<'_> {
     }
 
     /// The six stiffnesses of a bushing, unknowns replaced by their values.
-    pub(crate) fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
+    pub fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let mut k = [0.0; 6];
         k[..3].copy_from_slice(&law.k);
@@ -104,7 +106,7 @@ pub enum IdentifyError {
     Backend(#[from] BackendError),
     /// No case the solver can reach has readings.
     #[error("no load case has both an equilibrium and readings{}", .0.as_ref().map_or_else(String::new, |why| format!(": {why}")))]
-    NoCases(Option<crate::backend::CaseFailure>),
+    NoCases(Option<admire_session::backend::CaseFailure>),
     /// Nothing to identify.
     #[error("the study names nothing to identify")]
     NoUnknowns,

@@ -5,12 +5,10 @@ use std::ops::ControlFlow;
 
 use super::evaluation::{fill, marker_pose};
 use super::{Fit, IdentifyError, OffsetFit, ParameterFit, Place, Problem, Progress, Status};
-use crate::backend::{Backend, Sweep};
-use crate::mechanics::Pose;
-use crate::mechanics::{RelativeMotion, Vec3, Vec6};
-use crate::rig::deflection::{DeflectionForm, deflection};
-use crate::rig::settings::Method;
-use crate::rig::settings::{RegressionSettings, Slope, Weights};
+use admire_session::backend::{Backend, Sweep};
+use admire_solver::mechanics::{Pose, RelativeMotion, Vec3, Vec6};
+use admire_study::deflection::{DeflectionForm, deflection};
+use admire_study::settings::{Method, RegressionSettings, Slope, Weights};
 
 /// Readings of equations 5, 6 and 10 beyond those a study can choose: to show what the misprints do. The default is what works.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -503,7 +501,7 @@ mod tests {
     #[test]
     fn noise_on_the_deflection_biases_the_printed_slope_by_r_squared() {
         // NOTES 7. Deflection noise of half the deflection's own sd: r^2 = 1 / 1.25.
-        let mut noise = crate::rig::noise::Noise::new(5, "attenuation");
+        let mut noise = admire_study::noise::Noise::new(5, "attenuation");
         let pairs: Vec<(f64, f64)> = (0..100_000)
             .map(|_| {
                 let delta = noise.normal();

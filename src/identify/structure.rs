@@ -11,8 +11,8 @@ use super::Problem;
 use super::global::Row;
 use super::global::gauss_newton::Minimum;
 use super::goodness::LEVEL;
-use crate::mechanics::Vec3;
-use crate::mechanics::eigen::symmetric_eigen;
+use admire_solver::mechanics::Vec3;
+use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// One test.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -402,7 +402,7 @@ mod tests {
         let rows: Vec<Row> = (0..400)
             .map(|case| Row::Channel { case, channel: 0 })
             .collect();
-        let mut noise = crate::rig::noise::Noise::new(3, "structure");
+        let mut noise = admire_study::noise::Noise::new(3, "structure");
         let jacobian = DMatrix::from_fn(
             400,
             2,

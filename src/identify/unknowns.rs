@@ -1,9 +1,9 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::Model;
-use crate::rig::settings::{IdentifySettings, Initial, Symmetry};
-use crate::rig::{Study, meant};
-use crate::syntax::Address;
-use crate::units::Dimension;
+use admire_solver::model::Model;
+use admire_study::settings::{IdentifySettings, Initial, Symmetry};
+use admire_study::{Study, meant};
+use admire_syntax::Address;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::units::Dimension;
 
 /// Where an unknown sits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

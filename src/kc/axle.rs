@@ -5,7 +5,7 @@ use super::{
     Anti, Compliance, Pairing, Reading, Sense, Side, SteerAxis, Steering, Unit, Vehicle,
     VerticalLoad, Wheel, contact, force_compliance, ride, roll, roll_centre, swing_arm, wheel,
 };
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 /// A tyre, in the units of the deck.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]

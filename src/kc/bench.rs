@@ -11,13 +11,13 @@ use super::inputs::{Drive, Inputs};
 use super::rig::{FoundWheel, Variant, rigged};
 use super::wheel_rate::WheelRate;
 use super::{Wheel, contact};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Vec3;
-use crate::model::Model;
-use crate::statics::Balance;
-use crate::syntax::Dataset;
-use crate::syntax::files::Files;
-use crate::system::{Grasp, State};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::Model;
+use admire_solver::statics::Balance;
+use admire_solver::system::{Grasp, State};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::files::Files;
 
 /// A state of the axle.
 #[derive(Clone, Copy, PartialEq, Debug)]

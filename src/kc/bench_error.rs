@@ -1,5 +1,5 @@
-use crate::diagnostic::Diagnostic;
-use crate::statics::SolveError;
+use admire_solver::statics::SolveError;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// Why the rig has no answer.
 #[derive(Clone, Debug, thiserror::Error)]

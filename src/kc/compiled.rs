@@ -3,14 +3,14 @@ use super::config::{AxisMethod, Config};
 use super::inputs::Inputs;
 use super::rig::{FoundWheel, Rigged};
 use super::{Side, SteerAxis, Wheel};
-use crate::backend::{compile, tight_settings};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::mechanics::Pose;
-use crate::model::{MarkerIx, Model, PartIx};
-use crate::statics::{Settings, SolveError, Solver};
-use crate::syntax::files::Files;
-use crate::syntax::{Address, Dataset};
-use crate::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
+use admire_session::backend::{compile, tight_settings};
+use admire_solver::mechanics::Pose;
+use admire_solver::model::{MarkerIx, Model, PartIx};
+use admire_solver::statics::{Settings, SolveError, Solver};
+use admire_solver::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::{Address, Dataset};
 
 /// Where a wheel is in the compiled system.
 #[derive(Clone, Copy, Debug)]
@@ -80,7 +80,7 @@ impl Compiled {
                 argument: None,
                 index: None,
             };
-            crate::backend::slot(&system, &address).map_err(|error| refuse(&error))
+            admire_session::backend::slot(&system, &address).map_err(|error| refuse(&error))
         };
         let mut wheels = Vec::new();
         for (ids, own) in rigged.wheels.iter().zip(found) {
@@ -123,7 +123,7 @@ impl Compiled {
                 let there = Address::parse(&at.text, &rigged.dataset);
                 match there {
                     Ok(address) => Some(
-                        crate::backend::slot(&system, &address)
+                        admire_session::backend::slot(&system, &address)
                             .map_err(|error| complain(&error))?,
                     ),
                     Err(why) => match Address::parse(&at.text, dataset) {
@@ -191,7 +191,7 @@ impl Compiled {
                 other => no_equilibrium(other),
             })?;
         for motion in &report.free_motions {
-            let seen = |name: &crate::system::Name| {
+            let seen = |name: &admire_solver::system::Name| {
                 let carrier = |w: &Fitted| self.system.part_name(w.part) == name;
                 self.wheels.iter().any(carrier)
             };

@@ -1,5 +1,5 @@
 use super::Side;
-use crate::mechanics::{Vec3, skew};
+use admire_solver::mechanics::{Vec3, skew};
 
 /// A 12 by 12 matrix.
 pub(crate) type Mat12 = nalgebra::SMatrix<f64, 12, 12>;

@@ -8,9 +8,9 @@ use toml::Spanned;
 use super::test_kind::TestKind;
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::{Convention, Direction, Frame, Side, Tyre, Vehicle, VerticalLoad};
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::system::SlidingWith;
-use crate::text::{Source, Span};
+use admire_solver::system::SlidingWith;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
 
 /// A text of the file and where it stands.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -475,7 +475,7 @@ impl Config {
     }
 
     /// The sides that are in the deck.
-    pub(crate) fn sides(&self) -> Vec<Side> {
+    pub fn sides(&self) -> Vec<Side> {
         let there = |side: &Side| self.wheels[side.index()].is_some();
         Side::BOTH.into_iter().filter(there).collect()
     }

@@ -1,6 +1,6 @@
 //! Where a wheel stands on the road.
 
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 /// The point of the wheel plane below the centre: `C = P + r w`, w the unit projection of `-n` into the wheel plane. `r` is the loaded
 /// radius. Source: guide page `kc`; verified on real results to 1e-12 mm, on a tilted road too.

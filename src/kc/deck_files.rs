@@ -7,7 +7,7 @@ use super::bench_error::BenchError;
 use super::rig::Variant;
 use super::sweep::KcRun;
 use super::test_kind::TestKind;
-use crate::syntax::Address;
+use admire_syntax::Address;
 
 /// Files by name: a dataset for each way of holding the axle, and a command file for each test.
 ///
@@ -17,7 +17,7 @@ use crate::syntax::Address;
 ///
 /// # Errors
 /// As [`Bench::variant`].
-pub(crate) fn deck_files(
+pub fn deck_files(
     bench: &mut Bench<'_>,
     run: &KcRun,
 ) -> Result<Vec<(String, Vec<u8>)>, BenchError> {

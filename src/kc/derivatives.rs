@@ -8,10 +8,10 @@ use super::inputs::Drive;
 use super::rig::FoundWheel;
 use super::wheel_rate::WheelRate;
 use super::{Compliance, Mat12, SteerAxis};
-use crate::mechanics::{Vec3, Vec6};
-use crate::model::{MarkerIx, Model, PartIx};
-use crate::statics::{SolveError, Tangent, point_change};
-use crate::system::{Parameters, Quantity, Slot, State, System};
+use admire_solver::mechanics::{Vec3, Vec6};
+use admire_solver::model::{MarkerIx, Model, PartIx};
+use admire_solver::statics::{SolveError, Tangent, point_change};
+use admire_solver::system::{Parameters, Quantity, Slot, State, System};
 
 /// A wheel rate below this, in N/m, is none: nothing but a motion holds the wheel up.
 const LEAST_RATE: f64 = 1e-3;

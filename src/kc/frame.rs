@@ -1,11 +1,11 @@
 use serde::{Deserialize, Serialize};
 
-use crate::mechanics::{Mat3, Vec3};
+use admire_solver::mechanics::{Mat3, Vec3};
 
 /// A direction of the vehicle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(crate) enum Direction {
+pub enum Direction {
     /// Where it drives to.
     Forward,
     /// The opposite.
@@ -49,7 +49,7 @@ pub enum Convention {
 
 impl Convention {
     /// The axes.
-    pub(crate) const fn axes(self) -> [Direction; 3] {
+    pub const fn axes(self) -> [Direction; 3] {
         use Direction::{Down, Forward, Left, Rearward, Right, Up};
         match self {
             Self::AdamsCar => [Rearward, Right, Up],
@@ -60,7 +60,7 @@ impl Convention {
 
     /// What a number of this sense in the axes of this room is multiplied by: how a component of a vector, or a rotation about an axis,
     /// changes with the axes.
-    pub(crate) fn factor(self, sense: Sense) -> f64 {
+    pub fn factor(self, sense: Sense) -> f64 {
         let along = |k: usize| self.axes()[k].vector()[k];
         match sense {
             Sense::Own => 1.0,
@@ -75,7 +75,7 @@ impl Convention {
     }
 
     /// `adams-car`, `iso`, `sae`.
-    pub(crate) const fn word(self) -> &'static str {
+    pub const fn word(self) -> &'static str {
         match self {
             Self::AdamsCar => "adams-car",
             Self::Iso => "iso",
@@ -120,7 +120,7 @@ impl Default for Frame {
 
 impl Frame {
     /// From what the deck's X, Y and Z point to. `None` unless they are right-handed axes of a vehicle.
-    pub(crate) fn new(axes: [Direction; 3]) -> Option<Self> {
+    pub fn new(axes: [Direction; 3]) -> Option<Self> {
         let from_deck = Mat3::from_columns(&axes.map(Direction::vector));
         (from_deck.determinant() > 0.5).then_some(Self { from_deck })
     }

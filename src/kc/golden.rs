@@ -4,7 +4,7 @@ use super::{
     Anti, Compliance, Mat12, Pairing, Side, Vehicle, VerticalLoad, force_compliance, ride, roll,
     roll_centre, swing_arm,
 };
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 const TYRE: f64 = 202.0;
 const R0: f64 = 317.25;

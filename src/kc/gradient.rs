@@ -4,7 +4,7 @@ use super::bench::Observation;
 use super::sample::{Branch, Sample};
 use super::wheel::angle_rates;
 use super::{Sense, Side, Unit};
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 /// The slope of one reading.
 #[derive(Clone, PartialEq, Debug)]
@@ -33,7 +33,7 @@ pub struct Gradient {
 impl Gradient {
     /// By how much this wheel's slope is larger than the other's, of their mean: zero for a symmetric axle in a symmetric or antisymmetric
     /// test. NaN for one wheel.
-    pub(crate) fn asymmetry(&self, all: &[Self]) -> f64 {
+    pub fn asymmetry(&self, all: &[Self]) -> f64 {
         let mut others = all.iter();
         let other = others.find(|g| g.entity == self.entity && g.side != self.side);
         other.map_or(f64::NAN, |other| {
@@ -48,7 +48,7 @@ impl Gradient {
 }
 
 /// Half the width of a measured loop where its variable is zero, from points in the order driven; NaN if it passes there less than twice.
-pub(crate) fn loop_half_width(points: &[(f64, f64)]) -> f64 {
+pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
     let mut low = f64::INFINITY;
     let mut high = f64::NEG_INFINITY;
     let mut count = 0;
@@ -212,7 +212,7 @@ pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -
 }
 
 /// The rate of `-atan(A31 / A11)` for a rotation `w`: `dA = [w]x A`.
-fn side_view_rate(A: &crate::mechanics::Mat3, w: &Vec3) -> f64 {
+fn side_view_rate(A: &admire_solver::mechanics::Mat3, w: &Vec3) -> f64 {
     let column: Vec3 = A.column(0).into();
     let d = w.cross(&column);
     let (z, x) = (column.z, column.x);
@@ -220,7 +220,7 @@ fn side_view_rate(A: &crate::mechanics::Mat3, w: &Vec3) -> f64 {
 }
 
 /// Slope of the least-squares line through the points within the window; NaN with fewer than two.
-pub(crate) fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
+pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
     let inside: Vec<_> = points
         .iter()
         .filter(|p| p.0.abs() <= window * (1.0 + 1e-9))

@@ -11,11 +11,11 @@ use super::shown::{driven_unit, head, shown, slope};
 use super::sweep::{KcRun, TestRun};
 use super::test_settings::{LoadPoint, TestSettings};
 use super::{Convention, Side};
-use crate::results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
-use crate::units::Units;
+use admire_results::{Catalogue, Component, Entity, Header, StepKind, Style, Timestamp, XrfWriter};
+use admire_syntax::units::Units;
 
 /// Version of the definitions in the guide, page `kc`.
-pub(crate) const DEFINITIONS: u32 = 1;
+pub const DEFINITIONS: u32 = 1;
 
 /// What every row of an output says of itself.
 #[derive(Clone, Debug)]
@@ -143,16 +143,11 @@ fn friction(sample: &Sample) -> &'static str {
     sample
         .seen
         .friction
-        .map_or("none", crate::system::Grasp::word)
+        .map_or("none", admire_solver::system::Grasp::word)
 }
 
 /// All samples of all tests, a line each; ride height first.
-pub(crate) fn curves_csv(
-    run: &KcRun,
-    config: &Config,
-    units: &Units,
-    convention: Convention,
-) -> Vec<u8> {
+pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let mut write = |record: Vec<String>| {
         csv.write_record(record)
@@ -193,7 +188,7 @@ pub(crate) fn curves_csv(
 }
 
 /// All gradients, a line each.
-pub(crate) fn gradients_csv(
+pub fn gradients_csv(
     run: &KcRun,
     config: &Config,
     units: &Units,

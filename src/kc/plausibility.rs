@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 use super::config::place_of;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::Span;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Span;
 
 /// Radii of tyres as shares of the track, from those of racing karts to those of tractors.
 const RADIUS: (f64, f64) = (0.07, 0.6);
@@ -14,7 +14,7 @@ const HEIGHT: (f64, f64) = (0.05, 1.5);
 
 impl Bench<'_> {
     /// Warnings of lengths that no vehicle with this track has.
-    pub(crate) fn implausible(&self) -> Vec<Diagnostic> {
+    pub fn implausible(&self) -> Vec<Diagnostic> {
         let Some(track) = self.track().filter(|track| *track > 0.0) else {
             return Vec::new();
         };

@@ -1,5 +1,5 @@
 use super::{Convention, Sense};
-use crate::units::Units;
+use admire_syntax::units::Units;
 
 /// What a characteristic is measured in.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -54,7 +54,7 @@ impl Unit {
     ];
 
     /// The unit as results files spell it.
-    pub(crate) fn word(self, units: &Units) -> String {
+    pub fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);
         match self {
             Self::One => String::new(),
@@ -105,7 +105,7 @@ impl Reading {
     }
 
     /// The value in the axes of a convention.
-    pub(crate) fn value_in(&self, convention: Convention) -> f64 {
+    pub fn value_in(&self, convention: Convention) -> f64 {
         // A zero has no sign.
         convention.factor(self.sense) * self.value + 0.0
     }

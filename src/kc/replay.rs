@@ -2,8 +2,8 @@
 
 use super::axle::WheelState;
 use super::{AxleState, Frame, Side, SteerAxis, Tyre, Wheel, contact};
-use crate::mechanics::{Mat3, Vec3, euler313};
-use crate::results::{Catalogue, Entity, ResultsError, Step};
+use admire_results::{Catalogue, Entity, ResultsError, Step};
+use admire_solver::mechanics::{Mat3, Vec3, euler313};
 
 /// What the road is taken for.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]

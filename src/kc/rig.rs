@@ -9,11 +9,11 @@ use super::Side;
 use super::config::{Config, Spelled, WheelConfig};
 use super::test_kind::{Driven, TestKind};
 use super::test_settings::{Hold, TestSettings};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
-use crate::model::{MarkerIx, Model, PartKind};
-use crate::syntax::{Address, Dataset, NewStatement};
-use crate::text::{Edit, Span};
+use admire_solver::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
+use admire_solver::model::{MarkerIx, Model, PartKind};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Edit, Span};
+use admire_syntax::{Address, Dataset, NewStatement};
 
 /// One wheel of a deck, found.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -242,7 +242,7 @@ impl Builder<'_> {
         let statements = self.dataset.statements();
         let next = self.next.entry(kind.to_string()).or_insert_with(|| {
             let same = statements.iter().filter(|s| s.kind() == Some(kind));
-            let last = same.filter_map(crate::syntax::Statement::number).max();
+            let last = same.filter_map(admire_syntax::Statement::number).max();
             // Ids of the rig are told from those of the deck.
             (last.unwrap_or(0) / 1000 + 1) * 1000
         });

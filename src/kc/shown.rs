@@ -2,7 +2,7 @@
 
 use super::test_kind::Driven;
 use super::{Reading, Unit};
-use crate::units::{Units, short_unit};
+use admire_syntax::units::{Units, short_unit};
 
 /// True for decks in newtons and metric lengths: others are shown in their own units.
 fn metric(units: &Units) -> bool {
@@ -10,7 +10,7 @@ fn metric(units: &Units) -> bool {
 }
 
 /// Value and unit as people read them: angles in degrees, compliances per kilonewton.
-pub(crate) fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
+pub fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     let (force, length) = (units.force.si, units.length.si);
     let people = match unit {
         _ if !metric(units) => None,
@@ -41,7 +41,7 @@ pub(crate) fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
 }
 
 /// A slope over a test's variable as people read it.
-pub(crate) fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
+pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
     let (value, word) = shown(value, unit, units);
     let (force, length) = (units.force.si, units.length.si);
     let (factor, per) = match driven {
@@ -63,7 +63,7 @@ pub(crate) fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f
 }
 
 /// The unit of what a test drives.
-pub(crate) fn driven_unit(driven: Driven, units: &Units) -> String {
+pub fn driven_unit(driven: Driven, units: &Units) -> String {
     match driven {
         Driven::Height(_) => Unit::Length.word(units),
         Driven::Steering => "as driven".to_string(),
@@ -74,7 +74,7 @@ pub(crate) fn driven_unit(driven: Driven, units: &Units) -> String {
 
 /// What one unit of a column with this word in its head is in the deck's units and radians: a word of [`shown`], or one that begins with
 /// `deg`; any other is the deck's own.
-pub(crate) fn unit_in_deck(word: &str, units: &Units) -> f64 {
+pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
     let mut all = Unit::ALL.iter().map(|unit| shown(1.0, *unit, units));
     match all.find(|(_, known)| known == word) {
         Some((factor, _)) => 1.0 / factor,

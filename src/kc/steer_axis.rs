@@ -3,7 +3,7 @@
 //! X rearward, Y right, Z up; radians. Source of every formula: guide page `kc`, section "Steer axis".
 
 use super::Side;
-use crate::mechanics::{Vec3, Vec6};
+use admire_solver::mechanics::{Vec3, Vec6};
 
 /// A steer axis.
 #[derive(Clone, Copy, PartialEq, Debug)]

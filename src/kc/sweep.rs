@@ -12,8 +12,8 @@ use super::test_kind::{Driven, TestKind};
 use super::test_settings::{Branches, Hold, LoadPoint, TestSettings};
 use super::wheel_rate::WheelRate;
 use super::{Reading, Sense, Side, Unit};
-use crate::statics::Balance;
-use crate::units::Units;
+use admire_solver::statics::Balance;
+use admire_syntax::units::Units;
 
 /// One test.
 #[derive(Clone, PartialEq, Debug)]
@@ -74,7 +74,7 @@ pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
 ///
 /// # Errors
 /// As [`run`].
-pub(crate) fn run_watched(
+pub fn run_watched(
     bench: &mut Bench<'_>,
     units: &Units,
     progress: &mut dyn FnMut(usize, usize),

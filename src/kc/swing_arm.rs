@@ -2,7 +2,7 @@
 //! centre".
 
 use super::{Compliance, Side};
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 /// Which vertical load moves the wheel. Where an anti-roll bar couples the wheels the two differ, and real results do not tell which one
 /// Adams/Car takes.

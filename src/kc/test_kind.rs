@@ -1,6 +1,6 @@
 use super::Unit;
 use super::test_settings::{Hold, LoadPoint, TestSettings};
-use crate::units::Units;
+use admire_syntax::units::Units;
 
 /// A standard test of an axle on a rig.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -29,7 +29,7 @@ pub enum TestKind {
 
 /// What a test drives, and how much of it each wheel takes (left, right).
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Driven {
+pub enum Driven {
     /// Heights of the wheel centres.
     Height([f64; 2]),
     /// The steering input.
@@ -44,7 +44,7 @@ pub(crate) enum Driven {
 
 impl TestKind {
     /// All, in the order they are run.
-    pub(crate) const ALL: [Self; 10] = [
+    pub const ALL: [Self; 10] = [
         Self::Bounce,
         Self::Roll,
         Self::Steering,
@@ -95,7 +95,7 @@ impl TestKind {
     }
 
     /// What is driven, per unit of the test's own variable. That of roll is half the difference of the travels, left less right.
-    pub(crate) const fn driven(self) -> Driven {
+    pub const fn driven(self) -> Driven {
         match self {
             Self::Bounce => Driven::Height([1.0, 1.0]),
             Self::Roll => Driven::Height([1.0, -1.0]),
@@ -111,7 +111,7 @@ impl TestKind {
     }
 
     /// What its variable is called.
-    pub(crate) const fn variable(self) -> &'static str {
+    pub const fn variable(self) -> &'static str {
         match self {
             Self::Bounce => "wheel travel",
             Self::Roll => "antiphase travel",
@@ -124,7 +124,7 @@ impl TestKind {
     }
 
     /// The unit of its variable in units of the deck.
-    pub(crate) fn unit(self, units: &Units) -> String {
+    pub fn unit(self, units: &Units) -> String {
         match self.driven() {
             Driven::Height(_) => Unit::Length.word(units),
             Driven::Steering => "unit driven".to_string(),

@@ -4,7 +4,7 @@
 //! outboard. Angles in radians. Source of every formula: guide page `kc`, section "Geometry".
 
 use super::Side;
-use crate::mechanics::{Mat3, Vec3};
+use admire_solver::mechanics::{Mat3, Vec3};
 
 /// A wheel in one state.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -92,7 +92,7 @@ pub struct AngleRates {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanics::exp;
+    use admire_solver::mechanics::exp;
 
     /// Golden state of a real Adams/Car axle: left wheel at design.
     #[test]

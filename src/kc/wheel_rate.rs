@@ -1,4 +1,4 @@
-use crate::mechanics::Vec6;
+use admire_solver::mechanics::Vec6;
 
 /// The motion of a wheel per unit of what is driven.
 #[derive(Clone, Copy, PartialEq, Debug)]

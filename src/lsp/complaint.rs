@@ -1,8 +1,8 @@
 //! Complaints that are kept while the text changes: their places are those of pieces.
 
-use crate::check::Told;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::{Edit, Span};
+use admire_session::check::Told;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Edit, Span};
 
 /// A complaint whose places move with the text.
 #[derive(Clone, Debug)]

@@ -11,8 +11,8 @@ use super::position::range;
 use super::snippets::snippet;
 use super::typing::{Typing, place};
 use super::workspace::Workspace;
-use crate::grammar::{ArgumentDef, FUNCTIONS, Role, STATEMENTS, StatementDef, ValueKind};
-use crate::syntax::describe;
+use admire_syntax::describe;
+use admire_syntax::grammar::{ArgumentDef, FUNCTIONS, Role, STATEMENTS, StatementDef, ValueKind};
 
 /// So many ids are offered: those nearest to what is typed come with the next letter.
 const MOST_IDS: usize = 2000;
@@ -50,7 +50,7 @@ pub(super) fn completion(
     }))
 }
 
-fn typed_digits(document: &Document, word: crate::text::Span) -> String {
+fn typed_digits(document: &Document, word: admire_syntax::text::Span) -> String {
     let pieces = document.pieces();
     let Some(at) = pieces.at(word.start()) else {
         return String::new();
@@ -157,7 +157,7 @@ fn arguments(def: &'static StatementDef, there: &[&str], typed: Range) -> Vec<Co
 /// The words an argument takes; its default for numbers.
 fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     if let ValueKind::Choice(choices) = argument.kind {
-        let word = |choice: &crate::grammar::Choice| {
+        let word = |choice: &admire_syntax::grammar::Choice| {
             item(
                 choice.name,
                 CompletionItemKind::ENUM_MEMBER,

@@ -7,9 +7,9 @@ use lsp_types::{
 
 use super::position::range;
 use super::workspace::{File, uri_of};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::syntax::pieces::Pieces;
-use crate::text::{Edit, Span};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::pieces::Pieces;
+use admire_syntax::text::{Edit, Span};
 
 /// Editors show no more of one file.
 const MOST_SHOWN: usize = 1000;

@@ -7,11 +7,11 @@ use lsp_types::TextDocumentPositionParams;
 use super::document::Document;
 use super::position::{offset, range};
 use super::workspace::{File, Workspace, deck_argument, path_of};
-use crate::grammar::{ArgumentDef, FunctionDef, STATEMENTS, StatementDef};
-use crate::syntax::catalogue::references;
-use crate::syntax::expression::Node;
-use crate::syntax::{Argument, Object, Reference, Statement, Value};
-use crate::text::Span;
+use admire_syntax::catalogue::references;
+use admire_syntax::expression::Node;
+use admire_syntax::grammar::{ArgumentDef, FunctionDef, STATEMENTS, StatementDef};
+use admire_syntax::text::Span;
+use admire_syntax::{Argument, Object, Reference, Statement, Value};
 
 /// What a person may ask about.
 #[derive(Clone, Copy, Debug)]

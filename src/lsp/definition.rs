@@ -4,7 +4,7 @@ use lsp_types::{GotoDefinitionParams, GotoDefinitionResponse, Location};
 
 use super::cursor::{Thing, asked, cursor, location};
 use super::workspace::Workspace;
-use crate::text::Span;
+use admire_syntax::text::Span;
 
 pub(super) fn definition(
     workspace: &mut Workspace,

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use crate::syntax::pieces::Piece;
-use crate::syntax::{Object, Statement};
+use admire_syntax::pieces::Piece;
+use admire_syntax::{Object, Statement};
 
 /// What some pieces define, as far as others see it.
 pub(super) struct Definitions {

@@ -10,14 +10,14 @@ use std::sync::Arc;
 use super::complaint::{Anchor, Candidate, Complaint, new_place, shifted};
 use super::definitions::{Definitions, is_known_body};
 use super::excerpt::{Depth, Excerpt};
-use crate::check::{Found, Told};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::grammar::Role;
-use crate::syntax::catalogue::{Catalogue, Place};
-use crate::syntax::lint::{Options, Reach, Suppressed, check_until};
-use crate::syntax::pieces::Pieces;
-use crate::syntax::{Object, Statement};
-use crate::text::{Source, Span};
+use admire_session::check::{Found, Told};
+use admire_syntax::catalogue::{Catalogue, Place};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::Role;
+use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
+use admire_syntax::pieces::Pieces;
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{Object, Statement};
 
 /// After an edit the rules of neighbours are asked about so many pieces at most; the check of the whole file does the others.
 const MOST_PIECES: usize = 64;
@@ -176,7 +176,7 @@ impl Document {
         wanted: impl Fn(&Diagnostic) -> bool,
         most: usize,
     ) -> (Vec<Found>, usize) {
-        let missing = crate::syntax::missing_end(&self.name(), self.pieces.size());
+        let missing = admire_syntax::missing_end(&self.name(), self.pieces.size());
         let mut all: Vec<Candidate<'_>> = Vec::new();
         for (at, piece) in self.pieces.live().iter().enumerate() {
             let base = self.pieces.start(at);

@@ -4,9 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::document::Document;
-use crate::syntax::catalogue::references;
-use crate::syntax::{Dataset, Object, Statement};
-use crate::text::{Source, Span};
+use admire_syntax::catalogue::references;
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{Dataset, Object, Statement};
 
 /// Statements of a document as a dataset of their own.
 pub(super) struct Excerpt {

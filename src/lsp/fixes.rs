@@ -10,9 +10,9 @@ use super::document::Document;
 use super::position::span;
 use super::rename::workspace_edit;
 use super::workspace::{File, Workspace, path_of};
-use crate::diagnostic::{Applicability, Diagnostic};
-use crate::syntax::safe_fixes;
-use crate::text::{Edit, Span};
+use admire_syntax::diagnostic::{Applicability, Diagnostic};
+use admire_syntax::safe_fixes;
+use admire_syntax::text::{Edit, Span};
 
 pub(super) fn fixes(
     workspace: &Workspace,

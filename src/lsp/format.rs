@@ -6,9 +6,9 @@ use super::convert::text_edits;
 use super::document::Document;
 use super::position::span;
 use super::workspace::{Workspace, path_of};
-use crate::syntax::layout::{layout, layout_of_commands};
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::Span;
+use admire_syntax::layout::{layout, layout_of_commands};
+use admire_syntax::text::Span;
+use admire_syntax::{CommandFile, Dataset};
 
 pub(super) fn range(
     workspace: &Workspace,

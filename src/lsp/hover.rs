@@ -10,12 +10,12 @@ use super::document::Document;
 use super::excerpt::{Depth, Excerpt};
 use super::position::range;
 use super::workspace::Workspace;
-use crate::grammar::{ArgumentDef, StatementDef};
-use crate::mechanics::psi_theta_phi;
-use crate::model::Model;
-use crate::syntax::{Argument, Object, describe};
-use crate::text::Span;
-use crate::units::{Dimension, Units};
+use admire_solver::mechanics::psi_theta_phi;
+use admire_solver::model::Model;
+use admire_syntax::grammar::{ArgumentDef, StatementDef};
+use admire_syntax::text::Span;
+use admire_syntax::units::{Dimension, Units};
+use admire_syntax::{Argument, Object, describe};
 
 /// Of a long statement so many lines are shown.
 const MOST_LINES: usize = 12;
@@ -176,7 +176,7 @@ fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<Stri
         if unit.is_empty() || argument.numbers().is_empty() || argument.numbers().len() > 12 {
             continue;
         }
-        let number = |number: &crate::syntax::Number| {
+        let number = |number: &admire_syntax::Number| {
             if own.dimension == Dimension::ANGLE {
                 format!("{}D", short(number.value.to_degrees()))
             } else {
@@ -198,7 +198,7 @@ fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<Stri
     }
     let on: Vec<String> = dataset
         .position(def.map_or("", |def| def.name), Some(object.1))
-        .map(|at| crate::syntax::Topology::of(dataset).attached(&dataset.statements()[at]))
+        .map(|at| admire_syntax::Topology::of(dataset).attached(&dataset.statements()[at]))
         .unwrap_or_default()
         .iter()
         .filter_map(|(space, id)| {

@@ -2,8 +2,8 @@
 
 use lsp_types::{Position, Range};
 
-use crate::syntax::pieces::Pieces;
-use crate::text::Span;
+use admire_syntax::pieces::Pieces;
+use admire_syntax::text::Span;
 
 /// The place of an offset. Offsets beyond the end are the end.
 pub(super) fn position(pieces: &Pieces, offset: usize) -> Position {
@@ -133,8 +133,8 @@ fn bytes_of(line: &[u8], wanted: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grammar::Role;
-    use crate::text::Source;
+    use admire_syntax::grammar::Role;
+    use admire_syntax::text::Source;
 
     #[test]
     fn lines_end_in_three_ways_and_characters_are_counted_in_utf_16() {

@@ -7,8 +7,8 @@ use lsp_types::{Location, ReferenceParams};
 use super::cursor::{Thing, all_references, asked, cursor, location};
 use super::document::Document;
 use super::workspace::Workspace;
-use crate::syntax::Object;
-use crate::text::Span;
+use admire_syntax::Object;
+use admire_syntax::text::Span;
 
 /// What a place says of an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

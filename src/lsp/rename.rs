@@ -13,9 +13,9 @@ use super::position::range;
 use super::references::{Role, everywhere};
 use super::refused::Refused;
 use super::workspace::Workspace;
-use crate::syntax::renumber::{Renumbering, renumber};
-use crate::syntax::{CommandFile, Dataset, Object};
-use crate::text::Edit;
+use admire_syntax::renumber::{Renumbering, renumber};
+use admire_syntax::text::Edit;
+use admire_syntax::{CommandFile, Dataset, Object};
 
 /// Says what would be renamed.
 pub(super) fn prepare(

@@ -22,8 +22,8 @@ use super::refused::Refused;
 use super::requests::Routes;
 use super::worker::{Answer, Job, work};
 use super::workspace::{Workspace, path_of};
-use crate::diagnostic::Diagnostic;
-use crate::text::{Source, Span};
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::text::{Source, Span};
 
 /// What the server knows between two messages.
 pub(super) struct Server {

@@ -8,7 +8,7 @@ use lsp_types::{
 use super::cursor::asked;
 use super::typing::open_call;
 use super::workspace::Workspace;
-use crate::grammar::find_function;
+use admire_syntax::grammar::find_function;
 
 pub(super) fn signature(
     workspace: &Workspace,

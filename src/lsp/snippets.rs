@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use crate::syntax::{Argument, CommandFile, Dataset, Statement};
-use crate::text::{Source, Span};
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{Argument, CommandFile, Dataset, Statement};
 
 macro_rules! examples {
     ($($file:literal)*) => {
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn every_shipped_example_is_a_snippet() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/corpus/statements");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../corpus/statements");
         let entries = std::fs::read_dir(folder).expect("a folder").flatten();
         let mut there: Vec<String> = entries
             .map(|entry| entry.file_name().to_string_lossy().into_owned())

@@ -8,8 +8,8 @@ use lsp_types::{
 use super::document::Document;
 use super::position::{PieceLines, range};
 use super::workspace::{File, Workspace, normal, path_of};
-use crate::syntax::Statement;
-use crate::text::{Source, Span};
+use admire_syntax::Statement;
+use admire_syntax::text::{Source, Span};
 
 /// So many symbols answer a search.
 const MOST_FOUND: usize = 1000;

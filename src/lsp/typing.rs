@@ -1,12 +1,12 @@
 //! What is being typed: the statement a place stands in as far as it is written, whatever follows.
 
 use super::document::Document;
-use crate::grammar::{
+use admire_syntax::expression::argument_space;
+use admire_syntax::grammar::{
     ArgumentDef, Role, STATEMENTS, StatementDef, ValueKind, find_argument, find_function,
     find_statement,
 };
-use crate::syntax::expression::argument_space;
-use crate::text::Span;
+use admire_syntax::text::Span;
 
 /// What may come at a place.
 pub(super) enum Typing {

@@ -7,7 +7,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use lsp_server::{Connection, ErrorCode, Message};
 use serde_json::{Value, json};
 
-use crate::text::Source;
+use admire_syntax::text::Source;
 
 /// Longer messages are refused: the largest file that is read, each byte of it spelled with two.
 const LARGEST: u64 = 2 * Source::LARGEST;

@@ -9,12 +9,12 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender};
 
-use crate::check::{self, Found, Told};
-use crate::session::{folder_of, read_files};
-use crate::syntax::lint::Options;
-use crate::syntax::pieces::Pieces;
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::Source;
+use admire_session::check::{Found, Told};
+use admire_session::{check, folder_of, read_files};
+use admire_syntax::lint::Options;
+use admire_syntax::pieces::Pieces;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 
 /// A file to check.
 pub(super) struct Job {

@@ -10,11 +10,11 @@ use lsp_types::Uri;
 
 use super::document::Document;
 use super::position::decoded;
-use crate::check::{Settings, is_command_file, table_above};
-use crate::diagnostic::Diagnostic;
-use crate::session::find_file;
-use crate::syntax::Statement;
-use crate::text::{Source, Span, read_at_most};
+use admire_session::check::{Settings, is_command_file, table_above};
+use admire_session::find_file;
+use admire_syntax::Statement;
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::text::{Source, Span, read_at_most};
 
 /// A file and what is known of it.
 pub(super) struct File {

@@ -6,9 +6,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use serde_json::Value;
 
-use crate::front::{self, Beside, Setting, Watched};
-use crate::kc::Convention;
-use crate::syntax::diff::Tolerance;
+use crate::front;
+use crate::front::{Beside, Setting};
+use admire_diagnosis::Watched;
+use admire_kc::Convention;
+use admire_syntax::diff::Tolerance;
 
 use super::block::Block;
 use super::refusal::{json, raised};

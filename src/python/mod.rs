@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _admire(module: &Bound<'_, PyModule>) -> PyResult<()> {
     work::loaded();
-    module.add("__version__", crate::report::VERSION)?;
+    module.add("__version__", admire_report::VERSION)?;
     module.add_class::<block::Block>()?;
     module.add_class::<deck::Deck>()?;
     module.add_class::<run::Run>()?;

@@ -3,8 +3,9 @@ use std::path::PathBuf;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::front::{self, Watched};
-use crate::results::{StepFilter, StepKind};
+use crate::front;
+use admire_diagnosis::Watched;
+use admire_results::{StepFilter, StepKind};
 
 use super::block::Block;
 use super::run::named;

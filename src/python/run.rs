@@ -4,8 +4,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyType};
 
-use crate::front::{self, Watched};
-use crate::results::SelectedColumn;
+use crate::front;
+use admire_diagnosis::Watched;
+use admire_results::SelectedColumn;
 
 use super::block::interface;
 use super::refusal::{json, raised};

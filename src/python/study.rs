@@ -4,15 +4,17 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::discrepancy::{Aim, GainCheck};
-use crate::front::{self, Error, ErrorKind, Watch as _, Watched};
-use crate::identify::global::Marginal;
-use crate::identify::{Fit, LoadedStudy};
-use crate::report::VERSION;
-use crate::rig::settings::Method;
-use crate::sweep::{Progress, Row};
-use crate::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
+use crate::front;
+use crate::front::{Error, ErrorKind};
+use admire_design::Aim;
+use admire_diagnosis::{GainCheck, Watch as _, Watched};
+use admire_identify::global::Marginal;
+use admire_identify::{Fit, LoadedStudy};
+use admire_report::VERSION;
+use admire_study::settings::Method;
+use admire_sweep::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
+use admire_sweep::{Progress, Row};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::block::Block;
 use super::refusal::json;

@@ -2,13 +2,14 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::front::{Error, ErrorKind, Watch, Watched, replace_file};
-use crate::report::VERSION;
-use crate::session::Sources;
-use crate::sweep::{
+use crate::front::{Error, ErrorKind, replace_file};
+use admire_diagnosis::{Watch, Watched};
+use admire_report::VERSION;
+use admire_session::Sources;
+use admire_sweep::{
     Manifest, Runner, Shard, Summary, SweepFolder, SweepPlan, merge, page, run_shard,
 };
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 use super::work::work;
 
@@ -81,7 +82,7 @@ fn run(
         sources.add(source.clone());
     }
     let Some(plan) = read.value else {
-        if let Ok(source) = crate::text::Source::read(path) {
+        if let Ok(source) = admire_syntax::text::Source::read(path) {
             sources.add(source);
         }
         let errors: Vec<Diagnostic> = read

@@ -9,7 +9,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::front::{Error, Watched};
+use crate::front::Error;
+use admire_diagnosis::Watched;
 
 use super::refusal::raised;
 

@@ -1,7 +1,7 @@
 //! Whether curves and sensors move as the model does at its start values: another sign, unit or zero shows before any fit.
 
-use crate::identify::LoadedStudy;
-use crate::identify::global::Row;
+use admire_identify::LoadedStudy;
+use admire_identify::global::Row;
 
 /// So many readings tell whether a channel moves as the model does.
 const ENOUGH: usize = 6;

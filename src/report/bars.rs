@@ -5,7 +5,7 @@ use super::escape;
 
 /// Bars from a lower to an upper value, one below the other: a tornado.
 #[derive(Clone, Debug)]
-pub(crate) struct Bars {
+pub struct Bars {
     /// Title.
     pub title: String,
     /// Label of the axis, with its unit.

@@ -19,7 +19,7 @@ pub enum Mark {
 
 /// One curve or cloud.
 #[derive(Clone, Debug)]
-pub(crate) struct Series {
+pub struct Series {
     /// Name in the legend.
     pub name: String,
     /// (x, y); points that are not finite are left out.
@@ -30,7 +30,7 @@ pub(crate) struct Series {
 
 /// A picture with two axes.
 #[derive(Clone, Debug)]
-pub(crate) struct Chart {
+pub struct Chart {
     /// Title.
     pub title: String,
     /// Label of the x axis, with its unit.

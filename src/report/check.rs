@@ -13,7 +13,7 @@ pub enum Verdict {
 
 /// One line of the table.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Check {
+pub struct Check {
     /// What was looked at.
     pub what: &'static str,
     /// What it is, with its unit.

@@ -1,5 +1,5 @@
 use super::{Chart, DrawingError, Figure, Mark, Series};
-use crate::identify::{Fit, LoadedStudy};
+use admire_identify::{Fit, LoadedStudy};
 
 /// How every number went to its value: one picture per element, so that those of many unknowns stay readable. `named` gives the name of
 /// an element and of one of its numbers.

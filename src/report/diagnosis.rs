@@ -1,8 +1,8 @@
-use crate::discrepancy::{
+use admire_diagnosis::{
     ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
 };
-use crate::identify::global::{Row, UNIDENTIFIABLE};
-use crate::text::Decimals;
+use admire_identify::global::{Row, UNIDENTIFIABLE};
+use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
@@ -15,15 +15,15 @@ use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
     short_unit,
 };
-use crate::identify::LoadedStudy;
-use crate::identify::global::confidence::NORMAL_975;
-use crate::results::Timestamp;
+use admire_identify::LoadedStudy;
+use admire_identify::global::confidence::NORMAL_975;
+use admire_results::Timestamp;
 
 /// Up to so many cases a map of them can be read.
 const MAPPED: usize = 60;
 
 /// What a diagnosis shows a person.
-pub(crate) struct DiagnosisReport<'a> {
+pub struct DiagnosisReport<'a> {
     /// The study.
     pub loaded: &'a LoadedStudy,
     /// The diagnosis and the fits behind it.
@@ -163,7 +163,7 @@ impl DiagnosisReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub(crate) fn html(&self) -> Result<String, DrawingError> {
+    pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
         // Tolerances that grow make any chi-square small: beside a verdict against the model it says nothing.
         let lead = match diagnosis.verdict {

@@ -3,9 +3,9 @@ use super::ranking::words;
 use super::scene::Role;
 use super::study_figures::load_axis;
 use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, study_scene};
-use crate::discrepancy::{Fitted, Outcome, Verdict};
-use crate::identify::LoadedStudy;
-use crate::model::Model;
+use admire_diagnosis::{Fitted, Outcome, Verdict};
+use admire_identify::LoadedStudy;
+use admire_solver::model::Model;
 
 /// The mechanism with what was found marked: as measured, as the model was, and as it is extended.
 pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Scene {
@@ -33,7 +33,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
 
 /// Where a fit puts the parts of the study's own deck; the parts that an extension adds are not among them.
 fn positions(name: &str, role: Role, model: &Model, fitted: &Fitted) -> Positions {
-    let of = |part: &crate::model::Part| {
+    let of = |part: &admire_solver::model::Part| {
         let mut others = fitted.deck.model.parts.iter();
         others.position(|other| other.header.id == part.header.id && other.kind == part.kind)
     };
@@ -92,7 +92,7 @@ pub(super) fn curves(
 }
 
 /// How well the model fits, without causes and with them.
-pub(crate) fn fit_in_words(outcome: &Outcome<'_>) -> String {
+pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
     let tried = format!("{} hypotheses were tried.", outcome.places);

@@ -15,7 +15,7 @@ impl Figure {
     ///
     /// # Errors
     /// When it cannot be drawn.
-    pub(crate) fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
+    pub fn chart(chart: &Chart, caption: &str) -> Result<Self, DrawingError> {
         Ok(Self {
             svg: chart.svg()?,
             caption: caption.to_string(),
@@ -43,7 +43,7 @@ impl Figure {
     }
 
     /// Bars with a caption.
-    pub(crate) fn bars(bars: &Bars, caption: &str) -> Self {
+    pub fn bars(bars: &Bars, caption: &str) -> Self {
         Self {
             svg: bars.svg(),
             caption: caption.to_string(),

@@ -1,9 +1,9 @@
 //! Whether the marks are told in the deck's frame.
 
 use super::check::Verdict;
-use crate::identify::LoadedStudy;
-use crate::mechanics::Vec3;
-use crate::rig::{Case, FramePlace};
+use admire_identify::LoadedStudy;
+use admire_solver::mechanics::Vec3;
+use admire_study::{Case, FramePlace};
 
 /// It is surely another one where the motion leaves no more than this part,
 const SURE: f64 = 0.4;

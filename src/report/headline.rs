@@ -1,5 +1,5 @@
 use super::number::{change, rounded};
-use crate::identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
+use admire_identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
 
 /// The answer of an identification in a sentence or two for someone who decides.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
@@ -105,15 +105,15 @@ fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::strained;
-    use crate::identify::{Fit, ToleranceFound};
-    use crate::report::lead;
+    use crate::lead;
+    use admire_identify::{Fit, ToleranceFound};
 
     /// A fit whose noise grew twenty times is no model that explains the readings.
     #[test]
     fn sizes_beyond_their_priors_come_first() {
         let mut fit = Fit {
             converged: true,
-            fit_test: crate::identify::FitTest::new(98.0, 100.0, Vec::new()),
+            fit_test: admire_identify::FitTest::new(98.0, 100.0, Vec::new()),
             ..Fit::default()
         };
         assert_eq!(strained(&fit), None);

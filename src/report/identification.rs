@@ -8,17 +8,17 @@ use super::repeats::repeats;
 use super::short_unit;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
-use crate::identify::structure::{is_structured, worst};
-use crate::identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
-use crate::results::Timestamp;
-use crate::text::Decimals;
+use admire_identify::structure::{is_structured, worst};
+use admire_identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
+use admire_results::Timestamp;
+use admire_syntax::text::Decimals;
 
 /// The colour of values that are known from elsewhere: that of no model.
 const REFERENCE: usize = 4;
 
 /// What the page shows beside the fit.
 #[derive(Clone, Debug)]
-pub(crate) struct IdentificationReport<'a> {
+pub struct IdentificationReport<'a> {
     /// The study.
     pub loaded: &'a LoadedStudy,
     /// The answer.
@@ -34,7 +34,7 @@ impl IdentificationReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub(crate) fn html(&self) -> Result<String, DrawingError> {
+    pub fn html(&self) -> Result<String, DrawingError> {
         let title = self.loaded.dataset.title();
         let figures = StudyFigures {
             loaded: self.loaded,

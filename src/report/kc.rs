@@ -1,14 +1,14 @@
 use super::number::rounded;
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
-use crate::kc::{
+use admire_kc::{
     Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, driven_unit,
     fitted_slope, loop_half_width, output, shown, slope,
 };
-use crate::units::Units;
+use admire_syntax::units::Units;
 
 /// A curve that was measured, in the units of the deck and radians.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct MeasuredCurve {
+pub struct MeasuredCurve {
     /// Name of the test.
     pub test: String,
     /// Name of the characteristic: `toe_angle.left`.
@@ -19,7 +19,7 @@ pub(crate) struct MeasuredCurve {
 
 /// What the page of K&C tests shows.
 #[derive(Debug)]
-pub(crate) struct KcReport<'a> {
+pub struct KcReport<'a> {
     /// The deck.
     pub deck: &'a str,
     /// Its run.
@@ -174,7 +174,7 @@ impl KcReport<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn.
-    pub(crate) fn page(&self, footer: &str) -> Result<String, DrawingError> {
+    pub fn page(&self, footer: &str) -> Result<String, DrawingError> {
         let mut page = Page::new(
             &format!("Kinematics and compliance of {}", self.deck),
             &self.lead(),
@@ -292,13 +292,13 @@ impl KcReport<'_> {
             settings.range[0],
             settings.range[1],
             driven_unit(test.kind.driven(), self.units),
-            if settings.point == crate::kc::LoadPoint::Patch {
+            if settings.point == admire_kc::LoadPoint::Patch {
                 "contact patch"
             } else {
                 "wheel centre"
             },
             match (settings.hold, test.kind) {
-                (crate::kc::Hold::Height, _) => "height of the wheel centres",
+                (admire_kc::Hold::Height, _) => "height of the wheel centres",
                 (_, TestKind::Roll) => "load of the axle",
                 _ => "vertical loads",
             },
@@ -311,13 +311,13 @@ impl KcReport<'_> {
         let mut figures = Vec::new();
         for (entity, components, title) in CURVES {
             // Where heights are held they are what is driven.
-            if entity == "wheel_travel" && settings.hold == crate::kc::Hold::Height {
+            if entity == "wheel_travel" && settings.hold == admire_kc::Hold::Height {
                 continue;
             }
             figures.extend(self.curve(test, entity, &components, title)?);
         }
         for (entity, component, title) in MIGRATION {
-            if settings.hold == crate::kc::Hold::Height {
+            if settings.hold == admire_kc::Hold::Height {
                 figures.extend(self.curve(test, entity, &[component], title)?);
             }
         }

@@ -2,8 +2,8 @@
 
 use super::ranking::unit;
 use super::{Align, Scene, Table, number, short_unit};
-use crate::discrepancy::{Cause, CauseLimit, Diagnosis};
-use crate::identify::LoadedStudy;
+use admire_diagnosis::{Cause, CauseLimit, Diagnosis};
+use admire_identify::LoadedStudy;
 
 /// Higher terms of laws; the limit of the first term says more.
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];

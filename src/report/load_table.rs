@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::check::Verdict;
-use crate::identify::LoadedStudy;
-use crate::rig::Case;
+use admire_identify::LoadedStudy;
+use admire_study::Case;
 
 /// Marks move against the model with a load below this cosine between the two motions, and with it above its negative.
 const AGAINST: f64 = -0.5;

@@ -1,8 +1,8 @@
 //! How exact marks are before any fit: by the rigid parts that carry them, and by loads that were applied again.
 
-use crate::identify::global::{Observed, SeenMark};
-use crate::identify::{LoadedStudy, meet_marks};
-use crate::mechanics::{Pose, Vec3};
+use admire_identify::global::{Observed, SeenMark};
+use admire_identify::{LoadedStudy, meet_marks};
+use admire_solver::mechanics::{Pose, Vec3};
 
 /// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
 pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {

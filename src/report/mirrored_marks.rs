@@ -1,8 +1,8 @@
 //! Whether the measured marks are a mirror image: one coordinate with the other sign, or two of them exchanged.
 
 use super::mark_scatter::rigidity;
-use crate::identify::LoadedStudy;
-use crate::mechanics::Vec3;
+use admire_identify::LoadedStudy;
+use admire_solver::mechanics::Vec3;
 
 /// A mirror image is no rigid part: mended, the marks of parts scatter by less than this part.
 const RIGID: f64 = 0.2;

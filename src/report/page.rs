@@ -6,7 +6,7 @@ use super::{Figure, Scene, Table};
 
 /// One page, built from top to bottom. It refers to nothing outside of itself.
 #[derive(Debug)]
-pub(crate) struct Page {
+pub struct Page {
     title: String,
     body: String,
     /// Whether the client of the three-dimensional view is needed.
@@ -17,7 +17,7 @@ const STYLE: &str = include_str!("page.css");
 
 impl Page {
     /// A page with a title and, under it, the answer in a sentence or two.
-    pub(crate) fn new(title: &str, lead: &str) -> Self {
+    pub fn new(title: &str, lead: &str) -> Self {
         let mut page = Self {
             title: title.to_string(),
             body: String::new(),
@@ -38,7 +38,7 @@ impl Page {
     }
 
     /// A heading.
-    pub(crate) fn heading(&mut self, text: &str) -> &mut Self {
+    pub fn heading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h2>{}</h2>\n", escape(text)));
         self
     }
@@ -50,7 +50,7 @@ impl Page {
     }
 
     /// A paragraph of small print.
-    pub(crate) fn note(&mut self, text: &str) -> &mut Self {
+    pub fn note(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p class=\"note\">{}</p>\n", prose(text)));
         self
     }
@@ -72,13 +72,13 @@ impl Page {
     }
 
     /// A table.
-    pub(crate) fn table(&mut self, table: &Table) -> &mut Self {
+    pub fn table(&mut self, table: &Table) -> &mut Self {
         self.push(format_args!("<div class=\"wide\">{}</div>\n", table.html()));
         self
     }
 
     /// Names and values, for example where a page comes from.
-    pub(crate) fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
+    pub fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
         self.body.push_str("<dl class=\"facts\">\n");
         for (name, value) in facts {
             self.push(format_args!(
@@ -92,7 +92,7 @@ impl Page {
     }
 
     /// A heading inside of a section.
-    pub(crate) fn subheading(&mut self, text: &str) -> &mut Self {
+    pub fn subheading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h3>{}</h3>\n", escape(text)));
         self
     }
@@ -105,7 +105,7 @@ impl Page {
     }
 
     /// Pictures side by side where there is room.
-    pub(crate) fn figures(&mut self, figures: &[Figure]) -> &mut Self {
+    pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
         self.body.push_str("<div class=\"figures\">\n");
         for figure in figures {
             self.body.push_str(&figure.html());
@@ -122,12 +122,12 @@ impl Page {
     }
 
     /// The whole page as one file. `footer` says what made it and from what.
-    pub(crate) fn finish(self, footer: &str) -> String {
+    pub fn finish(self, footer: &str) -> String {
         self.written("", footer)
     }
 
     /// A page that is one picture in three dimensions and fills the window.
-    pub(crate) fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
+    pub fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
         let mut page = Self::new(&scene.title, lead);
         page.scenes = true;
         page.body.push_str(&scene.html(true));

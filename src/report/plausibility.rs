@@ -7,20 +7,20 @@ use super::check::{Check, Verdict};
 use super::frame_place::odd_frame;
 use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
-use crate::diagnostic::Severity;
-use crate::identify::LoadedStudy;
-use crate::identify::global::gauss_newton::LeastSquares;
-use crate::identify::global::{
+use admire_identify::LoadedStudy;
+use admire_identify::global::gauss_newton::LeastSquares;
+use admire_identify::global::{
     Observations, Prepared, UNIDENTIFIABLE, fit_unknowns, global_problem,
 };
-use crate::mechanics::Vec3;
-use crate::model::PartKind;
-use crate::model::lint::implausible_units;
-use crate::rig::settings::BackendChoice;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::PartKind;
+use admire_solver::model::lint::implausible_units;
+use admire_study::settings::BackendChoice;
+use admire_syntax::diagnostic::Severity;
 
 /// The table.
 #[derive(Clone, Default, PartialEq, Debug)]
-pub(crate) struct Plausibility {
+pub struct Plausibility {
     /// Line by line.
     pub checks: Vec<Check>,
 }
@@ -40,7 +40,7 @@ const MOVED: f64 = 3.0;
 
 impl Plausibility {
     /// Looks at a study; the forecast solves all load cases once with the start values, and slips are looked for by short fits.
-    pub(crate) fn of(loaded: &LoadedStudy) -> Self {
+    pub fn of(loaded: &LoadedStudy) -> Self {
         let mut table = Self::default();
         table.loads(loaded);
         table.readings(loaded);
@@ -59,7 +59,7 @@ impl Plausibility {
     }
 
     /// Why this study is not fitted unless that is forced.
-    pub(crate) fn refusal(&self) -> Option<String> {
+    pub fn refusal(&self) -> Option<String> {
         let wrong = self.checks.iter();
         let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
         let why: Vec<&str> = wrong.map(|check| check.why.as_str()).collect();
@@ -67,7 +67,7 @@ impl Plausibility {
     }
 
     /// True if nothing speaks against a fit.
-    pub(crate) fn allows_a_fit(&self) -> bool {
+    pub fn allows_a_fit(&self) -> bool {
         self.checks
             .iter()
             .all(|check| check.verdict != Verdict::Impossible)
@@ -144,7 +144,7 @@ impl Plausibility {
             let read = to.cases.iter().filter(|case| case.wheel.is_some()).count();
             self.counted("wheel", String::new(), read, to.cases.len());
         }
-        let by_case = |(_, c): &(usize, &crate::rig::Channel)| c.is_read_by_case();
+        let by_case = |(_, c): &(usize, &admire_study::Channel)| c.is_read_by_case();
         let channels = to.channels.iter().enumerate().filter(by_case);
         let channels: Vec<usize> = channels.map(|(k, _)| k).collect();
         if !channels.is_empty() {

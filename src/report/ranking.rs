@@ -2,9 +2,9 @@
 
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
-use crate::discrepancy::{Cause, Diagnosis, Finding};
-use crate::identify::LoadedStudy;
-use crate::syntax::Address;
+use admire_diagnosis::{Cause, Diagnosis, Finding};
+use admire_identify::LoadedStudy;
+use admire_syntax::Address;
 
 /// Width and height of a bar.
 const SIZE: (f64, f64) = (150.0, 14.0);
@@ -93,7 +93,7 @@ fn bar(probability: f64, text: &str) -> String {
 
 /// The numbers of a finding with their units and errors, angles in degrees; of a wrong number of the deck also the old value, the new one and
 /// the change in percent.
-pub(crate) fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
+pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let texts = finding.parameters.iter().map(|(name, value)| {
         let unit = unit((finding.cause, &finding.address), name, loaded);

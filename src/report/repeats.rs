@@ -1,6 +1,6 @@
 use super::number::number;
 use super::{Align, Page, Table};
-use crate::identify::{Fit, ParameterFit};
+use admire_identify::{Fit, ParameterFit};
 
 /// Intervals of the same numbers from fits of readings drawn anew and from draws of the posterior.
 pub(super) fn repeats(page: &mut Page, fit: &Fit, named: &dyn Fn(&ParameterFit) -> String) {

@@ -1,8 +1,8 @@
 //! The page of the paper's validations run again.
 
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
-use crate::identify::reproduction::Section;
-use crate::results::Timestamp;
+use admire_identify::reproduction::Section;
+use admire_results::Timestamp;
 
 /// What the page shows.
 #[derive(Clone, Debug)]

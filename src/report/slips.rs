@@ -3,9 +3,9 @@
 use super::check::Verdict;
 use super::mirrored_marks::mirrored;
 use super::plausibility::Plausibility;
-use crate::identify::LoadedStudy;
-use crate::identify::slips::{displaced, search};
-use crate::rig::settings::BackendChoice;
+use admire_identify::LoadedStudy;
+use admire_identify::slips::{displaced, search};
+use admire_study::settings::BackendChoice;
 
 impl Plausibility {
     /// Bushings and joints whose two sides lie apart at the design position. True if one change brings them together.

@@ -1,12 +1,12 @@
 use super::scene::Role;
 use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series, short_unit};
-use crate::identify::LoadedStudy;
-use crate::identify::global::Prepared;
-use crate::mechanics::{Pose, Vec3, Vec6};
-use crate::model::{MarkerIx, SforceKind};
-use crate::rig::deflection::{DeflectionForm, deflection};
-use crate::rig::wheel::WheelReading;
-use crate::system::Scratch;
+use admire_identify::LoadedStudy;
+use admire_identify::global::Prepared;
+use admire_solver::mechanics::{Pose, Vec3, Vec6};
+use admire_solver::model::{MarkerIx, SforceKind};
+use admire_solver::system::Scratch;
+use admire_study::deflection::{DeflectionForm, deflection};
+use admire_study::wheel::WheelReading;
 
 /// Up to so many cases a map of them can be read.
 const MAPPED: usize = 60;
@@ -20,7 +20,7 @@ pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     let turns = argument.is_some_and(|argument| argument.starts_with('T'));
     let is_force = load.is_some_and(|load| {
         let kind = load.target.kind.as_str();
-        let is_torque = |force: &crate::model::Sforce| {
+        let is_torque = |force: &admire_solver::model::Sforce| {
             Some(force.header.id) == load.target.id && force.kind == SforceKind::Rotational
         };
         match kind {
@@ -323,7 +323,7 @@ impl StudyFigures<'_> {
     pub(crate) fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
         // What follows from the places of the parts alone.
-        let is_curve = |channel: &crate::rig::Channel| {
+        let is_curve = |channel: &admire_study::Channel| {
             channel.is_read_by_case() && !channel.helpers.is_empty()
         };
         if self.positions.is_empty() || !measurement.channels.iter().any(is_curve) {

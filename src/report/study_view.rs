@@ -1,8 +1,8 @@
 use super::Scene;
 use super::scene::{Arrow, Frame, Mark, Placed, Role, Set, along, point};
-use crate::backend::Sweep;
-use crate::identify::LoadedStudy;
-use crate::mechanics::{Pose, Vec3};
+use admire_identify::LoadedStudy;
+use admire_session::backend::Sweep;
+use admire_solver::mechanics::{Pose, Vec3};
 
 /// Where a model stands in every load case of a study.
 #[derive(Clone, PartialEq, Debug)]
@@ -17,7 +17,7 @@ pub struct Positions {
 
 impl Positions {
     /// Those of a sweep over the cases of a study.
-    pub(crate) fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
+    pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
         let cases = 0..sweep.cases.len();
         Self {
             name: name.to_string(),
@@ -128,7 +128,7 @@ fn arrows(
     stands: Option<&Vec<Pose>>,
 ) -> Vec<Arrow> {
     let model = &loaded.model;
-    let frame = |marker: crate::model::MarkerIx| {
+    let frame = |marker: admire_solver::model::MarkerIx| {
         let marker = &model.markers[marker.0];
         let part = stands.map_or(model.parts[marker.part.0].pose, |poses| {
             poses[marker.part.0]
@@ -150,8 +150,8 @@ fn arrows(
         let force = match load.target.kind.as_str() {
             "SFORCE" => {
                 let found = model.sforces.iter().find(|force| force.header.id == id);
-                let Some(force) =
-                    found.filter(|force| force.kind == crate::model::SforceKind::Translational)
+                let Some(force) = found
+                    .filter(|force| force.kind == admire_solver::model::SforceKind::Translational)
                 else {
                     continue;
                 };

@@ -4,7 +4,7 @@ use super::escape;
 
 /// How a column is aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Align {
+pub enum Align {
     /// Words.
     Left,
     /// Numbers.
@@ -33,7 +33,7 @@ pub struct Table {
 
 impl Table {
     /// A table with these column heads.
-    pub(crate) fn new(columns: &[(&str, Align)]) -> Self {
+    pub fn new(columns: &[(&str, Align)]) -> Self {
         let columns = columns
             .iter()
             .map(|(name, align)| ((*name).to_string(), *align))
@@ -45,7 +45,7 @@ impl Table {
     }
 
     /// Adds a row of plain cells; missing cells stay empty.
-    pub(crate) fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
+    pub fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) -> &mut Self {
         self.rows.push(
             cells
                 .into_iter()

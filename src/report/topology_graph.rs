@@ -1,14 +1,14 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 
-use crate::syntax::{Dataset, Object, Statement, Topology};
+use admire_syntax::{Dataset, Object, Statement, Topology};
 
 use super::escape;
-use crate::text::printable;
+use admire_syntax::text::printable;
 
 /// Bodies and what joins them, as a picture or as text for Graphviz.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct TopologyGraph {
+pub struct TopologyGraph {
     /// The title of the dataset.
     pub title: String,
     /// The bodies in the order of the dataset.
@@ -30,7 +30,7 @@ pub struct Body {
 
 /// An element between two bodies.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Link {
+pub struct Link {
     /// Positions of the bodies.
     pub ends: [usize; 2],
     /// Kind and id.
@@ -43,7 +43,7 @@ pub(crate) struct Link {
 
 impl TopologyGraph {
     /// Bodies and elements of a dataset, names as they may be printed. What hangs on one body only, or measures and draws, is left out.
-    pub(crate) fn of(dataset: &Dataset) -> Self {
+    pub fn of(dataset: &Dataset) -> Self {
         let topology = Topology::of(dataset);
         let address = |statement: &Statement| {
             let kind = statement.kind().unwrap_or("statement");
@@ -85,7 +85,7 @@ impl TopologyGraph {
             let kind = statement
                 .arguments
                 .iter()
-                .filter_map(crate::syntax::Argument::kind)
+                .filter_map(admire_syntax::Argument::kind)
                 .find(|kind| TYPES.contains(kind));
             let label = match kind {
                 Some(kind) => format!("{} ({kind})", name(statement)),
@@ -108,7 +108,7 @@ impl TopologyGraph {
     }
 
     /// The graph in the language of Graphviz: bodies by address, so that names may repeat.
-    pub(crate) fn dot(&self) -> String {
+    pub fn dot(&self) -> String {
         let quoted =
             |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         let mut out = format!(
@@ -139,7 +139,7 @@ impl TopologyGraph {
     }
 
     /// The graph as an SVG picture: the ground at the bottom, every other body as many rows above it as links lead to it.
-    pub(crate) fn svg(&self) -> String {
+    pub fn svg(&self) -> String {
         let places = self.places();
         let wide = |text: &str| 7.2 * text.chars().count() as f64;
         let width = places.iter().map(|p| p.0).fold(0.0, f64::max) + COLUMN;
@@ -329,7 +329,7 @@ fn shortened(text: &str, most: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Source;
+    use admire_syntax::text::Source;
 
     fn sample() -> TopologyGraph {
         let deck = "four\nPART/1, GROUND\nMARKER/1, PART=1\n! adams_view_name='crank \"a\"'\nPART/2, MASS=1, CM=20\nMARKER/20, PART=2\nMARKER/21, PART=2\n\

@@ -75,7 +75,7 @@ impl Catalogue {
     }
 
     /// All columns in the order of the file.
-    pub(crate) fn columns(&self) -> impl Iterator<Item = Column<'_>> {
+    pub fn columns(&self) -> impl Iterator<Item = Column<'_>> {
         self.entities.iter().flat_map(|entity| {
             entity
                 .components
@@ -96,7 +96,7 @@ impl Catalogue {
     }
 
     /// The entities called `name`, as result set or as object, upper and lower case alike.
-    pub(crate) fn entities_called<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Entity> {
+    pub fn entities_called<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Entity> {
         self.entities.iter().filter(move |entity| {
             entity.name.eq_ignore_ascii_case(name)
                 || entity

@@ -70,7 +70,7 @@ pub(super) enum Shape {
 
 impl EntityKind {
     /// The kind of a force by a law, from the name of its type.
-    pub(crate) fn of_law(entity: &'static str) -> Self {
+    pub fn of_law(entity: &'static str) -> Self {
         [
             Self::TranslationalSpringDamper,
             Self::RotationalSpringDamper,
@@ -84,7 +84,7 @@ impl EntityKind {
     }
 
     /// True if its objects have the angles ANGX, ANGY, ANGZ.
-    pub(crate) const fn has_angles(self) -> bool {
+    pub const fn has_angles(self) -> bool {
         matches!(self.shape(), Shape::ForceAndAngles)
     }
 
@@ -128,7 +128,7 @@ impl EntityKind {
     }
 
     /// The keyword of the statement behind a class, as the attribute `entType` has it.
-    pub(crate) fn keyword(ent_type: &str) -> String {
+    pub fn keyword(ent_type: &str) -> String {
         let keyword = match ent_type {
             "Single_Component_Force" => "SFORCE",
             "Primitive_Joint" => "JPRIM",

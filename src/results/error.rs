@@ -1,5 +1,5 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::Span;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Span;
 
 /// Why results cannot be read (further).
 #[derive(Debug, thiserror::Error)]

@@ -1,10 +1,7 @@
 use std::collections::BTreeMap;
 
-use nalgebra::{Quaternion, UnitQuaternion};
-
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::mechanics::psi_theta_phi;
-use crate::text::{Source, Span};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
 
 /// The displacements of a formatted (ASCII) results file.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -203,17 +200,37 @@ impl FormattedResults {
             for value in &mut q {
                 *value = number(span, fields.next())?;
             }
-            let e = Quaternion::new(q[3], q[4], q[5], q[6]);
-            let Some(e) = UnitQuaternion::try_new(e, 1e-6) else {
+            let Some([psi, theta, phi]) = psi_theta_phi([q[3], q[4], q[5], q[6]]) else {
                 let message = "Euler parameters without length".to_string();
                 return Err((Code::OutOfRange, message, span));
             };
-            let [psi, theta, phi] = psi_theta_phi(e.to_rotation_matrix().matrix());
             step.displacements.push([q[0], q[1], q[2], psi, theta, phi]);
         }
         self.steps.push(step);
         Ok(())
     }
+}
+
+/// PSI, THETA, PHI of Euler parameters of any length: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn
+/// about z is psi (guide/formats.md 4.1). `None` for parameters of nearly no length.
+fn psi_theta_phi(e: [f64; 4]) -> Option<[f64; 3]> {
+    let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
+    if !(length > 1e-6) {
+        return None;
+    }
+    let [w, i, j, k] = e.map(|e| e / length);
+    let (R00, R10) = (w * w + i * i - j * j - k * k, 2.0 * (w * k + i * j));
+    let (R01, R11) = (2.0 * (i * j - w * k), w * w - i * i + j * j - k * k);
+    let (R02, R12) = (2.0 * (w * j + i * k), 2.0 * (j * k - w * i));
+    let R22 = w * w - i * i - j * j + k * k;
+    let s = libm::hypot(R02, R12);
+    if s < 1e-12 {
+        let theta = if R22 > 0.0 { 0.0 } else { std::f64::consts::PI };
+        return Some([libm::atan2(R10, R00), theta, 0.0]);
+    }
+    let (sin, cos) = (R02 / s, -R12 / s);
+    let phi = libm::atan2(0.0 - (cos * R01 + sin * R11), cos * R00 + sin * R10);
+    Some([libm::atan2(sin, cos), libm::atan2(s, R22), phi])
 }
 
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (Span, &[u8])> {

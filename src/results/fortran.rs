@@ -1,6 +1,6 @@
 //! Numbers and headings of the older text files, in the columns of their FORTRAN formats.
 
-use crate::units::{Unit, Units};
+use admire_syntax::units::{Unit, Units};
 
 /// `1PEw.d`: one digit before the point, an exponent of at least two digits, right-justified.
 pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {

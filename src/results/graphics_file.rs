@@ -1,6 +1,6 @@
 use std::io::{self, Write};
 
-use crate::units::Units;
+use admire_syntax::units::Units;
 
 use super::fortran::{exponential, line_of, title_line, unit_code};
 use super::{StepKind, Timestamp};

@@ -1,5 +1,5 @@
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::text::{Source, Span};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
 
 use super::StepKind;
 use super::graphics_file::{INPUT, STATIC};
@@ -164,7 +164,7 @@ fn numbers(line: &str) -> impl Iterator<Item = Option<f64>> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{GraphicsHead, GraphicsShape, GraphicsWriter, Timestamp};
+    use crate::{GraphicsHead, GraphicsShape, GraphicsWriter, Timestamp};
 
     #[test]
     fn what_is_written_is_read_and_a_cut_frame_is_told() {

@@ -1,4 +1,4 @@
-use crate::units::Units;
+use admire_syntax::units::Units;
 
 use super::Timestamp;
 

@@ -1,6 +1,6 @@
 use serde::Serialize;
 
-use crate::text::{Source, Span};
+use admire_syntax::text::{Source, Span};
 
 /// What a `.msg` file tells of a run, of ADAMS or of this program.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]

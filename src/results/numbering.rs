@@ -1,4 +1,4 @@
-use crate::units::{Dimension, Units};
+use admire_syntax::units::{Dimension, Units};
 
 use super::entity_kind::Shape;
 use super::{Catalogue, Component, Entity, EntityKind};
@@ -78,7 +78,7 @@ impl Numbering {
     }
 
     /// Adds a request, or another object whose columns the statement names, with a unit for each column where it has one.
-    pub(crate) fn named(
+    pub fn named(
         &mut self,
         kind: EntityKind,
         view_name: Option<&str>,

@@ -1,8 +1,8 @@
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use crate::diagnostic::Checked;
-use crate::text::{Source, check_size, open_to_read};
+use admire_syntax::diagnostic::Checked;
+use admire_syntax::text::{Source, check_size, open_to_read};
 
 use super::table_reader::TableReader;
 use super::{
@@ -14,7 +14,7 @@ use super::{
 const LARGEST_WHOLE: u64 = 512 << 20;
 
 /// A results file of any kind that can be read.
-pub(crate) type AnyResults = Box<dyn ResultsReader>;
+pub type AnyResults = Box<dyn ResultsReader>;
 
 /// Opens a results file by what is in it: XRF is read from the disk step by step; request, graphics and formatted results files,
 /// which are small, are read whole into a table. The complaints are those of the whole files; the reader
@@ -223,7 +223,7 @@ fn table(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Selection;
+    use crate::Selection;
 
     #[test]
     fn request_files_are_shown_like_any_other() {

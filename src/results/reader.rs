@@ -1,4 +1,4 @@
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 use super::{Catalogue, Header, ResultsError, Step};
 

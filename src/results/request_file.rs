@@ -1,8 +1,8 @@
 use std::io::{self, Write};
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::text::{Source, Span};
-use crate::units::Units;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
+use admire_syntax::units::Units;
 
 use super::Timestamp;
 use super::fortran::{exponential, line_of, title_line, unit_code};

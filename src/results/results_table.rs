@@ -4,7 +4,7 @@ use super::{Catalogue, Header, NumberStyle, StepKind};
 
 /// The results of a run in memory: what an XRF file holds, a row of values for each step.
 #[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
-pub(crate) struct ResultsTable {
+pub struct ResultsTable {
     /// What the file would say of itself.
     pub header: Header,
     /// Names of the columns; the component with id k is value k - 1 of each row.
@@ -22,7 +22,7 @@ pub(crate) struct ResultsTable {
 
 impl ResultsTable {
     /// A table without steps.
-    pub(crate) fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
+    pub fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
         Self {
             header,
             catalogue,

@@ -1,8 +1,6 @@
-use std::io::{self, BufReader, Read, Write};
-use std::path::Path;
+use std::io::{self, Read, Write};
 
-use crate::diagnostic::Diagnostic;
-use crate::text::{open_to_read, persist};
+use admire_syntax::diagnostic::Diagnostic;
 
 use super::step::tokens;
 use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
@@ -82,27 +80,6 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
     io::copy(&mut verbatim, &mut output)?;
     output.flush()?;
     report.diagnostics = reader.diagnostics().to_vec();
-    Ok(report)
-}
-
-/// Rewrites a file to a path, which may be its own: the result is complete or not there at all.
-///
-/// # Errors
-/// As [`rewrite`]; `to` is untouched then.
-pub fn rewrite_file(from: &Path, to: &Path, changes: &[Change]) -> Result<Rewritten, ResultsError> {
-    let folder = match to.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut scratch = tempfile::NamedTempFile::new_in(folder)?;
-    let report = rewrite(
-        &from.display().to_string(),
-        open_to_read(from)?,
-        BufReader::with_capacity(1 << 16, open_to_read(from)?),
-        io::BufWriter::with_capacity(1 << 16, scratch.as_file_mut()),
-        changes,
-    )?;
-    persist(scratch, to)?;
     Ok(report)
 }
 

@@ -22,7 +22,7 @@ pub struct SelectedColumn {
 
 impl Selection {
     /// Every named column.
-    pub(crate) fn all(catalogue: &Catalogue) -> Self {
+    pub fn all(catalogue: &Catalogue) -> Self {
         Self::new(catalogue, |_| true)
     }
 
@@ -70,7 +70,7 @@ impl Selection {
     }
 
     /// The ids, increasing.
-    pub(crate) fn ids(&self) -> Vec<usize> {
+    pub fn ids(&self) -> Vec<usize> {
         self.columns.iter().map(|column| column.id).collect()
     }
 
@@ -78,7 +78,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails, or `row` does.
-    pub(crate) fn rows(
+    pub fn rows(
         &self,
         reader: &mut dyn ResultsReader,
         filter: &StepFilter,
@@ -120,7 +120,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading fails.
-    pub(crate) fn values_of(
+    pub fn values_of(
         &self,
         reader: &mut dyn ResultsReader,
         filter: &StepFilter,
@@ -151,7 +151,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the steps before are written.
-    pub(crate) fn write_csv_of(
+    pub fn write_csv_of(
         &self,
         reader: &mut dyn ResultsReader,
         output: impl Write,
@@ -201,7 +201,7 @@ impl Selection {
     ///
     /// # Errors
     /// When reading or writing fails; the output is incomplete then.
-    pub(crate) fn write_json_of(
+    pub fn write_json_of(
         &self,
         reader: &mut dyn ResultsReader,
         mut output: impl Write,

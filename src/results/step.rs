@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::diagnostic::Code;
+use admire_syntax::diagnostic::Code;
 
 use super::{ResultsError, StepKind};
 

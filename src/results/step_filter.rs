@@ -32,7 +32,7 @@ impl StepFilter {
     ///
     /// # Errors
     /// The word that is none of these.
-    pub(crate) fn positions(&mut self, text: &str) -> Result<(), String> {
+    pub fn positions(&mut self, text: &str) -> Result<(), String> {
         for word in text
             .split(',')
             .map(str::trim)
@@ -58,7 +58,7 @@ impl StepFilter {
     }
 
     /// True if a step at a position from 0, of a kind and at a time is taken. A step without a time is taken at any.
-    pub(crate) fn takes(&self, position: usize, kind: StepKind, time: Option<f64>) -> bool {
+    pub fn takes(&self, position: usize, kind: StepKind, time: Option<f64>) -> bool {
         let place = position + 1;
         let within = |(first, last): &(usize, usize)| (*first..=*last).contains(&place);
         (self.ranges.is_empty() || self.ranges.iter().any(within))

@@ -24,7 +24,7 @@ pub enum StepKind {
 
 impl StepKind {
     /// Kinds with a name of their own.
-    pub(crate) const NAMED: [Self; 7] = [
+    pub const NAMED: [Self; 7] = [
         Self::Input,
         Self::InitialConditions,
         Self::Static,
@@ -65,7 +65,7 @@ impl StepKind {
     }
 
     /// True for the kinds that hold a static equilibrium; all of them are read alike (guide/formats.md 12).
-    pub(crate) const fn is_equilibrium(self) -> bool {
+    pub const fn is_equilibrium(self) -> bool {
         matches!(self, Self::Static | Self::QuasiStatic | Self::Equilibrium)
     }
 }

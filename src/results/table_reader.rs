@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 use super::blocks::Blocks;
 use super::{Catalogue, Header, ResultsError, ResultsReader, ResultsTable, Step, Values};

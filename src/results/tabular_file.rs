@@ -5,7 +5,7 @@ use super::fortran::exponential;
 
 /// A request as a page of tabular output shows it.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct TabularRequest {
+pub struct TabularRequest {
     /// Id of the statement.
     pub id: i64,
     /// Comment or name.
@@ -16,7 +16,7 @@ pub(crate) struct TabularRequest {
 
 /// How tables are spelled (OUTPUT/FIXED, TELETYPE).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Tabular {
+pub struct Tabular {
     /// Numbers have a fixed point where they fit.
     pub fixed: bool,
     /// Lines have at most 72 columns: four values beside TIME, the other four below.
@@ -34,7 +34,7 @@ const PAGE: usize = 50;
 ///
 /// # Errors
 /// `InvalidInput` when a row has not as many entries as there are requests; otherwise when the output cannot be written.
-pub(crate) fn write_tabular(
+pub fn write_tabular(
     mut output: impl Write,
     title: &str,
     when: Timestamp,

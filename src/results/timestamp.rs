@@ -9,7 +9,7 @@ pub struct Timestamp {
 impl Timestamp {
     /// Now, or the moment that the environment variable `SOURCE_DATE_EPOCH` states in seconds since 1970-01-01 00:00:00 UTC
     /// (<https://reproducible-builds.org/specs/source-date-epoch/>): two runs then write the same bytes.
-    pub(crate) fn now() -> Self {
+    pub fn now() -> Self {
         if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH")
             .ok()
             .and_then(|text| text.trim().parse::<u32>().ok())
@@ -30,7 +30,7 @@ impl Timestamp {
     }
 
     /// `YYYY-MM-DD HH:MM:SS`.
-    pub(crate) fn date_time(self) -> String {
+    pub fn date_time(self) -> String {
         let (year, month, day) = civil(self.seconds.div_euclid(86_400));
         let of_day = self.seconds.rem_euclid(86_400);
         format!(

@@ -3,7 +3,7 @@ use std::io;
 use super::{ResultsTable, StepKind};
 
 /// Where the steps of a run go: a file or a table in memory.
-pub(crate) trait ResultsWriter {
+pub trait ResultsWriter {
     /// Adds a step: a value for each column.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
 use std::io::Read;
 use std::sync::Arc;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::Span;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Span;
 
 use super::step::count_tokens;
 use super::xml::{Found, LIMIT, Refusal, Scanner, Tag, attributes, decode};

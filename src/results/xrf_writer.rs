@@ -278,7 +278,7 @@ impl ResultsTable {
     ///
     /// # Errors
     /// When the output cannot be written.
-    pub(crate) fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
+    pub fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
         let style = Style {
             numbers: self.numbers,
             ..Style::default()
@@ -311,8 +311,8 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::{EntityKind, Numbering, Stored, Timestamp};
-    use crate::units::Units;
+    use crate::{EntityKind, Numbering, Stored, Timestamp};
+    use admire_syntax::units::Units;
 
     #[test]
     fn blocks_follow_the_kinds_of_steps() {

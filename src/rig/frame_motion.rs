@@ -1,9 +1,9 @@
 //! How all marks of a virtual rig move together: a measuring frame that was aligned badly, and a mount that yields to the loads.
 
-use super::noise::Noise;
 use super::tolerances::Tolerances;
-use crate::backend::LoadProgramme;
-use crate::mechanics::{Mat3, Vec3, exp};
+use admire_session::backend::LoadProgramme;
+use admire_solver::mechanics::{Mat3, Vec3, exp};
+use admire_study::Noise;
 
 /// Shifts and rotation vectors: of the frame, and of the mount by each load.
 pub(super) struct FrameMotion {

@@ -2,13 +2,11 @@
 
 use super::effect::{ReadingFault, Reality};
 use super::frame_motion::FrameMotion;
-use super::measurement::{MarkedPart, Measurement};
-use super::noise::Noise;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
-use super::wheel::WheelReading;
-use crate::mechanics::{Vec3, exp};
-use crate::model::Model;
+use admire_solver::mechanics::{Vec3, exp};
+use admire_solver::model::Model;
+use admire_study::{MarkedPart, Measurement, Noise, WheelReading};
 
 /// What is read in every case: marks by part and mark, the wheel, the channels; and the marks as the first session lists them.
 pub(super) struct Readings {

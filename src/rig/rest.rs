@@ -1,5 +1,5 @@
-use crate::mechanics::Pose;
-use crate::model::{MarkerIx, Model};
+use admire_solver::mechanics::Pose;
+use admire_solver::model::{MarkerIx, Model};
 
 /// Part poses and channel values of one case.
 pub(super) struct Rest {

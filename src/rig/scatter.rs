@@ -1,8 +1,8 @@
 //! How mark readings scatter, where that is not a normal distribution of the declared width.
 
 use super::effect::{EffectSpec, Reality};
-use super::noise::Noise;
-use crate::diagnostic::{Code, Diagnostic};
+use admire_study::Noise;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// What is unusual about the noise of marks.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -1,10 +1,10 @@
 //! Where parts are on a rig along motions that nothing resists.
 
-use super::noise::Noise;
-use crate::backend::CaseSweeper;
-use crate::model::PartIx;
-use crate::statics::{displace, twist};
-use crate::system::{Parameters, State, System};
+use admire_session::backend::CaseSweeper;
+use admire_solver::model::PartIx;
+use admire_solver::statics::{displace, twist};
+use admire_solver::system::{Parameters, State, System};
+use admire_study::Noise;
 
 /// Friction in ball joints leaves a link turned by up to so many degrees,
 const TURN_DEG: f64 = 30.0;

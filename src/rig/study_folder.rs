@@ -3,12 +3,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::measurement::Measurement;
 use super::readings::Readings;
 use super::rig_options::RigOptions;
-use super::section;
-use super::study::Study;
-use super::summary_readings::written;
+use admire_study::{Measurement, Study, section, written};
 
 /// The standard deviation that exact readings are given, in length units: they cannot have none.
 const EXACT: f64 = 1e-4;

@@ -1,11 +1,11 @@
 //! Small errors that every axle and every rig has besides the one that is looked for.
 
 use super::effect::{EffectSpec, Reality, direction_of, held, points};
-use super::noise::Noise;
-use crate::backend::{Load, LoadProgramme};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::Vec3;
-use crate::syntax::Address;
+use admire_session::backend::{Load, LoadProgramme};
+use admire_solver::mechanics::Vec3;
+use admire_study::Noise;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Standard deviations of small errors in many places at once. Each is drawn as an effect and planted like one, so that `--truth` can
 /// tell them all; the folder tells none of them.
@@ -214,7 +214,7 @@ fn refuse(item: &str) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backend::LoadCase;
+    use admire_session::backend::LoadCase;
 
     #[test]
     fn what_is_not_given_is_zero_and_what_is_unknown_is_refused() {

@@ -3,25 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use super::effect::{Marked, Memory, Reality, plant};
-use super::load::programme;
-use super::measurement::Measurement;
-use super::noise::Noise;
 use super::readings::Readings;
-use super::resolve;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
-use super::sensors::with_channels;
 use super::spin::spun;
-use super::study::Study;
 use super::study_folder;
-use super::table::Table;
-use crate::backend::{CaseSweeper, FreeMotions, Loads, compile, slot, tight_settings};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::mechanics::{Pose, RelativeMotion, Vec3};
-use crate::model::Model;
-use crate::syntax::{Address, Dataset};
-use crate::system::Scratch;
-use crate::text::Source;
+use admire_session::backend::{CaseSweeper, FreeMotions, Loads, compile, slot, tight_settings};
+use admire_solver::mechanics::{Pose, RelativeMotion, Vec3};
+use admire_solver::model::Model;
+use admire_solver::system::Scratch;
+use admire_study::{Measurement, Noise, Study, Table, programme, resolve, with_channels};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 /// What the rig hands over.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -44,7 +38,7 @@ pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Di
 ///
 /// # Errors
 /// As [`virtual_rig`].
-pub(crate) fn virtual_rig_watched(
+pub fn virtual_rig_watched(
     folder: &Path,
     options: &RigOptions,
     progress: &mut dyn FnMut(usize, usize),

@@ -1,11 +1,11 @@
-use crate::model::{
+use admire_results::{Catalogue, EntityKind, Numbering, Stored};
+use admire_solver::model::{
     ArrayKind, LinearStates, MarkerIx, Model, PartIx, PartKind, Request, RequestKind,
     ResultsSettings, SpringKind, VectorForceKind,
 };
-use crate::results::{Catalogue, EntityKind, Numbering, Stored};
-use crate::syntax::hash::QuickMap;
-use crate::system::{ConstraintIx, ElementIx, System};
-use crate::units::{Dimension, Units};
+use admire_solver::system::{ConstraintIx, ElementIx, System};
+use admire_syntax::hash::QuickMap;
+use admire_syntax::units::{Dimension, Units};
 
 /// What the values of an entity of the results are.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -415,15 +415,16 @@ impl Builder {
     }
 
     fn add_forces(&mut self, model: &Model) {
-        let mut add = |entity: EntityKind, word: &'static str, header: &crate::model::Header| {
-            let item = Item::Element {
-                kind: word,
-                id: header.id,
-                angles: entity.has_angles(),
-                at: None,
+        let mut add =
+            |entity: EntityKind, word: &'static str, header: &admire_solver::model::Header| {
+                let item = Item::Element {
+                    kind: word,
+                    id: header.id,
+                    angles: entity.has_angles(),
+                    at: None,
+                };
+                self.item(entity, &header.name, header.id, item);
             };
-            self.item(entity, &header.name, header.id, item);
-        };
         for force in &model.sforces {
             add(EntityKind::SingleComponentForce, "SFORCE", &force.header);
         }

@@ -1,7 +1,7 @@
 use std::path::{Component, Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::text::real_path;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::real_path;
 
 use super::paths::{ignoring_case, native_spelling, told_of_case};
 
@@ -9,7 +9,7 @@ use super::paths::{ignoring_case, native_spelling, told_of_case};
 /// it, links followed, whether it exists or not. What only differs in upper and lower case is found with a warning.
 ///
 /// The complaints have no place.
-pub(crate) fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<PathBuf>> {
+pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<PathBuf>> {
     // Written on Windows it may have backslashes.
     let relative = native_spelling(written);
     let plain = relative

@@ -1,14 +1,14 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::text::real_path;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::real_path;
 
 use super::windows_names::check_name;
 
 /// Which files a command file may name. Datasets and command files are not trusted: what they name is held to the folders of the
 /// run.
 #[derive(Clone, Debug)]
-pub(crate) struct FilePolicy {
+pub struct FilePolicy {
     /// Real paths of folders; what is below them may be written.
     folders: Vec<PathBuf>,
     /// Real paths of folders; what is in them may be written, not what is in folders of theirs.
@@ -20,7 +20,7 @@ pub(crate) struct FilePolicy {
 impl FilePolicy {
     /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists, may be written. Anything may
     /// be read.
-    pub(crate) fn new(directory: &Path) -> Self {
+    pub fn new(directory: &Path) -> Self {
         let mut policy = Self {
             folders: Vec::new(),
             beside: Vec::new(),
@@ -38,12 +38,12 @@ impl FilePolicy {
     }
 
     /// Lets nothing be read either that may not be written.
-    pub(crate) const fn confine(&mut self) {
+    pub const fn confine(&mut self) {
         self.confined = true;
     }
 
     /// Allows a folder and all below: where the command file of the command line is.
-    pub(crate) fn allow(&mut self, folder: &Path) {
+    pub fn allow(&mut self, folder: &Path) {
         if let Ok(real) = real_path(or_here(folder))
             && !self.folders.contains(&real)
         {
@@ -69,7 +69,7 @@ impl FilePolicy {
     ///
     /// # Errors
     /// `read-outside`, or `cannot-read` of a name that is no file on Windows.
-    pub(crate) fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
+    pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
         check_name(&path.to_string_lossy())
             .map_err(|why| Diagnostic::error(Code::CannotRead, why))?;
         let inside = |real: PathBuf| self.folders.iter().any(|folder| real.starts_with(folder));

@@ -1,12 +1,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::grammar::Solved;
-use crate::syntax::Dataset;
-use crate::syntax::files::{FileReference, Files, references};
-use crate::syntax::property::PropertyFile;
-use crate::text::{Source, read_at_most};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::{FileReference, Files, references};
+use admire_syntax::grammar::Solved;
+use admire_syntax::property::PropertyFile;
+use admire_syntax::text::{Source, read_at_most};
 
 use super::file_policy::FilePolicy;
 use super::paths::find_file;
@@ -20,7 +20,7 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Reads the property files a dataset names, from the folder of the dataset or where their path leads as far as the policy lets it.
 /// Complains of files that are not there, of each once: a warning where the answer needs it, a note where only graphics or a
 /// subroutine would read it.
-pub(crate) fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
+pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
     let mut diagnostics: Vec<Diagnostic> = Vec::new();
     let mut missing: BTreeMap<String, usize> = BTreeMap::new();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 use super::run_state::Session;
 
@@ -83,7 +83,7 @@ fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Object;
+    use admire_syntax::diagnostic::Object;
 
     #[test]
     fn many_alike_are_one_and_few_stay_apart() {

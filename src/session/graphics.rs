@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::mechanics::{Pose, psi_theta_phi};
-use crate::model::{MarkerIx, Model, Orientation, PartKind};
-use crate::results::{GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape};
-use crate::syntax::{Dataset, Statement};
-use crate::system::{State, System};
+use admire_results::{GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape};
+use admire_solver::mechanics::{Pose, psi_theta_phi};
+use admire_solver::model::{MarkerIx, Model, Orientation, PartKind};
+use admire_solver::system::{State, System};
+use admire_syntax::{Dataset, Statement};
 
 use super::measures::{Exerting, Measures};
 

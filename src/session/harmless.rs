@@ -1,7 +1,7 @@
 //! Commands and complaints that change nothing in a static run.
 
-use crate::diagnostic::Diagnostic;
-use crate::syntax::Statement;
+use admire_syntax::Statement;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// True for commands that only print, or concern other analyses: they change nothing here.
 pub(super) fn is_harmless(kind: Option<&str>) -> bool {

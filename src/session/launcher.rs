@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// What a command line in ADAMS' style asks for.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -8,9 +8,10 @@ use super::loaded::Compiled;
 use super::message::exponent;
 use super::paths::native_spelling;
 use super::run_state::{Flow, Locate, Place, Session};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::motion::{self, Coordinates, Mode};
-use crate::syntax::Statement;
+use admire_solver::motion;
+use admire_solver::motion::{Coordinates, Mode};
+use admire_syntax::Statement;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// What the six numbers of a part are called.
 const COORDINATES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];

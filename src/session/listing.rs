@@ -5,10 +5,10 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Definitions, Header, MarkerIx, Request, RequestKind};
-use crate::syntax::{Argument, Stated, Statement, Value, excludes};
-use crate::text::Source;
+use admire_solver::model::{Definitions, Header, MarkerIx, Request, RequestKind};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
+use admire_syntax::{Argument, Stated, Statement, Value, excludes};
 
 use super::loaded::Loaded;
 use super::message::exponent;

@@ -1,13 +1,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::{Checked, Diagnostic, Severity};
-use crate::function::Measure;
-use crate::model::{Definitions, Ignore, Model, Request, said_left_out};
-use crate::statics::Solver;
-use crate::syntax::expression::Node;
-use crate::syntax::{Address, Argument, Dataset, Statement, Value};
-use crate::system::{EquationName, Name, Parameters, Scratch, Slot, State, System};
-use crate::text::Source;
+use admire_solver::function::Measure;
+use admire_solver::model::{Definitions, Ignore, Model, Request, said_left_out};
+use admire_solver::statics::Solver;
+use admire_solver::system::{EquationName, Name, Parameters, Scratch, Slot, State, System};
+use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
+use admire_syntax::expression::Node;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Argument, Dataset, Statement, Value};
 
 use super::file_policy::FilePolicy;
 use super::files::{folder_of, read_files};

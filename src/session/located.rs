@@ -1,8 +1,8 @@
 use std::fmt::Write as _;
 
-use crate::diagnostic::{Diagnostic, Label};
-use crate::syntax::Dataset;
-use crate::text::{Source, Span};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Diagnostic, Label};
+use admire_syntax::text::{Source, Span};
 
 use super::object_names::{ObjectNames, qualified};
 
@@ -15,13 +15,13 @@ pub struct Sources {
 
 impl Sources {
     /// Adds a file; one of the same name is replaced.
-    pub(crate) fn add(&mut self, source: Source) {
+    pub fn add(&mut self, source: Source) {
         self.files.retain(|known| known.name() != source.name());
         self.files.push(source);
     }
 
     /// The file of this name.
-    pub(crate) fn get(&self, name: &str) -> Option<&Source> {
+    pub fn get(&self, name: &str) -> Option<&Source> {
         self.files.iter().find(|source| source.name() == name)
     }
 
@@ -41,7 +41,7 @@ impl Sources {
     }
 
     /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.
-    pub(crate) fn place(&self, label: &Label) -> String {
+    pub fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
             Some(source) if !label.is_about_all() => {
                 let at = source.line_column(label.span.start());
@@ -54,7 +54,7 @@ impl Sources {
 
 /// A diagnostic as plain text of several lines: place and message, the line of the file with the place marked, what else is
 /// said of it, the object as ADAMS names it, what to do. Ends with a line end.
-pub(crate) fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
+pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
         out.write_fmt(text)
@@ -131,7 +131,7 @@ fn shown(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnostic::Code;
+    use admire_syntax::diagnostic::Code;
 
     #[test]
     fn the_place_is_marked_in_latin1_text_too() {

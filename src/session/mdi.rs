@@ -2,9 +2,9 @@ use std::io::{BufWriter, IsTerminal, Read};
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::Ignore;
-use crate::text::{CodePage, Encoded, Source};
+use admire_solver::model::Ignore;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{CodePage, Encoded, Source};
 
 use super::ending::{EXIT_CODES, Ending};
 use super::launcher::{Launch, LaunchInput};

@@ -1,7 +1,7 @@
-use crate::mechanics::{Mat3, Pose, Vec3, euler313, psi_theta_phi};
-use crate::model::{LinearStates, MarkerIx, Model, RequestKind};
-use crate::results::EntityKind;
-use crate::system::{
+use admire_results::EntityKind;
+use admire_solver::mechanics::{Mat3, Pose, Vec3, euler313, psi_theta_phi};
+use admire_solver::model::{LinearStates, MarkerIx, Model, RequestKind};
+use admire_solver::system::{
     Configuration, ConstraintIx, ElementIx, Parameters, Reading, Scratch, State, System,
 };
 

@@ -4,12 +4,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::model::lint::Apart;
-use crate::model::{IntegratorSettings, KinematicsSettings};
-use crate::results::Timestamp;
-use crate::system::{EquationName, Name};
-use crate::text::printable;
+use admire_results::Timestamp;
+use admire_solver::model::lint::Apart;
+use admire_solver::model::{IntegratorSettings, KinematicsSettings};
+use admire_solver::system::{EquationName, Name};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::printable;
 
 use super::located::{Sources, located};
 use super::outputs::emptied;

@@ -15,7 +15,7 @@ pub struct Moment {
 
 impl Moment {
     /// The share of the simulation that is done, 0 to 1.
-    pub(crate) fn share(&self) -> f64 {
+    pub fn share(&self) -> f64 {
         let span = self.end - self.start;
         if span > 0.0 {
             ((self.time - self.start) / span).clamp(0.0, 1.0)

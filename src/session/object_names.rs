@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use crate::diagnostic::Label;
-use crate::syntax::{Dataset, Statement};
-use crate::text::Span;
+use admire_syntax::diagnostic::Label;
+use admire_syntax::text::Span;
+use admire_syntax::{Dataset, Statement};
 
 /// The statements of a dataset that have a view name, and what ADAMS calls their objects: `model.hinge`, of markers
 /// `model.link.tip`. Messages of ADAMS begin with `model`, whatever the model is called.
@@ -70,7 +70,7 @@ pub(super) fn qualified(part: Option<&str>, name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Source;
+    use admire_syntax::text::Source;
 
     #[test]
     fn objects_are_named_with_the_model_and_markers_with_their_part() {

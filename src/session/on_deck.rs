@@ -1,8 +1,8 @@
-use crate::syntax::CommandFile;
-use crate::text::{Edit, Source, apply_edits};
+use admire_syntax::CommandFile;
+use admire_syntax::text::{Edit, Source, apply_edits};
 
 /// Commands with another model in the place of theirs, by its name; it is read first where they name none.
-pub(crate) fn on_deck(name: &str, source: &Source) -> Source {
+pub fn on_deck(name: &str, source: &Source) -> Source {
     let file = CommandFile::parse(source.clone()).value;
     let mut edits = Vec::new();
     if let Some(head) = file.head() {

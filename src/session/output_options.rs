@@ -1,7 +1,7 @@
 //! Options of OUTPUT and RESULTS that ask for what is not written here.
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::{Dataset, Statement};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::{Dataset, Statement};
 
 /// Options of OUTPUT, and what ADAMS would do.
 const OUTPUT: [(&str, &str); 11] = [

@@ -2,16 +2,16 @@ use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Model, Request};
-use crate::motion::Mode;
-use crate::results::{
+use admire_results::{
     GraphicsWriter, Header, NumberStyle, RequestEntry, RequestWriter, ResultsTable, ResultsWriter,
     StepKind, Style, Tabular, TabularRequest, Timestamp, XrfWriter, write_tabular,
 };
-use crate::syntax::Dataset;
-use crate::system::System;
-use crate::text::{LineEnds, patiently};
+use admire_solver::model::{Model, Request};
+use admire_solver::motion::Mode;
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{LineEnds, patiently};
 
 use super::columns::{Columns, places, usual_names};
 use super::file_policy::FilePolicy;

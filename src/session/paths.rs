@@ -1,6 +1,6 @@
 use std::path::{Component, Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
 use super::windows_names;
 
@@ -9,7 +9,7 @@ use super::windows_names;
 /// Quotes and blanks around the name are dropped, backslashes separate folders, `.{extension}` is added where it is missing
 /// (guide/formats.md 5.1). Devices of Windows are refused there. What only differs in upper and lower case is found with a warning, and so is the base name of a path
 /// of another computer (a drive letter, or a folder that is not here).
-pub(crate) fn find_file(
+pub fn find_file(
     written: &str,
     extension: &str,
     folders: &[impl AsRef<Path>],

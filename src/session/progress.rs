@@ -3,12 +3,12 @@
 use super::ending::Stop;
 use super::moment::Moment;
 use super::run_state::Session;
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl<'a> Session<'a> {
     /// Tells of every output of a simulation over time. When the answer is false the run ends there, its files whole up to that output.
     #[must_use]
-    pub(crate) fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
+    pub fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
         self.watcher = Some(Box::new(watcher));
         self
     }

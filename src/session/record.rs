@@ -6,11 +6,11 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::diagnostic::Diagnostic;
-use crate::motion::Mode;
-use crate::results::ResultsTable;
-use crate::statics::Balance;
-use crate::text::LineEnds;
+use admire_results::ResultsTable;
+use admire_solver::motion::Mode;
+use admire_solver::statics::Balance;
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::text::LineEnds;
 
 use super::located::Sources;
 
@@ -19,7 +19,7 @@ type Text = Arc<Mutex<Vec<u8>>>;
 
 /// The outputs of a run that wrote no files.
 #[derive(Debug, Default)]
-pub(crate) struct Record {
+pub struct Record {
     /// The results of the last model that has any, whether or not it asks for a file of them.
     pub results: Option<ResultsTable>,
     /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
@@ -51,7 +51,7 @@ impl Record {
     }
 
     /// The other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
-    pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
+    pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
         self.texts
             .iter()

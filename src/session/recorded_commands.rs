@@ -1,12 +1,12 @@
 //! The commands that a message file records, as a command file: what was asked of ADAMS from outside, as in a co-simulation, can be asked
 //! again without it.
 
-use crate::results::{Analysis, MessageFile};
-use crate::text::{Source, Span};
+use admire_results::{Analysis, MessageFile};
+use admire_syntax::text::{Source, Span};
 
 /// A command file that repeats a recorded run.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) struct RecordedCommands {
+pub struct RecordedCommands {
     /// The text of the command file.
     pub text: String,
     /// Simulations in it, LINEAR included and initial conditions not.
@@ -23,7 +23,7 @@ pub(crate) struct RecordedCommands {
 /// In a co-simulation the simulations between two exchanges are not echoed: each is a block `Begin Simulation` with no command before
 /// it. Its SIMULATE command ends at the last time of its table and has as many steps as the table shows behind the first. Where an
 /// input was set several times (predictor, corrector) the last one acts.
-pub(crate) fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedCommands> {
+pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedCommands> {
     let text = messages.text(Span::new(0, messages.bytes().len()));
     let analyses = MessageFile::parse(messages).analyses;
     let mut analyses = analyses.iter().peekable();

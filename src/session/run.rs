@@ -1,9 +1,9 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::model;
-use crate::syntax::{CommandFile, Dataset, Statement, Wrong};
-use crate::text::{Source, read_at_most};
+use admire_solver::model;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::text::{Source, read_at_most};
+use admire_syntax::{CommandFile, Dataset, Statement, Wrong};
 
 use super::ending::{Ending, Stop};
 use super::files::LARGEST;
@@ -46,7 +46,7 @@ impl<'a> Session<'a> {
     }
 
     /// Executes commands that are not in a file: those of standard input.
-    pub(crate) fn run_commands(mut self, commands: &Source) -> Ending {
+    pub fn run_commands(mut self, commands: &Source) -> Ending {
         let start = std::time::Instant::now();
         let flow = self.execute(commands, 0);
         self.finish(flow, start)
@@ -54,7 +54,7 @@ impl<'a> Session<'a> {
 
     /// Executes commands on a dataset that was read before, whatever model they name, and keeps in memory what else would be files. The
     /// dataset is read by its name: files it names are looked up beside that.
-    pub(crate) fn run_on(
+    pub fn run_on(
         mut self,
         deck: &'a Checked<Dataset>,
         commands: &Checked<CommandFile>,

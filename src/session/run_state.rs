@@ -1,11 +1,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::model::Ignore;
-use crate::statics::Balance;
-use crate::syntax::{Dataset, Statement};
-use crate::text::{Source, Span};
+use admire_solver::model::Ignore;
+use admire_solver::statics::Balance;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{Dataset, Statement};
 
 use super::ending::{Ending, Stop};
 use super::file_policy::FilePolicy;
@@ -77,7 +77,7 @@ impl<'a> Session<'a> {
 
     /// Lets the run read nothing outside of the folders it may write; `more` folders are among them.
     #[must_use]
-    pub(crate) fn confined(mut self, more: &[PathBuf]) -> Self {
+    pub fn confined(mut self, more: &[PathBuf]) -> Self {
         for folder in more {
             self.policy.allow(folder);
         }
@@ -87,7 +87,7 @@ impl<'a> Session<'a> {
 
     /// Leaves statements out of the models that are not solved; each is said where it would have acted.
     #[must_use]
-    pub(crate) fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
+    pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
         self.ignored = ignored;
         self
     }

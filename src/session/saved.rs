@@ -2,10 +2,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::{Mat3, Pose, Vec3};
-use crate::model::{Definitions, Model};
-use crate::system::{Driven, Grip, Rates, State};
+use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::model::{Definitions, Model};
+use admire_solver::system::{Driven, Grip, Rates, State};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
 

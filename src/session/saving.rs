@@ -1,8 +1,8 @@
 //! SAVE and RELOAD.
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::{CommandFile, Dataset, Statement};
-use crate::text::Source;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset, Statement};
 
 use super::ending::Stop;
 use super::paths::native_spelling;

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use super::loaded::{Compiled, Loaded};
 use super::message::exponent;
-use crate::model::{Model, Sensor};
-use crate::system::{Parameters, Scratch, State, System};
+use admire_solver::model::{Model, Sensor};
+use admire_solver::system::{Parameters, Scratch, State, System};
 
 /// What the sensors that fired at an output step ask for.
 #[derive(Clone, PartialEq, Debug, Default)]

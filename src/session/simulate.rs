@@ -1,7 +1,7 @@
 use super::moment::Moment;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Statement;
-use crate::text::{Source, Span};
+use admire_syntax::Statement;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
 
 /// More output steps than this of one SIMULATE command are refused: a command file may not fill the disk by a typing error.
 const MOST_STEPS: f64 = 100_000.0;

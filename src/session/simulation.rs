@@ -1,10 +1,10 @@
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::Model;
-use crate::results::StepKind;
-use crate::statics::{Balance, Far, Left, Report, Settings, Softest, SolveError};
-use crate::syntax::Statement;
-use crate::text::Source;
-use crate::units::Dimension;
+use admire_results::StepKind;
+use admire_solver::model::Model;
+use admire_solver::statics::{Balance, Far, Left, Report, Settings, Softest, SolveError};
+use admire_syntax::Statement;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
+use admire_syntax::units::Dimension;
 use std::fmt::Write as _;
 
 use super::ending::Stop;

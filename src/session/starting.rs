@@ -4,11 +4,12 @@ use super::loaded::{Beginning, Compiled, Loaded};
 use super::run_state::Session;
 use super::sensing::Sensed;
 use super::watching::Watch;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::model::{Function, Header, Joint, Model, Motion, MotionAxis, MotionOrder};
-use crate::motion::{self, Consistent, Kept, MotionError};
-use crate::syntax::Expression;
-use crate::system::{EquationName, Parameters, Scratch, State, System, name_of};
+use admire_solver::model::{Function, Header, Joint, Model, Motion, MotionAxis, MotionOrder};
+use admire_solver::motion;
+use admire_solver::motion::{Consistent, Kept, MotionError};
+use admire_solver::system::{EquationName, Parameters, Scratch, State, System, name_of};
+use admire_syntax::Expression;
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_INITIAL: i32 = 3;
@@ -177,7 +178,7 @@ impl Loaded {
 }
 
 /// The names of the redundant equations of what is switched on.
-fn redundant(system: &crate::system::System, state: &State) -> Vec<EquationName> {
+fn redundant(system: &admire_solver::system::System, state: &State) -> Vec<EquationName> {
     let all = state.redundant.iter().enumerate();
     all.filter(|(k, out)| **out && system.equation_is_active(*k))
         .map(|(k, _)| system.constraint_equation_name(k))

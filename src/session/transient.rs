@@ -8,10 +8,11 @@ use super::run_state::{Flow, Locate, Place, Session};
 use super::sensing::Sensed;
 use super::simulate::{Asked, OutputTimes, Phases, too_many};
 use super::watching::Watch;
-use crate::diagnostic::{Code, Diagnostic};
-use crate::motion::{self, Consistent, Integrator, MotionError, Settings};
-use crate::results::StepKind;
-use crate::system::{EquationName, State};
+use admire_results::StepKind;
+use admire_solver::motion;
+use admire_solver::motion::{Consistent, Integrator, MotionError, Settings};
+use admire_solver::system::{EquationName, State};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;

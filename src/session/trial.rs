@@ -3,12 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::Severity;
-use crate::model::Ignore;
-use crate::motion::Mode;
-use crate::results::{Catalogue, StepKind};
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::Source;
+use admire_results::{Catalogue, StepKind};
+use admire_solver::model::Ignore;
+use admire_solver::motion::Mode;
+use admire_syntax::diagnostic::Severity;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 
 use super::ending::Ending;
 use super::files::folder_of;
@@ -16,7 +16,7 @@ use super::run_state::Session;
 
 /// What a run in memory begins with.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TrialInput<'t> {
+pub struct TrialInput<'t> {
     /// Takes the place of every dataset that the commands name. Files it names are looked up from the folder of its name.
     pub deck: &'t Source,
     /// The command file.
@@ -45,7 +45,7 @@ pub struct Trial {
 
 impl Trial {
     /// Runs the commands. Nothing is written: SAVE keeps its state for RELOAD of the same run.
-    pub(crate) fn run(input: TrialInput<'_>) -> Self {
+    pub fn run(input: TrialInput<'_>) -> Self {
         let folder = Path::new(input.commands.name())
             .parent()
             .map_or_else(PathBuf::new, Path::to_path_buf);

@@ -1,9 +1,9 @@
 //! SENSORs during a motion: the time at which they fire is found.
 
 use super::sensing::Sensed;
-use crate::model::{Model, SensorCompare};
-use crate::motion::{Consistent, Integrator, MotionError, Watched};
-use crate::system::{Parameters, Scratch, State, System};
+use admire_solver::model::{Model, SensorCompare};
+use admire_solver::motion::{Consistent, Integrator, MotionError, Watched};
+use admire_solver::system::{Parameters, Scratch, State, System};
 
 /// The sensors of a model and which of them are active.
 pub(super) struct Watch<'a> {

@@ -38,7 +38,7 @@ pub(super) fn undotted(name: &str) -> String {
 ///
 /// # Errors
 /// Why it names no file.
-pub(crate) fn check_name(name: &str) -> Result<(), String> {
+pub fn check_name(name: &str) -> Result<(), String> {
     match no_file(name) {
         Some(why) if cfg!(windows) => Err(why),
         _ => Ok(()),

@@ -1,16 +1,19 @@
 //! A case that is an identification or a diagnosis: the study with the deck of the case.
 
+use admire_design::propose;
 use serde_json::Value;
 
 use super::answer_path::{Answer, AnswerPath};
 use super::kept::{Keep, Origin, Output};
 use super::row::Status;
-use crate::diagnostic::Severity;
-use crate::discrepancy::{GainCheck, Progress, diagnose_watched, held_out};
-use crate::front::{Watched, fit, solver};
-use crate::identify::{LoadedStudy, estimate_noise};
-use crate::rig::settings::BackendChoice;
-use crate::text::{Source, Span};
+use admire_diagnosis::{
+    GainCheck, Progress, Watched, diagnose_watched, held_out, study_fit as fit,
+};
+use admire_identify::{LoadedStudy, estimate_noise};
+use admire_study::settings::BackendChoice;
+use admire_study::solver;
+use admire_syntax::diagnostic::Severity;
+use admire_syntax::text::{Source, Span};
 
 /// The answers to a study, as far as something of them is kept.
 #[derive(Debug, Default)]
@@ -60,6 +63,7 @@ impl Answers {
             let problem = own.problem();
             let mut outcome = diagnose_watched(&problem, held, check, &Progress::default())
                 .map_err(|error| failed(&error))?;
+            propose(&mut outcome);
             if own.study.solver.backend != BackendChoice::Native {
                 let mut backend = solver::backend(&own.study, None, &|_| ());
                 if let Some(refused) = outcome.by_the_study(backend.as_mut()) {

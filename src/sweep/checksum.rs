@@ -12,7 +12,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use sha2::{Digest, Sha256};
 
 use super::folder::hexadecimal;
-use crate::text::open_to_read;
+use admire_syntax::text::open_to_read;
 
 /// The fact with the checksums of the row groups, with blanks between. A group has all bytes behind the one before.
 pub(super) const GROUPS: &str = "admire.row_groups_sha256";
@@ -25,7 +25,7 @@ pub(super) const ZEROS: &str = "000000000000000000000000000000000000000000000000
 
 /// Why a table is not what was written.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum Damage {
+pub enum Damage {
     /// It cannot be read.
     #[error("{0}")]
     Unreadable(#[from] ParquetError),

@@ -1,8 +1,8 @@
 use std::path::Path;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::session::file_below;
-use crate::text::{Source, Span};
+use admire_session::file_below;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
 
 /// What is wrong with a SWEEP.toml, with places in it.
 #[derive(Default)]

@@ -20,7 +20,7 @@ use super::table_writer::{Layout, TableWriter};
 
 /// Why a shard was not run to its end.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum SweepError {
+pub enum SweepError {
     /// Its journal cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
@@ -52,7 +52,7 @@ pub struct Progress {
 
 impl Progress {
     /// True if nothing is left.
-    pub(crate) const fn is_complete(&self) -> bool {
+    pub const fn is_complete(&self) -> bool {
         self.before + self.done == self.all
     }
 
@@ -117,7 +117,7 @@ impl Cases for OfShard<'_> {
 ///
 /// # Errors
 /// When the journal or the part file cannot be written.
-pub(crate) fn run_shard(
+pub fn run_shard(
     runner: &Runner<'_>,
     plan: &SweepPlan,
     (folder, shard): (&SweepFolder, Shard),

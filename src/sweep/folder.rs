@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::front::leftover;
-use crate::text::Source;
+use admire_study::leftover;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::Source;
 
 use super::plan::SweepPlan;
 use super::shard::Shard;
@@ -44,7 +44,7 @@ pub(crate) const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "repor
 
 impl Manifest {
     /// What a folder for a plan is about.
-    pub(crate) fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
+    pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
         let name = |source: &Source| {
             let path = Path::new(source.name());
             path.file_name().map_or_else(
@@ -108,7 +108,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is about something else, holds files of somebody else, or cannot be written.
-    pub(crate) fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+    pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let folder = Self {
             path: path.to_path_buf(),
             manifest,
@@ -139,7 +139,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is about something else, holds files of somebody else, or cannot be written.
-    pub(crate) fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
+    pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
             Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
         };
@@ -172,7 +172,7 @@ impl SweepFolder {
     ///
     /// # Errors
     /// A folder that is not one, or that holds files of somebody else.
-    pub(crate) fn open(path: &Path) -> Result<Self, Diagnostic> {
+    pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
             let message = format!(
                 "`{}` is no folder of a sweep: it has no {MANIFEST}",
@@ -287,19 +287,19 @@ impl SweepFolder {
     }
 
     /// The finished part of a shard.
-    pub(crate) fn part(&self, shard: Shard) -> PathBuf {
+    pub fn part(&self, shard: Shard) -> PathBuf {
         self.path
             .join(SHARDS)
             .join(format!("{}.parquet", shard.stem()))
     }
 
     /// The whole answer.
-    pub(crate) fn results(&self) -> PathBuf {
+    pub fn results(&self) -> PathBuf {
         self.path.join(ANSWERS[0])
     }
 
     /// Every shard of the sweep.
-    pub(crate) fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
+    pub fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
         let of = self.manifest.shards;
         (1..=of).map(move |number| Shard { number, of })
     }

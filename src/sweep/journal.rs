@@ -18,7 +18,7 @@ const LONGEST: u32 = 1 << 24;
 
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum JournalError {
+pub enum JournalError {
     /// It cannot be read or written.
     #[error("`{}`: {error}", path.display())]
     Io {

@@ -1,6 +1,6 @@
 //! Joins the parts of all shards into one answer.
 
-use crate::diagnostic::{Code, Diagnostic};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::checksum::verify;
 use super::engine::SweepError;

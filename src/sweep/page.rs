@@ -1,6 +1,6 @@
 //! The page of a sweep: histograms, tornado pictures, tables.
 
-use crate::report::{Align, Bars, Chart, DrawingError, Figure, Mark, Page, Series, Table, number};
+use admire_report::{Align, Bars, Chart, DrawingError, Figure, Mark, Page, Series, Table, number};
 
 use super::folder::SweepFolder;
 use super::summary::{OutputSummary, Spread, Summary};
@@ -9,7 +9,7 @@ use super::summary::{OutputSummary, Spread, Summary};
 const MOST_BARS: usize = 15;
 
 /// A number with six digits, for a person; nothing where there is none.
-pub(crate) fn six_digits(value: f64) -> String {
+pub fn six_digits(value: f64) -> String {
     if value.is_finite() {
         number(value, None)
     } else {

@@ -1,14 +1,14 @@
 use std::path::{Path, PathBuf};
 
-use crate::diagnostic::{Checked, Code, Diagnostic, Severity};
-use crate::front::permission::{NamedProgram, beside};
-use crate::identify::LoadedStudy;
-use crate::kc::Config;
-use crate::model::{Ignore, Model};
-use crate::session::{FilePolicy, find_file, folder_of, on_deck, read_files};
-use crate::syntax::files::Files;
-use crate::syntax::{CommandFile, Dataset};
-use crate::text::{Source, Span};
+use admire_identify::LoadedStudy;
+use admire_kc::Config;
+use admire_session::{FilePolicy, find_file, folder_of, on_deck, read_files};
+use admire_solver::model::{Ignore, Model};
+use admire_study::permission::{NamedProgram, beside};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{CommandFile, Dataset};
 
 use super::complaints::Complaints;
 use super::correlation::Correlation;
@@ -62,7 +62,7 @@ pub struct SweepPlan {
 
 impl SweepPlan {
     /// The program that is started for every case, by the name of the plan or of its study; `None` if there is none, or it is ADAMS' own.
-    pub(crate) fn named_program(&self) -> Option<NamedProgram> {
+    pub fn named_program(&self) -> Option<NamedProgram> {
         match (&self.program, &self.task) {
             (Some(program), _) => {
                 NamedProgram::named_in(Path::new(self.source.name()), program.command.as_ref()?)
@@ -73,12 +73,12 @@ impl SweepPlan {
     }
 
     /// The program that is started for every case, if the plan or its study names one.
-    #[cfg(feature = "python")]
-    pub(crate) fn starts_program(&self) -> Option<&[String]> {
+    pub fn starts_program(&self) -> Option<&[String]> {
         let own = self.program.as_ref().and_then(|p| p.command.as_deref());
         let of_study = match &self.task {
             Task::Study(loaded, _)
-                if loaded.study.solver.backend == crate::rig::settings::BackendChoice::Command =>
+                if loaded.study.solver.backend
+                    == admire_study::settings::BackendChoice::Command =>
             {
                 Some(loaded.study.solver.command.as_slice())
             }
@@ -198,7 +198,7 @@ impl SweepPlan {
     }
 
     /// The number of cases.
-    pub(crate) fn cases(&self) -> u64 {
+    pub fn cases(&self) -> u64 {
         self.design.cases()
     }
 

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::variation::Apply;
-use crate::discrepancy::GainCheck;
+use admire_diagnosis::GainCheck;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

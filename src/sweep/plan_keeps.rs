@@ -1,8 +1,8 @@
 //! What is kept of every case: `[[keep]]` of SWEEP.toml.
 
-use crate::diagnostic::Code;
-use crate::kc::TestKind;
-use crate::text::Span;
+use admire_kc::TestKind;
+use admire_syntax::diagnostic::Code;
+use admire_syntax::text::Span;
 
 use super::answer_path::{Answer, AnswerPath};
 use super::complaints::Complaints;

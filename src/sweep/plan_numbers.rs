@@ -7,9 +7,9 @@ use std::path::Path;
 use nalgebra::DMatrix;
 use toml::Spanned;
 
-use crate::diagnostic::Code;
-use crate::syntax::{Address, Dataset};
-use crate::text::Source;
+use admire_syntax::diagnostic::Code;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 use super::complaints::Complaints;
 use super::correlation::Correlation;

@@ -75,7 +75,7 @@ impl Regression {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::random::Stream;
+    use crate::random::Stream;
 
     #[test]
     fn slopes_and_their_errors_are_those_of_the_planted_line() {

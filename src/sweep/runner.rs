@@ -2,15 +2,16 @@
 
 use std::time::Instant;
 
-use crate::backend::{DeckRun, ProgramRun, Recording, RunError};
-use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::kc::{self, Bench, BenchError, Config, Convention, KcRun};
-use crate::model::Model;
-use crate::results::{Catalogue, Selection};
-use crate::session::{Stop, Trial, TrialInput};
-use crate::syntax::Dataset;
-use crate::text::{Source, Span};
-use crate::units::Units;
+use admire_kc as kc;
+use admire_kc::{Bench, BenchError, Config, Convention, KcRun};
+use admire_results::{Catalogue, Selection};
+use admire_session::backend::{DeckRun, ProgramRun, Recording, RunError};
+use admire_session::{Stop, Trial, TrialInput};
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::text::{Source, Span};
+use admire_syntax::units::Units;
 
 use super::answers::Answers;
 use super::kept::{Keep, Origin, Output};
@@ -21,7 +22,7 @@ use super::task::Task;
 
 /// A plan that is ready to run: the columns of its answer are known.
 #[derive(Debug)]
-pub(crate) struct Runner<'p> {
+pub struct Runner<'p> {
     plan: &'p SweepPlan,
     /// The columns of the answer.
     pub outputs: Vec<Output>,
@@ -46,7 +47,7 @@ impl<'p> Runner<'p> {
     ///
     /// # Errors
     /// When the deck cannot be run, or something that is to be kept is not there.
-    pub(crate) fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
+    pub fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
         let mut runner = Self {
             plan,
             outputs: Vec::new(),

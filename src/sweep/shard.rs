@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 /// A part of a sweep: number and of how many.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Shard {
+pub struct Shard {
     /// From 1.
     pub number: u64,
     /// How many there are.
@@ -13,10 +13,10 @@ pub(crate) struct Shard {
 
 impl Shard {
     /// The whole.
-    pub(crate) const WHOLE: Self = Self { number: 1, of: 1 };
+    pub const WHOLE: Self = Self { number: 1, of: 1 };
 
     /// Its cases: a run of neighbours, so that joining is putting one behind the other.
-    pub(crate) fn cases(self, all: u64) -> Range<u64> {
+    pub fn cases(self, all: u64) -> Range<u64> {
         let before = |n: u64| (u128::from(all) * u128::from(n) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
     }
@@ -47,7 +47,7 @@ impl fmt::Display for Shard {
 }
 
 /// The largest number of shards: beyond it files and jobs cost more than cases.
-pub(crate) const MOST_SHARDS: u64 = 9999;
+pub const MOST_SHARDS: u64 = 9999;
 
 impl FromStr for Shard {
     type Err = ShardError;
@@ -67,7 +67,7 @@ impl FromStr for Shard {
 /// A text that is no shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("a shard is I/N, such as 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
-pub(crate) struct ShardError;
+pub struct ShardError;
 
 #[cfg(test)]
 mod tests {

@@ -166,7 +166,7 @@ impl Spread {
     }
 
     /// The quantile of one of [`SHARES`].
-    pub(crate) fn quantile(&self, share: f64) -> f64 {
+    pub fn quantile(&self, share: f64) -> f64 {
         let at = SHARES.iter().position(|s| *s == share);
         at.map_or(f64::NAN, |at| self.quantiles[at])
     }
@@ -188,7 +188,7 @@ impl Summary {
     ///
     /// # Errors
     /// When the answer cannot be read.
-    pub(crate) fn of(folder: &SweepFolder) -> Result<Self, SweepError> {
+    pub fn of(folder: &SweepFolder) -> Result<Self, SweepError> {
         let table = TableReader::open(&folder.results())?;
         let columns = Columns::of(&table, folder.manifest.vary.len());
         let object = |key: &str| -> serde_json::Map<String, serde_json::Value> {

@@ -1,7 +1,7 @@
-use crate::discrepancy::GainCheck;
-use crate::identify::LoadedStudy;
-use crate::kc::Config;
-use crate::text::Source;
+use admire_diagnosis::GainCheck;
+use admire_identify::LoadedStudy;
+use admire_kc::Config;
+use admire_syntax::text::Source;
 
 /// What is run for a case.
 #[derive(Clone, Debug)]

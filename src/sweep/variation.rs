@@ -1,9 +1,9 @@
 use std::collections::BTreeSet;
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::{Address, Dataset};
-use crate::text::{Edit, Source, apply_edits};
-use crate::units::Units;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Edit, Source, apply_edits};
+use admire_syntax::units::Units;
+use admire_syntax::{Address, Dataset};
 
 use super::distribution::Distribution;
 

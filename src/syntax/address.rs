@@ -71,7 +71,7 @@ impl Address {
     ///
     /// # Errors
     /// `unknown-argument`, `ambiguous-keyword` or `bad-number`, placed in a file named `address`.
-    pub(crate) fn of_kind(
+    pub fn of_kind(
         def: &'static StatementDef,
         id: Option<u32>,
         rest: &str,

@@ -24,7 +24,7 @@ pub struct Catalogue {
 
 impl Catalogue {
     /// Takes up a piece.
-    pub(crate) fn add(&mut self, piece: &Piece) {
+    pub fn add(&mut self, piece: &Piece) {
         let key = piece.key();
         for (at, statement) in piece.statements().iter().enumerate() {
             let place = Place { piece: key, at };
@@ -39,7 +39,7 @@ impl Catalogue {
     }
 
     /// Forgets a piece that was taken up.
-    pub(crate) fn remove(&mut self, piece: &Piece) {
+    pub fn remove(&mut self, piece: &Piece) {
         let key = piece.key();
         for statement in piece.statements() {
             if let Some(object) = statement.object() {
@@ -58,17 +58,17 @@ impl Catalogue {
     }
 
     /// The statements that define an object, in no order.
-    pub(crate) fn definitions(&self, object: Object) -> &[Place] {
+    pub fn definitions(&self, object: Object) -> &[Place] {
         self.defined.get(&object).map_or(&[], Vec::as_slice)
     }
 
     /// The keys of the pieces that refer to an object.
-    pub(crate) fn referring(&self, object: Object) -> impl Iterator<Item = u32> + '_ {
+    pub fn referring(&self, object: Object) -> impl Iterator<Item = u32> + '_ {
         self.referring.get(&object).into_iter().flatten().copied()
     }
 
     /// Every object that is defined, in no order.
-    pub(crate) fn objects(&self) -> impl Iterator<Item = (Object, &[Place])> {
+    pub fn objects(&self) -> impl Iterator<Item = (Object, &[Place])> {
         self.defined
             .iter()
             .map(|(object, places)| (*object, places.as_slice()))

@@ -45,7 +45,7 @@ impl CommandFile {
     }
 
     /// Reads commands alone: a first line that is no command is not taken for the name of a dataset.
-    pub(crate) fn parse_commands(source: Source) -> Checked<Self> {
+    pub fn parse_commands(source: Source) -> Checked<Self> {
         Self::read(source, None, 0)
     }
 

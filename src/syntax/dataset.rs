@@ -80,7 +80,7 @@ impl Dataset {
     }
 
     /// One command of a file as if it were the only statement of a dataset: what reads and edits statements does it there, too.
-    pub(crate) fn of_command(file: &CommandFile, at: usize) -> Self {
+    pub fn of_command(file: &CommandFile, at: usize) -> Self {
         Self {
             statements: Arc::new(file.commands().get(at).cloned().into_iter().collect()),
             ..Self::of_commands(file)
@@ -111,7 +111,7 @@ impl Dataset {
     }
 
     /// The first line, without its line end.
-    pub(crate) fn title_span(&self) -> Span {
+    pub fn title_span(&self) -> Span {
         self.title
     }
 
@@ -175,7 +175,7 @@ impl Dataset {
     }
 
     /// The name of a statement: its view name, or kind and id (`PART_2`) where the file gives none.
-    pub(crate) fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
+    pub fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
         if let Some(span) = statement.view_name {
             return self.source.text(span);
         }
@@ -248,7 +248,7 @@ impl Dataset {
 }
 
 /// What to say of a dataset of so many bytes without END.
-pub(crate) fn missing_end(file: &str, size: usize) -> Diagnostic {
+pub fn missing_end(file: &str, size: usize) -> Diagnostic {
     Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
         .label(file, Span::at(size), "END belongs here")
         .help("the FORTRAN solver refuses a dataset without END")

@@ -14,7 +14,7 @@ fn line(out: &mut String, text: &str) {
 }
 
 /// The letters that must be typed as capitals, the others small: `BUshing`.
-pub(crate) fn minimal(name: &str, minimum: usize) -> String {
+pub fn minimal(name: &str, minimum: usize) -> String {
     let cut = minimum.min(name.len());
     format!("{}{}", &name[..cut], name[cut..].to_ascii_lowercase())
 }
@@ -132,7 +132,7 @@ pub fn value(argument: &ArgumentDef) -> String {
 }
 
 /// What else there is to know of an argument: whether it is required, its default, its dimension, its bounds.
-pub(crate) fn details(argument: &ArgumentDef) -> Vec<String> {
+pub fn details(argument: &ArgumentDef) -> Vec<String> {
     let mut all = Vec::new();
     if argument.required {
         all.push("required".to_string());

@@ -14,7 +14,7 @@ use crate::text::{Edit, Span};
 
 impl Dataset {
     /// The statement an address stands for.
-    pub(crate) fn find(&self, address: &Address) -> Option<&Statement> {
+    pub fn find(&self, address: &Address) -> Option<&Statement> {
         self.statement(&address.kind, address.id)
     }
 
@@ -72,7 +72,7 @@ impl Dataset {
     ///
     /// # Errors
     /// Those of [`Dataset::set`].
-    pub(crate) fn set_beside(
+    pub fn set_beside(
         &self,
         address: &Address,
         value: f64,
@@ -96,7 +96,7 @@ impl Dataset {
     ///
     /// # Errors
     /// Those of [`Dataset::set`] and [`Dataset::set_text`].
-    pub(crate) fn set_typed(
+    pub fn set_typed(
         &self,
         address: &Address,
         typed: &str,
@@ -251,7 +251,7 @@ impl Dataset {
     ///
     /// # Errors
     /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a flag.
-    pub(crate) fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
+    pub fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
         let def = argument_def(statement, address)
             .filter(|def| def.kind == ValueKind::Flag && address.index.is_none());
@@ -304,13 +304,13 @@ impl Dataset {
     }
 
     /// A statement as this dataset would write it, without the line end behind it.
-    pub(crate) fn written(&self, statement: &NewStatement) -> Vec<u8> {
+    pub fn written(&self, statement: &NewStatement) -> Vec<u8> {
         let text = Style::of(self).statement(statement);
         self.encoded(text.trim_end())
     }
 
     /// The END statement, if the dataset has one.
-    pub(crate) fn end(&self) -> Option<&Statement> {
+    pub fn end(&self) -> Option<&Statement> {
         self.statements().last().filter(|last| {
             self.source()
                 .slice(last.keyword)

@@ -9,7 +9,7 @@ use crate::text::{Source, Span};
 
 /// What can be wrong.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Wrong {
+pub enum Wrong {
     /// An argument it must have is not there.
     Missing(&'static ArgumentDef),
     /// None of the arguments is there, and it must have one of them.
@@ -34,7 +34,7 @@ pub(crate) enum Wrong {
 
 /// One fault of a statement.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fault<'s> {
+pub struct Fault<'s> {
     /// The statement.
     pub statement: &'s Statement,
     /// What is wrong with it.
@@ -44,7 +44,7 @@ pub(crate) struct Fault<'s> {
 
 impl Statement {
     /// Finds its faults. `defines` says whether an object of an id space has an id.
-    pub(crate) fn faults<'s>(
+    pub fn faults<'s>(
         &'s self,
         defines: impl Fn(&'static str, u32) -> bool,
         mut found: impl FnMut(Fault<'s>),
@@ -91,7 +91,7 @@ impl Statement {
     }
 
     /// Finds which arguments are missing, and which cannot stand together.
-    pub(crate) fn presence_faults<'s>(&'s self, mut found: impl FnMut(Fault<'s>)) {
+    pub fn presence_faults<'s>(&'s self, mut found: impl FnMut(Fault<'s>)) {
         let Some(def) = self.def else { return };
         let mut tell = |wrong, place| found(self.fault(wrong, place));
         for argument in def.arguments.iter().filter(|argument| argument.required) {
@@ -148,7 +148,7 @@ impl Statement {
     }
 
     /// How it is called in a message: `BUSHING/3`, with its view name where it has one.
-    pub(crate) fn title(&self, source: &Source) -> String {
+    pub fn title(&self, source: &Source) -> String {
         let kind = self.kind().unwrap_or("statement");
         let title = match self.number() {
             Some(id) => format!("{kind}/{id}"),
@@ -216,7 +216,7 @@ impl Fault<'_> {
     }
 
     /// It as a complaint. `source` is the file of the statement; `dataset` says how to call the dataset its ids are of.
-    pub(crate) fn diagnostic(&self, source: &Source, dataset: &str) -> Diagnostic {
+    pub fn diagnostic(&self, source: &Source, dataset: &str) -> Diagnostic {
         let title = self.statement.title(source);
         let written = source.text(self.place);
         let of_argument = |def: &ArgumentDef| format!("{}: {}", def.name, def.doc);

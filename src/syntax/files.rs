@@ -65,12 +65,12 @@ impl Files {
     }
 
     /// The file a dataset writes so.
-    pub(crate) fn get(&self, name: &str) -> Option<&Source> {
+    pub fn get(&self, name: &str) -> Option<&Source> {
         self.0.get(name.trim())
     }
 
     /// Every file.
-    pub(crate) fn sources(&self) -> impl Iterator<Item = &Source> {
+    pub fn sources(&self) -> impl Iterator<Item = &Source> {
         self.0.values()
     }
 }

@@ -5,7 +5,7 @@ use crate::text::{Edit, Span};
 
 /// The edits of all fixes that keep the meaning of a file, for `file` as named by its source. Of fixes that meet at one place
 /// the first one is taken; the others can be had when the file is read again.
-pub(crate) fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
+pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
     fixes(diagnostics, file, |how| how == Applicability::Safe)
 }
 
@@ -59,7 +59,7 @@ fn fits(taken: &BTreeMap<Span, Edit>, span: Span) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::syntax::Dataset;
+    use crate::Dataset;
     use crate::text::Source;
 
     #[test]

@@ -6,7 +6,7 @@ use crate::grammar::ValueKind;
 use crate::text::Source;
 
 /// Complaints about the markers that a statement of a file names in a dataset.
-pub(crate) fn floating_faults(
+pub fn floating_faults(
     statement: &Statement,
     source: &Source,
     dataset: &Dataset,

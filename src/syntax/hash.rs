@@ -4,7 +4,7 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 
 /// Makes hashers that begin with a random number of this table: no deck can be written so that its ids collide.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct QuickState(u64);
+pub struct QuickState(u64);
 
 impl Default for QuickState {
     fn default() -> Self {
@@ -25,7 +25,7 @@ impl BuildHasher for QuickState {
 
 /// Multiplies to 128 bits and folds the halves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct QuickHasher {
+pub struct QuickHasher {
     state: u64,
     seed: u64,
 }
@@ -70,7 +70,7 @@ impl Hasher for QuickHasher {
 }
 
 /// A map with the quick hash.
-pub(crate) type QuickMap<K, V> = std::collections::HashMap<K, V, QuickState>;
+pub type QuickMap<K, V> = std::collections::HashMap<K, V, QuickState>;
 
 #[cfg(test)]
 mod tests {

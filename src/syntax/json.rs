@@ -143,7 +143,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
 }
 
 /// What of a JSON a dataset does not say, in words; nothing after a successful import.
-pub(crate) fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
+pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
     let is = export(dataset);
     let list = |json: &Json| -> Vec<Json> {
         let statements = json.get("statements").and_then(Json::as_array);

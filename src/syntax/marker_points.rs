@@ -55,13 +55,13 @@ impl Dataset {
 
 /// Origin and points of the markers of a deck whose axes are given by points, by id.
 #[derive(Clone, Debug)]
-pub(crate) struct MarkerPoints(BTreeMap<u32, [Option<Point>; 3]>);
+pub struct MarkerPoints(BTreeMap<u32, [Option<Point>; 3]>);
 
 type Point = [f64; 3];
 
 impl MarkerPoints {
     /// Those of a deck.
-    pub(crate) fn of(dataset: &Dataset) -> Self {
+    pub fn of(dataset: &Dataset) -> Self {
         let place = |marker: &Statement, name: &str| match marker.numbers(name) {
             [x, y, z] => Some([x.value, y.value, z.value]),
             _ => None,
@@ -79,7 +79,7 @@ impl MarkerPoints {
 
     /// What a change of the deck did to its markers: a note for those whose points moved along with them, a warning for those that turn
     /// because some did not.
-    pub(crate) fn moved(&self, after: &Dataset) -> Vec<Diagnostic> {
+    pub fn moved(&self, after: &Dataset) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for (id, [origin, points @ ..]) in Self::of(after).0 {
             let Some([old_origin, old_points @ ..]) = self.0.get(&id) else {

@@ -4,7 +4,7 @@
 ///
 /// Accepts an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, an optional `D`. `D` is
 /// never an exponent. Returns `None` for anything else, and for numbers too large for a double.
-pub(crate) fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
+pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     let (digits, degrees) = match text.split_last() {
         Some((b'D' | b'd', front)) => (front, true),
         _ => (text, false),

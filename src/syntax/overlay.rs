@@ -18,7 +18,7 @@ struct Layer {
 
 /// A statement with what was put over it. Each argument stands in one layer only.
 #[derive(Clone, Debug)]
-pub(crate) struct Overlay {
+pub struct Overlay {
     first: Layer,
     /// The earliest first.
     above: Vec<Layer>,
@@ -26,7 +26,7 @@ pub(crate) struct Overlay {
 
 impl Overlay {
     /// A statement as it was read.
-    pub(crate) fn of(statement: &Statement, source: &Source) -> Self {
+    pub fn of(statement: &Statement, source: &Source) -> Self {
         Self {
             first: Layer {
                 statement: without(statement, is_command_word),
@@ -38,7 +38,7 @@ impl Overlay {
 
     /// Puts the arguments of a later statement or command over it. They replace those of the same name, and those they exclude; with one
     /// of these go all that stand together with it. DEFAULT drops everything before it.
-    pub(crate) fn put(&mut self, later: &Statement, source: &Source) {
+    pub fn put(&mut self, later: &Statement, source: &Source) {
         let all = later.has("DEFAULT");
         let gone = |old: &Argument| {
             all || later
@@ -63,7 +63,7 @@ impl Overlay {
 
     /// All its arguments in one statement, with keyword and id of the command that was put over it last. Of its arguments only what they
     /// are means anything: they were read from several texts.
-    pub(crate) fn under(&self, command: &Statement) -> Statement {
+    pub fn under(&self, command: &Statement) -> Statement {
         let arguments = self.stated().arguments();
         Statement {
             arguments: arguments.map(|(argument, _)| argument.clone()).collect(),
@@ -72,7 +72,7 @@ impl Overlay {
     }
 
     /// The statement as it stands now.
-    pub(crate) fn stated(&self) -> Stated<'_> {
+    pub fn stated(&self) -> Stated<'_> {
         Stated {
             statement: &self.first.statement,
             source: &self.first.source,
@@ -128,7 +128,7 @@ pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
 
 /// A statement as it stands: as it was read, or with what was put over it.
 #[derive(Clone, Copy)]
-pub(crate) struct Stated<'a> {
+pub struct Stated<'a> {
     statement: &'a Statement,
     source: &'a Source,
     above: &'a [Layer],
@@ -136,7 +136,7 @@ pub(crate) struct Stated<'a> {
 
 impl<'a> Stated<'a> {
     /// A statement that nothing was put over.
-    pub(crate) fn plain(statement: &'a Statement, source: &'a Source) -> Self {
+    pub fn plain(statement: &'a Statement, source: &'a Source) -> Self {
         Self {
             statement,
             source,
@@ -145,22 +145,22 @@ impl<'a> Stated<'a> {
     }
 
     /// The id, if it has one.
-    pub(crate) fn number(&self) -> Option<u32> {
+    pub fn number(&self) -> Option<u32> {
         self.statement.number()
     }
 
     /// Its name, if the file gives one.
-    pub(crate) fn view_name(&self) -> Option<Cow<'a, str>> {
+    pub fn view_name(&self) -> Option<Cow<'a, str>> {
         Some(self.source.text(self.statement.view_name?))
     }
 
     /// Where its keyword stands.
-    pub(crate) fn keyword(&self) -> (&'a Source, Span) {
+    pub fn keyword(&self) -> (&'a Source, Span) {
         (self.source, self.statement.keyword)
     }
 
     /// Where the keyword of what was put over it last stands.
-    pub(crate) fn latest_keyword(&self) -> (&'a Source, Span) {
+    pub fn latest_keyword(&self) -> (&'a Source, Span) {
         self.above.last().map_or(self.keyword(), |layer| {
             (&layer.source, layer.statement.keyword)
         })
@@ -175,7 +175,7 @@ impl<'a> Stated<'a> {
     }
 
     /// Every argument, those of the earliest layer first, with the text it was read from.
-    pub(crate) fn arguments(&self) -> impl Iterator<Item = (&'a Argument, &'a Source)> + use<'a> {
+    pub fn arguments(&self) -> impl Iterator<Item = (&'a Argument, &'a Source)> + use<'a> {
         let above = self.above.iter();
         let above = above.map(|layer| (&layer.statement, &layer.source));
         std::iter::once((self.statement, self.source))
@@ -189,26 +189,23 @@ impl<'a> Stated<'a> {
     }
 
     /// The argument with this whole keyword (in capitals), if it is there.
-    pub(crate) fn argument(&self, name: &str) -> Option<&'a Argument> {
+    pub fn argument(&self, name: &str) -> Option<&'a Argument> {
         self.found(name).map(|(argument, _)| argument)
     }
 
     /// Every argument with this keyword, in order: SPLINE has several Y.
-    pub(crate) fn all<'n>(
-        &self,
-        name: &'n str,
-    ) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
+    pub fn all<'n>(&self, name: &'n str) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
         let arguments = self.arguments().map(|(argument, _)| argument);
         arguments.filter(move |argument| argument.kind() == Some(name))
     }
 
     /// True if the word stands among the arguments.
-    pub(crate) fn has(&self, name: &str) -> bool {
+    pub fn has(&self, name: &str) -> bool {
         self.found(name).is_some()
     }
 
     /// Of these words those that stand in one layer, the latest that has any.
-    pub(crate) fn latest<'n>(
+    pub fn latest<'n>(
         &self,
         words: &'n [&'static str],
     ) -> impl Iterator<Item = &'static str> + use<'a, 'n> {
@@ -221,41 +218,41 @@ impl<'a> Stated<'a> {
     }
 
     /// The numbers of an argument; empty if it is absent or holds none.
-    pub(crate) fn numbers(&self, name: &str) -> &'a [Number] {
+    pub fn numbers(&self, name: &str) -> &'a [Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
     /// The first number of an argument.
-    pub(crate) fn first(&self, name: &str) -> Option<f64> {
+    pub fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
     /// The text of an argument; of a function what is written.
-    pub(crate) fn text(&self, name: &str) -> Option<Cow<'a, str>> {
+    pub fn text(&self, name: &str) -> Option<Cow<'a, str>> {
         let (argument, source) = self.found(name)?;
         argument.text(source)
     }
 
     /// The texts or words of an argument.
-    pub(crate) fn texts(&self, name: &str) -> Option<Vec<Cow<'a, str>>> {
+    pub fn texts(&self, name: &str) -> Option<Vec<Cow<'a, str>>> {
         let (argument, source) = self.found(name)?;
         Some(argument.texts(source))
     }
 
     /// The choice words of an argument, whole and in capitals.
-    pub(crate) fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
+    pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
         let (argument, source) = self.found(name)?;
         Some(argument.choices(source))
     }
 
     /// True for an argument whose value is `USER(...)`.
-    pub(crate) fn is_user(&self, name: &str) -> bool {
+    pub fn is_user(&self, name: &str) -> bool {
         self.argument(name)
             .is_some_and(|argument| matches!(argument.value, Value::User(_)))
     }
 
     /// Where the value of an argument stands; the keyword of the statement if it is not written.
-    pub(crate) fn place(&self, name: &str) -> (&'a Source, Span) {
+    pub fn place(&self, name: &str) -> (&'a Source, Span) {
         self.found(name)
             .map_or(self.keyword(), |(argument, source)| {
                 (source, argument.value_span())
@@ -264,7 +261,7 @@ impl<'a> Stated<'a> {
 
     /// True for a FRICTION whose stiction acts in statics too: nothing but INACTIVE=STATIC or EFFECT=SLIDING keeps it from that
     /// (`state_friction`: INACTIVE has no default, EFFECT is ALL).
-    pub(crate) fn sticks_in_statics(&self) -> bool {
+    pub fn sticks_in_statics(&self) -> bool {
         let slides_only = self
             .choices("EFFECT")
             .is_some_and(|effect| effect == ["SLIDING"]);
@@ -275,7 +272,7 @@ impl<'a> Stated<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::syntax::{CommandFile, Dataset};
+    use crate::{CommandFile, Dataset};
 
     fn shown(overlay: &Overlay) -> Vec<String> {
         let stated = overlay.stated();

@@ -16,7 +16,7 @@ const ANY_CASE: MatchOptions = MatchOptions {
 
 impl Address {
     /// True if a text names several things: `*` stands for any text, `?` for one character, `[1-5]` for one of several.
-    pub(crate) fn is_pattern(text: &str) -> bool {
+    pub fn is_pattern(text: &str) -> bool {
         text.contains(['*', '?', '['])
     }
 
@@ -26,7 +26,7 @@ impl Address {
     ///
     /// # Errors
     /// Those of [`Address::parse`]; `undefined-id` if nothing matches.
-    pub(crate) fn matching(text: &str, dataset: &Dataset) -> Result<Vec<Self>, Diagnostic> {
+    pub fn matching(text: &str, dataset: &Dataset) -> Result<Vec<Self>, Diagnostic> {
         let text = text.trim();
         if !Self::is_pattern(text) {
             return Ok(vec![Self::parse(text, dataset)?]);

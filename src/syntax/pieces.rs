@@ -8,6 +8,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+#[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
 use super::lines::{LogicalLine, continues, logical_lines, physical_line};
@@ -37,27 +38,27 @@ pub struct Piece {
 
 impl Piece {
     /// Names the piece: no other one of the file has had this number.
-    pub(crate) fn key(&self) -> u32 {
+    pub fn key(&self) -> u32 {
         self.key
     }
 
     /// Its bytes, under the name of the file.
-    pub(crate) fn source(&self) -> &Source {
+    pub fn source(&self) -> &Source {
         &self.source
     }
 
     /// Its statements or commands.
-    pub(crate) fn statements(&self) -> &[Statement] {
+    pub fn statements(&self) -> &[Statement] {
         &self.statements
     }
 
     /// What the reader complains of in it.
-    pub(crate) fn diagnostics(&self) -> &[Diagnostic] {
+    pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
     /// How many bytes it has.
-    pub(crate) fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.source.bytes().len()
     }
 
@@ -137,7 +138,7 @@ pub struct Change {
 
 impl Pieces {
     /// Reads a dataset, or with `Role::Command` a command file.
-    pub(crate) fn parse(source: &Source, role: Role) -> Self {
+    pub fn parse(source: &Source, role: Role) -> Self {
         let mut pieces = Self {
             name: source.name().into(),
             role,
@@ -151,12 +152,12 @@ impl Pieces {
     }
 
     /// The name of the file.
-    pub(crate) fn name(&self) -> Arc<str> {
+    pub fn name(&self) -> Arc<str> {
         Arc::clone(&self.name)
     }
 
     /// True for a command file.
-    pub(crate) fn is_command_file(&self) -> bool {
+    pub fn is_command_file(&self) -> bool {
         self.role == Role::Command
     }
 
@@ -166,7 +167,7 @@ impl Pieces {
     }
 
     /// The pieces that belong to the dataset: up to the one with END.
-    pub(crate) fn live(&self) -> &[Arc<Piece>] {
+    pub fn live(&self) -> &[Arc<Piece>] {
         &self.all[..self.live]
     }
 
@@ -176,17 +177,17 @@ impl Pieces {
     }
 
     /// The line, from 0, that piece `at` begins with.
-    pub(crate) fn first_line(&self, at: usize) -> usize {
+    pub fn first_line(&self, at: usize) -> usize {
         self.starts[at].1
     }
 
     /// How many bytes the file has.
-    pub(crate) fn size(&self) -> usize {
+    pub fn size(&self) -> usize {
         self.start(self.all.len())
     }
 
     /// The first lines of a command file that name its dataset.
-    pub(crate) fn head(&self) -> Option<Head> {
+    pub fn head(&self) -> Option<Head> {
         self.all.first()?.head
     }
 
@@ -200,29 +201,29 @@ impl Pieces {
     }
 
     /// All bytes under the name of the file.
-    pub(crate) fn source(&self) -> Source {
+    pub fn source(&self) -> Source {
         Source::new(Arc::clone(&self.name), self.bytes())
     }
 
     /// The piece that holds an offset; the last one for the end of the file. `None` for an empty file.
-    pub(crate) fn at(&self, offset: usize) -> Option<usize> {
+    pub fn at(&self, offset: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(start, _)| *start <= offset);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
     /// The piece that holds a line, from 0; the last one for lines beyond the end. `None` for an empty file.
-    pub(crate) fn at_line(&self, line: usize) -> Option<usize> {
+    pub fn at_line(&self, line: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(_, first)| *first <= line);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
     /// True if the dataset has its END.
-    pub(crate) fn has_end(&self) -> bool {
+    pub fn has_end(&self) -> bool {
         self.live().last().is_some_and(|piece| piece.ends)
     }
 
     /// Replaces bytes and reads again what that touches. The span must lie in the file.
-    pub(crate) fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
+    pub fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
         let count = self.all.len();
         // The piece before goes with it: its last line may be continued now.
         let touched = self.starts[..count]
@@ -326,11 +327,14 @@ impl Pieces {
                 let title = if k == 0 { title - from } else { 0 };
                 Piece::body(name, bytes[cut(k)..cut(k + 1)].to_vec(), title, before)
             };
+            #[cfg(feature = "parallel")]
             if count < 8 {
                 new.extend((0..count).map(piece));
             } else {
                 new.par_extend((0..count).into_par_iter().map(piece));
             }
+            #[cfg(not(feature = "parallel"))]
+            new.extend((0..count).map(piece));
             from = stop;
         }
         let Some(next) = next else {

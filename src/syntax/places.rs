@@ -7,7 +7,7 @@ use crate::diagnostic::Diagnostic;
 
 impl Dataset {
     /// Puts the statement of its object to every complaint that is about one and has no place.
-    pub(crate) fn locate(&self, diagnostics: &mut [Diagnostic]) {
+    pub fn locate(&self, diagnostics: &mut [Diagnostic]) {
         let is_lost = |found: &Diagnostic| found.labels.is_empty() && found.object.is_some();
         if !diagnostics.iter().any(is_lost) {
             return;

@@ -4,7 +4,7 @@ use super::number::parse_number;
 /// and width, decimal point, leading zero, plus sign, degree suffix. With the suffix the value is still in radians and its
 /// spelling in degrees. Some doubles have no number of degrees that reads back to them: these lose the suffix and are spelled in
 /// radians.
-pub(crate) fn spell_like(value: f64, old: &[u8]) -> String {
+pub fn spell_like(value: f64, old: &[u8]) -> String {
     let mut style = Style::of(old);
     let value = if value == 0.0 { 0.0 } else { value };
     let in_degrees = if style.suffix.is_empty() {

@@ -84,12 +84,12 @@ impl Statement {
     }
 
     /// True for a body whose markers need not name it: those behind it, up to the next body, are on it (`state_marker`).
-    pub(crate) fn carries_markers(&self) -> bool {
+    pub fn carries_markers(&self) -> bool {
         matches!(self.kind(), Some("PART" | "POINT_MASS" | "FLEX_BODY"))
     }
 
     /// True for a MARKER that names nothing it is on: it is on the body defined before it.
-    pub(crate) fn follows_body(&self) -> bool {
+    pub fn follows_body(&self) -> bool {
         self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
@@ -102,7 +102,7 @@ impl Statement {
     }
 
     /// The arguments with this keyword that count, in order: the last one, or all where each adds a row.
-    pub(crate) fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
+    pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         let adds = self.def.is_some_and(|def| def.adds_rows(name));
         let last = self.argument(name);
         self.every(name)
@@ -117,22 +117,22 @@ impl Statement {
     }
 
     /// True if the word stands among the arguments.
-    pub(crate) fn has(&self, name: &str) -> bool {
+    pub fn has(&self, name: &str) -> bool {
         self.argument(name).is_some()
     }
 
     /// The numbers of an argument; empty if it is absent or holds none.
-    pub(crate) fn numbers(&self, name: &str) -> &[Number] {
+    pub fn numbers(&self, name: &str) -> &[Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
     /// The first number of an argument.
-    pub(crate) fn first(&self, name: &str) -> Option<f64> {
+    pub fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
     /// The text of an argument, if it is there.
-    pub(crate) fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
+    pub fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
         self.argument(name)?.text(source)
     }
 }
@@ -180,7 +180,7 @@ impl Argument {
     }
 
     /// The first text or word; the text of a function.
-    pub(crate) fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
+    pub fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
         match &self.value {
             Value::Words(spans) | Value::Texts(spans) => {
                 spans.first().map(|span| source.text(*span))

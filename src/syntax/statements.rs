@@ -1,5 +1,6 @@
 //! From logical lines to statements, for datasets and command files alike.
 
+#[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
 use super::lexer::is_blank;
@@ -75,7 +76,11 @@ pub(super) fn parse_lines_after(
     let chunks: Vec<_> = if lines.len() <= CHUNK {
         vec![read((0, lines))]
     } else {
-        lines.par_chunks(CHUNK).enumerate().map(read).collect()
+        #[cfg(feature = "parallel")]
+        let chunks = lines.par_chunks(CHUNK);
+        #[cfg(not(feature = "parallel"))]
+        let chunks = lines.chunks(CHUNK);
+        chunks.enumerate().map(read).collect()
     };
     let mut statements = Vec::with_capacity(lines.len());
     let mut diagnostics = Vec::new();

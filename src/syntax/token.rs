@@ -59,13 +59,13 @@ pub struct Number {
 
 impl Number {
     /// It as an id, if it can be one.
-    pub(crate) fn as_id(&self) -> Option<u32> {
+    pub fn as_id(&self) -> Option<u32> {
         as_id(self.value)
     }
 }
 
 /// A value as an id, if it can be one. Zero stands for ground or for nothing and is none.
-pub(crate) fn as_id(value: f64) -> Option<u32> {
+pub fn as_id(value: f64) -> Option<u32> {
     let whole = value.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&value);
     whole.then_some(value as u32)
 }

@@ -22,7 +22,7 @@ pub type Object = (&'static str, u32);
 
 impl Argument {
     /// The objects an argument names.
-    pub(crate) fn references(&self) -> Vec<Reference> {
+    pub fn references(&self) -> Vec<Reference> {
         let as_reference = |space, number: &Number| {
             Some(Reference {
                 space,
@@ -52,7 +52,7 @@ impl Statement {
     }
 
     /// True for what has markers on it: parts, point masses, flexible bodies.
-    pub(crate) fn is_body(&self) -> bool {
+    pub fn is_body(&self) -> bool {
         matches!(
             self.kind(),
             Some("PART" | "POINT_MASS" | "FLEX_BODY" | "FE_PART")
@@ -62,13 +62,13 @@ impl Statement {
 
 /// The bodies of all markers, those too that name none.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Topology {
+pub struct Topology {
     bodies: BTreeMap<u32, Object>,
 }
 
 impl Topology {
     /// Reads the markers of a dataset.
-    pub(crate) fn of(dataset: &Dataset) -> Self {
+    pub fn of(dataset: &Dataset) -> Self {
         let mut bodies = BTreeMap::new();
         let mut before = None;
         for statement in dataset.statements() {
@@ -93,13 +93,13 @@ impl Topology {
     }
 
     /// The body a marker is on.
-    pub(crate) fn body(&self, marker: u32) -> Option<Object> {
+    pub fn body(&self, marker: u32) -> Option<Object> {
         self.bodies.get(&marker).copied()
     }
 
     /// The bodies an element is attached to: those of the markers its arguments name, in their order, and bodies it names
     /// itself. What functions measure does not count.
-    pub(crate) fn attached(&self, statement: &Statement) -> Vec<Object> {
+    pub fn attached(&self, statement: &Statement) -> Vec<Object> {
         let mut found = Vec::new();
         for argument in &statement.arguments {
             if !matches!(argument.value, Value::Numbers(_)) {
@@ -122,7 +122,7 @@ impl Topology {
 
 /// Statements and arguments that go together.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub(crate) struct Removal {
+pub struct Removal {
     /// Statements, by their places.
     pub statements: BTreeSet<usize>,
     /// Arguments of statements that stay: places of both.
@@ -132,7 +132,7 @@ pub(crate) struct Removal {
 impl Dataset {
     /// Everything that cannot stand without some statements: markers on a body, elements on markers, motions of joints, and so on.
     /// Bodies and settings only lose the argument that names what is gone.
-    pub(crate) fn dependents(&self, removed: BTreeSet<usize>) -> Removal {
+    pub fn dependents(&self, removed: BTreeSet<usize>) -> Removal {
         let topology = Topology::of(self);
         let mut removal = Removal {
             statements: removed,
@@ -181,7 +181,7 @@ impl Dataset {
     }
 
     /// The edits of a removal.
-    pub(crate) fn removal_edits(&self, removal: &Removal) -> Vec<Edit> {
+    pub fn removal_edits(&self, removal: &Removal) -> Vec<Edit> {
         let statements = removal
             .statements
             .iter()

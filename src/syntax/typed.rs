@@ -12,7 +12,7 @@ impl NewStatement {
     /// The statements of a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling a dataset may have.
     /// Values are kept as they are typed; continued ones are joined. What is no known statement, or cannot be read, is an error, as
     /// is a MARKER that names no body; the value is empty then.
-    pub(crate) fn read(source: &Source) -> Checked<Vec<Self>> {
+    pub fn read(source: &Source) -> Checked<Vec<Self>> {
         let (lines, _) = logical_lines(source.bytes(), 0, false);
         let (statements, mut diagnostics) = parse_lines(source, &lines, Role::Dataset);
         let unknown = |place: Span, what: &str| {

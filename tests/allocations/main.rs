@@ -5,11 +5,11 @@
 use std::alloc::System as Memory;
 use std::path::Path;
 
-use admire::model::Model;
-use admire::statics::{Settings, Solver};
-use admire::syntax::{Address, Dataset};
-use admire::system::System;
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::System;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 
 #[global_allocator]

@@ -11,9 +11,9 @@ mod process;
 
 use std::time::Instant;
 
-use admire::model::Model;
-use admire::syntax::{CommandFile, Dataset};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 use large_deck::deck;
 use process::{peak, rate, seconds};
 

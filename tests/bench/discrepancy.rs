@@ -16,8 +16,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use admire::discrepancy::{diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{diagnose, held_out};
+use admire_identify::LoadedStudy;
 use blind::draw::{CAUSES, Kind, OF_TESTS, Plan, plans};
 use blind::judge::line;
 use blind::{Axle, Score, Tally, Trial, run};

@@ -8,7 +8,7 @@ mod large_deck;
 
 use std::time::{Duration, Instant};
 
-use admire::lsp;
+use admire_lsp as lsp;
 use large_deck::deck;
 use lsp_server::{Connection, Message, Notification, Request};
 use serde_json::{Value, json};

@@ -8,21 +8,20 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use admire::backend::Backend;
-use admire::backend::{NativeBackend, Sweep, SweepRequest};
-use admire::identify::global::confidence::covariance;
-use admire::identify::global::gauss_newton::{Tolerances, minimise};
-use admire::identify::global::{
+use admire_identify::global::confidence::covariance;
+use admire_identify::global::gauss_newton::{Tolerances, minimise};
+use admire_identify::global::{
     Observations, Options, POOR_NORMAL, Prepared, Start, StartValues, fit_study, fit_unknowns,
     global_problem, profile_interval,
 };
-use admire::identify::{LoadedStudy, regression};
-use admire::mechanics::Pose;
-use admire::model::Model;
-use admire::rig::noise::Noise;
-use admire::rig::settings::{Amount, ShiftSd, SpinAxis};
-use admire::rig::wheel::SpinDirection;
-use admire::syntax::Address;
+use admire_identify::{LoadedStudy, regression};
+use admire_session::backend::{Backend, NativeBackend, Sweep, SweepRequest};
+use admire_solver::mechanics::Pose;
+use admire_solver::model::Model;
+use admire_study::noise::Noise;
+use admire_study::settings::{Amount, ShiftSd, SpinAxis};
+use admire_study::wheel::SpinDirection;
+use admire_syntax::Address;
 use rayon::prelude::*;
 
 /// Only numbers whose bound on ln K is below this are judged.

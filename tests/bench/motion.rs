@@ -12,11 +12,11 @@ mod squeezer;
 
 use std::time::Instant;
 
-use admire::model::Model;
-use admire::motion::{Consistent, Integrator, Kept, Settings, assemble};
-use admire::syntax::Dataset;
-use admire::system::{State, System};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_solver::motion::{Consistent, Integrator, Kept, Settings, assemble};
+use admire_solver::system::{State, System};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 const HEAD: &str = "motion\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n";
 
@@ -40,7 +40,7 @@ fn models() -> Vec<Known> {
             end: 5.0,
             hmax: 5.0,
             off: |state| {
-                let cm = state.poses[1].point(&admire::mechanics::Vec3::new(2.0, 0.0, 0.0));
+                let cm = state.poses[1].point(&admire_solver::mechanics::Vec3::new(2.0, 0.0, 0.0));
                 let place = (cm.x + 1.999_683_868_884)
                     .abs()
                     .max((cm.z + 0.035_558_747_545).abs());

@@ -9,10 +9,10 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
 
-use admire::results::{
+use admire_results::{
     EntityKind, Header, Numbering, StepKind, Stored, Style, Timestamp, XrfReader, XrfWriter,
 };
-use admire::units::Units;
+use admire_syntax::units::Units;
 use process::{peak, rate};
 
 fn main() {

@@ -14,11 +14,11 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use admire::model::Model;
-use admire::statics::{Balance, Settings, Solver};
-use admire::syntax::{Address, Dataset};
-use admire::system::{Scratch, State, System};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_solver::statics::{Balance, Settings, Solver};
+use admire_solver::system::{Scratch, State, System};
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 fn main() {
     let job = std::env::args().skip(1).find(|word| !word.starts_with('-'));

@@ -29,7 +29,7 @@ pub fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
     let resolve = |path: &Path| {
         let mut path = path.clone();
         for _ in 0..6 {
-            let length = (1..=path.len())
+            let length = (0..=path.len())
                 .rev()
                 .find(|n| modules.contains_key(&path[..*n]))?;
             let (module, rest) = (path[..length].to_vec(), &path[length..]);

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use admire::mechanics::{Vec3, Vec6};
-use admire::model::{Model, PartIx};
-use admire::motion::{Consistent, Integrator, Kept, Settings, assemble};
-use admire::syntax::Dataset;
-use admire::system::{Parameters, State, System};
-use admire::text::Source;
+use admire_solver::mechanics::{Vec3, Vec6};
+use admire_solver::model::{Model, PartIx};
+use admire_solver::motion::{Consistent, Integrator, Kept, Settings, assemble};
+use admire_solver::system::{Parameters, State, System};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 /// Numbers of one seed, evenly spread over -1 to 1.
 struct Draw(u64);

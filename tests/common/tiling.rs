@@ -1,6 +1,6 @@
 //! What reading loses: nothing. Real files, and what holds of every file that is read.
 
-use admire::syntax::{CommandFile, Dataset, Statement, Token};
+use admire_syntax::{CommandFile, Dataset, Statement, Token};
 
 use super::{files_below, shared};
 

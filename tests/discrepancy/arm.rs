@@ -4,8 +4,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire::discrepancy::{Cause, Diagnosis, Finding, diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Cause, Diagnosis, Finding, diagnose, held_out};
+use admire_identify::LoadedStudy;
 
 const DECK: &str = "An arm on two bushings that share an axis
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND

@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use admire::discrepancy::{
+use admire_diagnosis::{
     Cause, Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out,
 };
-use admire::identify::LoadedStudy;
+use admire_identify::LoadedStudy;
 use serde_json::Value;
 
 use crate::common::shared;
@@ -79,7 +79,7 @@ pub fn judge(folder: &Path, name: &str) -> Judged {
             None => false_names.push(format!("{} {}", finding.cause, finding.address)),
         }
     }
-    let holds = |p: &&admire::discrepancy::Parameter| {
+    let holds = |p: &&admire_diagnosis::Parameter| {
         let value = truth["stiffness"][&p.address].as_f64().unwrap();
         p.interval95[0].is_none_or(|low| low <= value)
             && p.interval95[1].is_none_or(|high| value <= high)

@@ -3,7 +3,7 @@
 use super::extension::reproduces;
 use super::found::{UP_AND_DOWN, named};
 use super::plant::{Friction, FrictionLaw, Plant, gforce};
-use admire::discrepancy::{Cause, Verdict};
+use admire_diagnosis::{Cause, Verdict};
 
 fn found(plant: Plant, seed: u64, loads: Option<&str>) {
     named("pseudo-mcpherson", &plant, seed, loads, reproduces);
@@ -51,7 +51,7 @@ fn a_spring_that_is_stiffer() {
 /// and that one of the two is wrong is.
 #[test]
 fn a_preload_and_a_free_length_are_rivals() {
-    let of_the_spring = |outcome: &admire::discrepancy::Outcome<'_>| {
+    let of_the_spring = |outcome: &admire_diagnosis::Outcome<'_>| {
         let first = &outcome.diagnosis.findings[0];
         let rivals = first.indistinguishable_from.iter();
         let names: Vec<&str> = std::iter::once(first.address.as_str())

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use admire::discrepancy::{Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Diagnosis, GainCheck, Progress, Verdict, diagnose_watched, held_out};
+use admire_identify::LoadedStudy;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 

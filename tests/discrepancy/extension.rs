@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use admire::discrepancy::{Outcome, diagnose, held_out};
-use admire::identify::LoadedStudy;
-use admire::mechanics::{Vec3, euler313};
-use admire::results::{StepKind, XrfReader};
-use admire::session::Session;
+use admire_diagnosis::{Outcome, diagnose, held_out};
+use admire_identify::LoadedStudy;
+use admire_results::{StepKind, XrfReader};
+use admire_session::Session;
+use admire_solver::mechanics::{Vec3, euler313};
 
 use crate::plant::{Plant, study};
 

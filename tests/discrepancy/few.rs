@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{
+use admire_diagnosis::{
     Cause, Diagnosis, Finding, GainCheck, Progress, Verdict, diagnose_watched, held_out,
 };
-use admire::identify::LoadedStudy;
-use admire::rig::effect::EffectSpec;
-use admire::rig::{LoadTable, RigOptions, Scatter, virtual_rig};
+use admire_identify::LoadedStudy;
+use admire_rig::effect::EffectSpec;
+use admire_rig::{LoadTable, RigOptions, Scatter, virtual_rig};
 
 const SIX: &str = "case,vertical,lateral,longitudinal
 1,1500,0,0

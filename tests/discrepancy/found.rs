@@ -1,6 +1,6 @@
 use super::plant::{Plant, study};
-use admire::discrepancy::{Outcome, diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Outcome, diagnose, held_out};
+use admire_identify::LoadedStudy;
 
 /// Table 2 of the paper: up and down, so that hysteresis shows.
 pub const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use admire::discrepancy::Verdict;
+use admire_diagnosis::Verdict;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 

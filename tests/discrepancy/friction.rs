@@ -5,8 +5,8 @@ use std::process::Command;
 
 use super::found::UP_AND_DOWN;
 use super::plant::{Friction, FrictionLaw, Plant, study};
-use admire::discrepancy::{Cause, Diagnosis, Verdict, diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Cause, Diagnosis, Verdict, diagnose, held_out};
+use admire_identify::LoadedStudy;
 
 /// By the law of Dahl, which no hypothesis has: friction at its place is named first, and nothing at another element with more than even odds.
 fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {

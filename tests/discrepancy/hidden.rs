@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use admire::discrepancy::{Cause, Finding, Verdict};
+use admire_diagnosis::{Cause, Finding, Verdict};
 use rayon::prelude::*;
 
 use super::blind::draw::{CAUSES, Kind, OF_TESTS, plan, plans};

@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire::discrepancy::{GainCheck, Progress, Verdict, diagnose, diagnose_watched, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{GainCheck, Progress, Verdict, diagnose, diagnose_watched, held_out};
+use admire_identify::LoadedStudy;
 
 #[test]
 fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {

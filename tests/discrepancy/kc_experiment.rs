@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{Finding, Outcome, Verdict, diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Finding, Outcome, Verdict, diagnose, held_out};
+use admire_identify::LoadedStudy;
 
 use super::extension::reproduces;
 

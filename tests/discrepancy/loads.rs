@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use admire::discrepancy::Verdict;
+use admire_diagnosis::Verdict;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{Cause, Verdict};
+use admire_diagnosis::{Cause, Verdict};
 
 use super::axles::{copied, judge};
 

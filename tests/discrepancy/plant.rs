@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use admire::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
-use admire::identify::LoadedStudy;
-use admire::mechanics::{Pose, Vec3};
-use admire::model::Model;
-use admire::syntax::Dataset;
-use admire::text::Source;
+use admire_identify::LoadedStudy;
+use admire_session::backend::{Backend, LoadProgramme, NativeBackend, SweepRequest};
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
@@ -204,12 +204,12 @@ fn place(model: &Model, poses: &[Pose], id: u32) -> Pose {
 fn turned(text: &str, id: u32, axis: usize, degrees: f64) -> String {
     let (dataset, model) = deck(text);
     let marker = &model.markers[model.marker(id).unwrap().0];
-    let rotation = marker.R * admire::mechanics::exp(&Vec3::ith(axis, degrees.to_radians()));
-    let angles = admire::mechanics::psi_theta_phi(&rotation);
+    let rotation = marker.R * admire_solver::mechanics::exp(&Vec3::ith(axis, degrees.to_radians()));
+    let angles = admire_solver::mechanics::psi_theta_phi(&rotation);
     let mut dataset = dataset;
     for (k, angle) in angles.into_iter().enumerate() {
         let address = format!("MARKER/{id}.REULER.{}", k + 1);
-        let address = admire::syntax::Address::parse(&address, &dataset).unwrap();
+        let address = admire_syntax::Address::parse(&address, &dataset).unwrap();
         let edits = dataset.set(&address, angle).unwrap();
         dataset = dataset.edited(&edits).unwrap().value;
     }
@@ -222,7 +222,7 @@ fn deck(text: &str) -> (Dataset, Model) {
         text.as_bytes().to_vec(),
     ))
     .value;
-    let lowered = admire::model::lower(&dataset);
+    let lowered = admire_solver::model::lower(&dataset);
     assert!(!lowered.has_errors(), "{:?}", lowered.diagnostics);
     (dataset, lowered.value)
 }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use admire::discrepancy::{Over, Verdict, diagnose, held_out};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Over, Verdict, diagnose, held_out};
+use admire_identify::LoadedStudy;
 
 use super::plant::{Plant, gforce, study};
 

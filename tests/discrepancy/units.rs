@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{Diagnosis, GainCheck, Parameter, Progress, diagnose_watched, held_out};
-use admire::identify::{LoadedStudy, Status};
+use admire_diagnosis::{Diagnosis, GainCheck, Parameter, Progress, diagnose_watched, held_out};
+use admire_identify::{LoadedStudy, Status};
 
 use crate::common::shared;
 

@@ -1,7 +1,7 @@
 //! Cases held out are unknown to the choice of causes and to the fits that predict them.
 
-use admire::discrepancy::{GainCheck, Outcome, Progress, diagnose_watched};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{GainCheck, Outcome, Progress, diagnose_watched};
+use admire_identify::LoadedStudy;
 
 use super::plant::{Plant, study};
 

@@ -169,9 +169,11 @@ fn requests_and_frames_stop_and_resume_on_command() {
     let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
-    let source =
-        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
-    let requests = admire::results::RequestFile::parse(&source).value;
+    let source = admire_syntax::text::Source::new(
+        "slider.req",
+        text(folder.path(), "slider.req").into_bytes(),
+    );
+    let requests = admire_results::RequestFile::parse(&source).value;
     assert_eq!(requests.times.last(), Some(&3.0));
     assert!(!requests.times.contains(&1.5), "{:?}", requests.times);
     let frames = text(folder.path(), "slider.gra");
@@ -186,9 +188,11 @@ fn requests_and_frames_are_written_beside_the_results() {
     let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
-    let source =
-        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
-    let requests = admire::results::RequestFile::parse(&source);
+    let source = admire_syntax::text::Source::new(
+        "slider.req",
+        text(folder.path(), "slider.req").into_bytes(),
+    );
+    let requests = admire_results::RequestFile::parse(&source);
     assert!(
         requests.diagnostics.is_empty(),
         "{:?}",
@@ -243,7 +247,7 @@ fn results_options_leave_columns_out() {
 fn other_readers_find_every_column_of_our_results() {
     let (folder, _) = run("SIM/STAT, END=1, STEPS=2");
     let file = std::fs::File::open(folder.path().join("slider.res")).unwrap();
-    let mut reader = admire::results::XrfReader::open("slider.res", file).unwrap();
+    let mut reader = admire_results::XrfReader::open("slider.res", file).unwrap();
     let mut kinds = Vec::new();
     while let Some(step) = reader.next_step().unwrap() {
         kinds.push(step.block.to_string());
@@ -387,10 +391,12 @@ fn the_files_grow_step_by_step_and_hold_whole_steps() {
     let ran = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 3);
-    let source =
-        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
+    let source = admire_syntax::text::Source::new(
+        "slider.req",
+        text(folder.path(), "slider.req").into_bytes(),
+    );
     near(
-        &admire::results::RequestFile::parse(&source).value.times,
+        &admire_results::RequestFile::parse(&source).value.times,
         &[0.0, 0.5, 1.0],
     );
     assert!(text(folder.path(), "slider.gra").contains("1.00000E+00"));
@@ -452,11 +458,11 @@ fn a_killed_run_leaves_every_step_it_had_written() {
     running.wait().unwrap();
     let res = text(folder.path(), "slider.res");
     assert!(!res.contains("</Results>"), "it was killed on the way");
-    let mut reader = admire::results::XrfReader::open("slider.res", res.as_bytes()).unwrap();
+    let mut reader = admire_results::XrfReader::open("slider.res", res.as_bytes()).unwrap();
     let mut times = Vec::new();
     let mut values = Vec::new();
     while let Ok(Some(step)) = reader.next_step() {
-        if step.kind == admire::results::StepKind::QuasiStatic {
+        if step.kind == admire_results::StepKind::QuasiStatic {
             step.values(&mut values).unwrap();
             times.push(values[0]);
         }
@@ -466,9 +472,11 @@ fn a_killed_run_leaves_every_step_it_had_written() {
         assert!((time - k as f64 * 1e-5).abs() < 1e-12);
     }
     // The other files have come as far, but for the last line at most.
-    let source =
-        admire::text::Source::new("slider.req", text(folder.path(), "slider.req").into_bytes());
-    let requests = admire::results::RequestFile::parse(&source)
+    let source = admire_syntax::text::Source::new(
+        "slider.req",
+        text(folder.path(), "slider.req").into_bytes(),
+    );
+    let requests = admire_results::RequestFile::parse(&source)
         .value
         .times
         .len();

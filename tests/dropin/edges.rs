@@ -5,11 +5,11 @@ use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use admire::mechanics::{Pose, Vec3, euler313, exp};
-use admire::model::{Model, PartIx};
-use admire::syntax::{Dataset, Value};
-use admire::system::{Scratch, System};
-use admire::text::{Edit, Source, Span, apply_edits};
+use admire_solver::mechanics::{Pose, Vec3, euler313, exp};
+use admire_solver::model::{Model, PartIx};
+use admire_solver::system::{Scratch, System};
+use admire_syntax::text::{Edit, Source, Span, apply_edits};
+use admire_syntax::{Dataset, Value};
 use rayon::prelude::*;
 
 use crate::run::{Results, folder, mdi_with};

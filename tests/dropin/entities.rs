@@ -1,6 +1,6 @@
 //! Every kind of object that has results, and the options that say what is written.
 
-use admire::results::XrfReader;
+use admire_results::XrfReader;
 
 use crate::run::{Ran, Results, SLIDER, folder, mdi, text};
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use admire::backend::{Backend, CommandBackend, ForceFrame, Load, LoadCase};
-use admire::results::{Change, XrfReader, rewrite_file};
+use admire_results::{Change, XrfReader, rewrite};
+use admire_session::backend::{Backend, CommandBackend, ForceFrame, Load, LoadCase};
 
 use crate::run::folder;
 use crate::task::{Task, after, backend, mdi, words};
@@ -198,7 +198,10 @@ fn the_frame_of_bushing_forces_is_found_and_named() {
     let ids = columns(&good, "BUSHING_1", &["FX", "FY", "TX", "ANGX"]);
     let serve = |changes: &[Change]| {
         let file = place.path().join("tampered.res");
-        rewrite_file(&good, &file, changes).unwrap();
+        let bytes = std::fs::read(&good).unwrap();
+        let mut changed = Vec::new();
+        rewrite("good.res", &*bytes, &*bytes, &mut changed, changes).unwrap();
+        std::fs::write(&file, changed).unwrap();
         let mut backend = backend(words(&["cp", &file.display().to_string(), "run.res"]));
         backend.keep = Some(place.path().join("runs"));
         (
@@ -404,7 +407,7 @@ fn a_dead_program_is_started_once() {
         answers[0].is_ok()
             && answers[11]
                 .as_ref()
-                .is_err_and(admire::backend::BackendError::is_lasting)
+                .is_err_and(admire_session::backend::BackendError::is_lasting)
     );
     assert!(backend.tally().0 <= 5, "{:?}", backend.tally());
 }
@@ -447,7 +450,7 @@ fn names_of_load_cases_are_remarks() {
     backend.keep = Some(place.path().join("runs"));
     let sweep = task.sweep(&mut backend).unwrap();
     for case in 0..2 {
-        let places = |of: &admire::backend::Sweep| of.equilibrium(case).unwrap().poses[1].p;
+        let places = |of: &admire_session::backend::Sweep| of.equilibrium(case).unwrap().poses[1].p;
         assert_eq!(places(&sweep), places(&plain));
     }
     let mut runs = std::fs::read_dir(place.path().join("runs")).unwrap();

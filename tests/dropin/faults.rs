@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use admire::results::XrfReader;
+use admire_results::XrfReader;
 
 use crate::run::{Results, SLIDER, folder, mdi};
 

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use admire::results::RequestFile;
-use admire::text::Source;
+use admire_results::RequestFile;
+use admire_syntax::text::Source;
 
 use crate::common::shared;
 use crate::run::{Ran, Results, folder, mdi};

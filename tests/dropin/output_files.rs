@@ -35,8 +35,8 @@ pub fn blocks(folder: &std::path::Path, name: &str) -> Vec<(String, String, usiz
 /// The times of `slider.req`.
 pub fn request_times(folder: &std::path::Path) -> Vec<f64> {
     let bytes = text(folder, "slider.req").into_bytes();
-    let source = admire::text::Source::new("slider.req", bytes);
-    admire::results::RequestFile::parse(&source).value.times
+    let source = admire_syntax::text::Source::new("slider.req", bytes);
+    admire_results::RequestFile::parse(&source).value.times
 }
 
 /// ADAMS 2020: `static_001` of type `static`, and no time twice in `.req`.
@@ -94,8 +94,8 @@ fn frames_of_graphics_have_a_line_for_each_part_and_each_force() {
         frames.lines().nth(4).unwrap().contains("-5.55555E+05"),
         "{frames}"
     );
-    let source = admire::text::Source::new("slider.gra", written.into_bytes());
-    let read = admire::results::GraphicsFile::parse(&source);
+    let source = admire_syntax::text::Source::new("slider.gra", written.into_bytes());
+    let read = admire_results::GraphicsFile::parse(&source);
     assert_eq!(read.diagnostics, []);
     let file = read.value;
     assert_eq!((&*file.parts, &*file.forces), (&[2, 3][..], &[7, 8][..]));

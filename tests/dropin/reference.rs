@@ -35,7 +35,7 @@ fn agrees(folder: &str, stem: &str) {
                 );
             }
             let [psi, theta, phi] = values(["PSI", "THETA", "PHI"]);
-            let found = admire::mechanics::euler313(psi, theta, phi);
+            let found = admire_solver::mechanics::euler313(psi, theta, phi);
             for row in 0..3 {
                 for column in 0..3 {
                     let entry = pose["A"][row][column].as_f64().unwrap();

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire::results::RequestFile;
-use admire::text::Source;
+use admire_results::RequestFile;
+use admire_syntax::text::Source;
 
 use crate::run::{Ran, Results, folder, mdi_with, text};
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use admire::backend::{Backend, Recording, ReplayBackend};
-use admire::model::Model;
-use admire::syntax::Dataset;
-use admire::text::Source;
+use admire_session::backend::{Backend, Recording, ReplayBackend};
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 use crate::run::folder;
 use crate::task::{DECK, Task, after, backend, mdi, words};

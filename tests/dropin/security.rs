@@ -202,10 +202,10 @@ fn decks_and_command_files_start_no_process() {
     // What starts programs, and ends what they started, is reached by a study or by a person's own command only; the script that builds
     // the program asks git for the commit.
     let allowed = [
-        "src/backend/process",
+        "src/session/backend/process",
         "src/cli/doctor.rs",
         "src/cli/sweep_slurm.rs",
-        "src/build.rs",
+        "src/report/build.rs",
     ];
     let starts: Vec<String> = sources()
         .into_iter()
@@ -246,8 +246,8 @@ fn interfaces_that_only_unix_has_are_in_four_files() {
     assert!(
         found.iter().all(|path| {
             path.ends_with("src/front/permissions.rs")
-                || path.ends_with("src/backend/process_tree.rs")
-                || path.ends_with("src/front/leftover.rs")
+                || path.ends_with("src/session/backend/process_tree.rs")
+                || path.ends_with("src/study/leftover.rs")
                 || path.ends_with("src/sweep/folder.rs")
         }),
         "{found:?}"

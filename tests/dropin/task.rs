@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use admire::backend::{
+use admire_session::backend::{
     Backend, CommandBackend, Load, LoadCase, LoadProgramme, Sweep, SweepRequest,
 };
-use admire::model::Model;
-use admire::syntax::{Address, Dataset};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 /// A block on a bushing whose J marker is turned by a quarter about z, so that ground axes and J axes differ.
 pub const DECK: &str = "\

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use admire::backend::CommandBackend;
+use admire_session::backend::CommandBackend;
 
 use crate::run::{Results, SLIDER, folder, mdi};
 use crate::task::{Task, words};

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use admire::model::{Model, convert_units};
-use admire::results::{GraphicsFile, MessageFile, StepKind};
-use admire::statics::{Freedoms, Settings, solve};
-use admire::syntax::Dataset;
-use admire::system::System;
-use admire::text::{Source, apply_edits};
-use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
+use admire_results::{GraphicsFile, MessageFile, StepKind};
+use admire_solver::model::{Model, convert_units};
+use admire_solver::statics::{Freedoms, Settings, solve};
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
 use super::folder::{Folder, run};
 use crate::common::{files_below, shared};
@@ -179,11 +179,11 @@ fn an_extract_feels_the_forces_of_the_whole() {
             .expect("there");
         let system = System::compile(&model.value).value;
         let mut g = vec![0.0; system.unknowns()];
-        let mut scratch = admire::system::Scratch::new(&system);
+        let mut scratch = admire_solver::system::Scratch::new(&system);
         system
             .residual(&system.parameters(), &system.state(), &mut scratch, &mut g)
             .expect("a value");
-        g[system.part_unknowns(admire::model::PartIx(part))].to_vec()
+        g[system.part_unknowns(admire_solver::model::PartIx(part))].to_vec()
     };
     let (whole, alone) = (forces(DECK), forces(&out));
     let size = whole.iter().map(|x| x.abs()).fold(0.0, f64::max);

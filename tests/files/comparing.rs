@@ -1,10 +1,10 @@
 //! Differences, new ids, JSON and summaries of decks.
 
-use admire::model::{Model, summary::summary};
-use admire::syntax::diff::{Change, Tolerance, diff};
-use admire::syntax::renumber::{in_order, renumber};
-use admire::syntax::{CommandFile, Dataset, json};
-use admire::text::{Source, apply_edits};
+use admire_solver::model::{Model, summary::summary};
+use admire_syntax::diff::{Change, Tolerance, diff};
+use admire_syntax::renumber::{in_order, renumber};
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::{CommandFile, Dataset, json};
 
 use super::lossless::real_files;
 use super::lowering::dataset;

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use admire::diagnostic::Code;
-use admire::grammar::ValueKind;
-use admire::model::{Function, Model, PairForce};
-use admire::syntax::{Address, Dataset, NewStatement, Value};
-use admire::text::{Edit, Source, apply_edits};
+use admire_solver::model::{Function, Model, PairForce};
+use admire_syntax::diagnostic::Code;
+use admire_syntax::grammar::ValueKind;
+use admire_syntax::text::{Edit, Source, apply_edits};
+use admire_syntax::{Address, Dataset, NewStatement, Value};
 
 use super::lossless::{assert_dataset, real_files};
 use super::lowering::dataset;

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use admire::function::Compiler;
-use admire::model::Model;
-use admire::syntax::{Dataset, Value};
-use admire::text::Source;
+use admire_solver::function::Compiler;
+use admire_solver::model::Model;
+use admire_syntax::text::Source;
+use admire_syntax::{Dataset, Value};
 
 use crate::common::{files_below, shared};
 

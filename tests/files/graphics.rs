@@ -1,10 +1,10 @@
 //! Graphics files of ADAMS.
 
-use admire::results::{
+use admire_results::{
     GraphicsFile, GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape, GraphicsWriter,
     StepKind, Timestamp,
 };
-use admire::text::Source;
+use admire_syntax::text::Source;
 
 use super::results::units;
 use crate::common::shared;

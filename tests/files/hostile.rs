@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use admire::model::Model;
-use admire::syntax::{CommandFile, Dataset};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rayon::prelude::*;
@@ -181,7 +181,7 @@ fn complaints_are_counted_not_kept_without_end() {
         let text = format!("t\n{}END\n", line.repeat(60_000));
         let read = Dataset::parse(Source::new("a.adm", text.as_bytes()));
         let found =
-            admire::syntax::lint::check(&read.value, &admire::syntax::lint::Options::default());
+            admire_syntax::lint::check(&read.value, &admire_syntax::lint::Options::default());
         assert!(read.diagnostics.len() <= 10_001, "{line}");
         let all: Vec<_> = read.diagnostics.iter().chain(&found).collect();
         assert!(all.len() < 60_000, "{line}");

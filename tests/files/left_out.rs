@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
-use admire::grammar::{STATEMENTS, ValueKind};
 use admire::{Deck, Watched};
+use admire_syntax::grammar::{STATEMENTS, ValueKind};
 
 use super::folder::Folder;
 
@@ -210,7 +210,7 @@ const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
 /// An argument of a statement that is solved is read somewhere, named as left out, or known to change no answer.
 #[test]
 fn no_argument_is_dropped_without_a_word() {
-    use admire::grammar::{Role, Solved};
+    use admire_syntax::grammar::{Role, Solved};
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut read = String::new();
     for folder in ["model/lower", "session", "system"] {

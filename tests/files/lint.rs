@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use admire::diagnostic::{Code, Diagnostic, Severity};
-use admire::model::{self, Model};
-use admire::syntax::Dataset;
-use admire::syntax::lint::{self, Options, RULES};
-use admire::text::Source;
+use admire_solver::model;
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::lint::{self, Options, RULES};
+use admire_syntax::text::Source;
 
 use crate::common::{files_below, shared};
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use admire::syntax::{CommandFile, Dataset};
-use admire::text::Source;
+use admire_syntax::text::Source;
+use admire_syntax::{CommandFile, Dataset};
 
 pub use crate::common::tiling::{assert_commands, assert_dataset, real_files};
 

@@ -1,11 +1,11 @@
 //! The typed model of real decks and of small ones.
 
-use admire::diagnostic::{Checked, Code, Diagnostic, Severity};
-use admire::model::{Definitions, Function, JointKind, Model, Orientation, RequestKind};
-use admire::syntax::files::Files;
-use admire::syntax::lint::{self, Options};
-use admire::syntax::{CommandFile, Dataset};
-use admire::text::{Source, Span};
+use admire_solver::model::{Definitions, Function, JointKind, Model, Orientation, RequestKind};
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::lint::{self, Options};
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{CommandFile, Dataset};
 
 use super::lossless::real_files;
 
@@ -216,7 +216,7 @@ fn a_command_is_put_over_its_statement_which_is_lowered_again() {
         []
     );
     let after = model.markers[2].qp;
-    assert!((after - before - admire::mechanics::Vec3::new(0.0, 1.0, 0.0)).norm() < 1e-14);
+    assert!((after - before - admire_solver::mechanics::Vec3::new(0.0, 1.0, 0.0)).norm() < 1e-14);
     assert_eq!(model.joints[0].kind, JointKind::Revolute);
     assert!(!model.joints[0].header.active);
 

@@ -1,9 +1,9 @@
 //! Markers that are moved: points that give their axes, and markers that are given in their frames.
 
 use admire::Deck;
-use admire::model::Model;
-use admire::syntax::{Address, Dataset};
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset};
 
 use super::folder::Folder;
 

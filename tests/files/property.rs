@@ -1,8 +1,8 @@
 //! Property files as other programs write and read them (grammar/NOTES.md, Sources).
 
-use admire::syntax::property::{PropertyFile, PropertyKind};
-use admire::text::Source;
-use admire::units::Units;
+use admire_syntax::property::{PropertyFile, PropertyKind};
+use admire_syntax::text::Source;
+use admire_syntax::units::Units;
 
 fn read(text: &str) -> PropertyFile {
     let read = PropertyFile::parse(Source::new("a", text.as_bytes()));

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use admire::model::Model;
-use admire::syntax::property::PropertyFile;
-use admire::syntax::renumber::{Renumbering, in_order, renumber};
-use admire::syntax::{Address, CommandFile, Dataset, Value, json};
-use admire::system::{Scratch, System};
-use admire::text::{Source, apply_edits};
+use admire_solver::model::Model;
+use admire_solver::system::{Scratch, System};
+use admire_syntax::property::PropertyFile;
+use admire_syntax::renumber::{Renumbering, in_order, renumber};
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::{Address, CommandFile, Dataset, Value, json};
 use rayon::prelude::*;
 
 use super::lossless::real_files;

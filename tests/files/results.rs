@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use admire::diagnostic::Code;
-use admire::results::{
+use admire_results::{
     Change, EntityKind, GraphicsHead, GraphicsMarker, GraphicsWriter, Header, LineEnd, NumberStyle,
     Numbering, RequestFile, RequestWriter, ResultsError, Selection, StepKind, Stored, Style,
     Timestamp, Tolerance, XrfReader, XrfWriter, compare, rewrite,
 };
-use admire::text::Source;
-use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
+use admire_syntax::diagnostic::Code;
+use admire_syntax::text::Source;
+use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 use rand::{RngExt, SeedableRng};
 
 use crate::common::{files_below, shared};

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use admire::diagnostic::{Code, Diagnostic, Severity};
-use admire::grammar::{Role, STATEMENTS};
-use admire::syntax::lint::{self, Options};
-use admire::syntax::{CommandFile, Dataset, Statement, Value};
-use admire::text::{Edit, Source, apply_edits};
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::grammar::{Role, STATEMENTS};
+use admire_syntax::lint::{self, Options};
+use admire_syntax::text::{Edit, Source, apply_edits};
+use admire_syntax::{CommandFile, Dataset, Statement, Value};
 
 use crate::common::files_below;
 

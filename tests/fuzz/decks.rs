@@ -1,13 +1,13 @@
 //! Datasets and command files.
 
-use admire::model::Model;
-use admire::syntax::lint::{Options, check, check_commands};
-use admire::syntax::property::PropertyFile;
-use admire::syntax::renumber::{in_order, renumber};
-use admire::syntax::{Address, CommandFile, Dataset, Value, all_fixes, layout};
-use admire::system::System;
-use admire::text::{Edit, Source, Span, apply_edits};
-use admire::units::Units;
+use admire_solver::model::Model;
+use admire_solver::system::System;
+use admire_syntax::lint::{Options, check, check_commands};
+use admire_syntax::property::PropertyFile;
+use admire_syntax::renumber::{in_order, renumber};
+use admire_syntax::text::{Edit, Source, Span, apply_edits};
+use admire_syntax::units::Units;
+use admire_syntax::{Address, CommandFile, Dataset, Value, all_fixes, layout};
 use rand::RngExt;
 
 use crate::common::tiling::{assert_commands, assert_dataset};
@@ -28,7 +28,7 @@ pub fn deck(bytes: &[u8]) {
     }
     let lowered = Model::lower(dataset);
     assert_inside(&lowered.diagnostics, "a.adm", bytes);
-    let design = admire::model::lint::check(dataset, &lowered.value);
+    let design = admire_solver::model::lint::check(dataset, &lowered.value);
     assert_inside(&design, "a.adm", bytes);
     if !read.has_errors() && !lowered.has_errors() {
         let compiled = System::compile(&lowered.value);
@@ -186,7 +186,7 @@ pub fn property(bytes: &[u8]) {
                 let cells = table.rows.iter().flatten();
                 assert!(
                     cells
-                        .map(admire::syntax::property::Cell::span)
+                        .map(admire_syntax::property::Cell::span)
                         .all(|span| span.end() <= bytes.len())
                 );
             }

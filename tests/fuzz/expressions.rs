@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use admire::function::{Compiler, Scratch};
-use admire::model::Model;
-use admire::rig::Scatter;
-use admire::syntax::expression::Node;
-use admire::syntax::{Address, Dataset, Expression};
-use admire::text::Source;
+use admire_rig::Scatter;
+use admire_solver::function::{Compiler, Scratch};
+use admire_solver::model::Model;
+use admire_syntax::expression::Node;
+use admire_syntax::text::Source;
+use admire_syntax::{Address, Dataset, Expression};
 
 use crate::harness::fuzz;
 use crate::mutation::function_words;

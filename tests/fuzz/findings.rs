@@ -1,10 +1,10 @@
 //! What was found, each with the smallest input that shows it.
 
-use admire::check;
-use admire::kc;
-use admire::results::{RequestFile, rewrite};
-use admire::rig::{Study, Table};
-use admire::text::{Source, Span};
+use admire_kc as kc;
+use admire_results::{RequestFile, rewrite};
+use admire_session::check;
+use admire_study::{Study, Table};
+use admire_syntax::text::{Source, Span};
 
 use crate::{results, studies};
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, Once};
 use std::time::{Duration, Instant};
 
-use admire::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Changes of files: of bytes, of words, by words of the grammar, and two files made one.
 
-use admire::grammar::{FUNCTIONS, STATEMENTS};
+use admire_syntax::grammar::{FUNCTIONS, STATEMENTS};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

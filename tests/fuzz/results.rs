@@ -1,11 +1,11 @@
 //! Result files of every kind.
 
-use admire::results::{
+use admire_results::{
     FormattedResults, GraphicsFile, Header, MessageFile, NumberStyle, RequestFile, RequestWriter,
     ResultsReader, Style, Timestamp, XrfReader, XrfWriter, open_any, rewrite,
 };
-use admire::text::Source;
-use admire::units::Units;
+use admire_syntax::text::Source;
+use admire_syntax::units::Units;
 use rand::RngExt;
 
 use crate::harness::{assert_inside, fuzz};
@@ -13,7 +13,7 @@ use crate::mutation::drawn;
 use crate::seeds;
 
 /// An XRF file as it was read: its steps, and whether it was read to its end.
-type Steps = Vec<(admire::results::StepKind, Vec<f64>)>;
+type Steps = Vec<(admire_results::StepKind, Vec<f64>)>;
 
 fn steps(reader: &mut dyn ResultsReader) -> (Steps, bool) {
     let mut all = Vec::new();

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use admire::results::{
+use admire_results::{
     Catalogue, Component, Entity, GraphicsHead, GraphicsJoint, GraphicsShape, GraphicsWriter,
     Header, RequestEntry, RequestWriter, StepKind, Style, Timestamp, XrfWriter,
 };
-use admire::units::Units;
+use admire_syntax::units::Units;
 
 use crate::common::tiling::real_files;
 use crate::common::{files_below, shared};

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use admire::kc::Config;
-use admire::model::Model;
-use admire::rig::{Measurement, Study, Table};
-use admire::syntax::Dataset;
-use admire::text::Source;
+use admire_kc::Config;
+use admire_solver::model::Model;
+use admire_study::{Measurement, Study, Table};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 use crate::harness::{assert_inside, fuzz};
 use crate::seeds;

@@ -5,18 +5,19 @@
 
 use std::alloc::System as Memory;
 
-use admire::check;
-use admire::kc::Config;
-use admire::model::{self, Model};
-use admire::results::{
+use admire_kc::Config;
+use admire_results::{
     FormattedResults, GraphicsFile, GraphicsHead, GraphicsShape, GraphicsWriter, MessageFile,
     RequestFile, StepKind, Timestamp, XrfReader, rewrite,
 };
-use admire::rig::{Study, Table};
-use admire::syntax::lint::{Options, check as lint, check_commands};
-use admire::syntax::property::PropertyFile;
-use admire::syntax::{CommandFile, Dataset, Expression, all_fixes};
-use admire::text::{Source, apply_edits};
+use admire_session::check;
+use admire_solver::model;
+use admire_solver::model::Model;
+use admire_study::{Study, Table};
+use admire_syntax::lint::{Options, check as lint, check_commands};
+use admire_syntax::property::PropertyFile;
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::{CommandFile, Dataset, Expression, all_fixes};
 use cpu_time::ProcessTime;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 

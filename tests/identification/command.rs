@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use admire::backend::{Backend, CommandBackend, NativeBackend, SweepRequest};
-use admire::identify::{LoadedStudy, regression};
+use admire_identify::{LoadedStudy, regression};
+use admire_session::backend::{Backend, CommandBackend, NativeBackend, SweepRequest};
 
 fn study(method: &str) -> LoadedStudy {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use admire::identify::direct::{DirectSettings, DirectSolution, solve};
+use admire_identify::direct::{DirectSettings, DirectSolution, solve};
 
 use crate::setup::{Loaded, exact_mcpherson, load, measure};
 

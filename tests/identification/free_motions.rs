@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use admire::backend::{Backend, BackendError, NativeBackend, Sweep, SweepRequest};
-use admire::identify::global::{Options, Prepared, fit_study};
-use admire::identify::{LoadedStudy, Verdict, compare};
-use admire::mechanics::{Vec3, exp};
-use admire::statics::Balance;
 use admire::{Identification, Study, Watched};
+use admire_identify::global::{Options, Prepared, fit_study};
+use admire_identify::{LoadedStudy, Verdict, compare};
+use admire_session::backend::{Backend, BackendError, NativeBackend, Sweep, SweepRequest};
+use admire_solver::mechanics::{Vec3, exp};
+use admire_solver::statics::Balance;
 
 use crate::setup::{copy, replace};
 

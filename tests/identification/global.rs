@@ -1,6 +1,6 @@
 //! The global fit on the two reference axles.
 
-use admire::identify::global::{Options, Prepared, Start, fit_study};
+use admire_identify::global::{Options, Prepared, Start, fit_study};
 
 use crate::setup::{Loaded, exact_mcpherson, load, measure};
 

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::identify::LoadedStudy;
-use admire::rig::effect::EffectSpec;
-use admire::rig::{RigOptions, RigRun, Tolerances, virtual_rig};
+use admire_identify::LoadedStudy;
+use admire_rig::effect::EffectSpec;
+use admire_rig::{RigOptions, RigRun, Tolerances, virtual_rig};
 
 use crate::setup::replace;
 
@@ -222,14 +222,14 @@ fn intervals_from_curves_alone_hold_the_truth() {
         written(&run, to.path());
         let loaded = LoadedStudy::read(to.path()).value.unwrap();
         let fitted = vec![false; loaded.measurement.cases.len()];
-        let outcome = admire::discrepancy::diagnose(&loaded.problem(), fitted).unwrap();
+        let outcome = admire_diagnosis::diagnose(&loaded.problem(), fitted).unwrap();
         for parameter in &outcome.diagnosis.parameters {
             let address = &parameter.address;
             let own = truth
                 .iter()
                 .find(|line| line.contains(&format!("@{address}:")));
             let factor: f64 = own.map_or(1.0, |l| l.rsplit_once('=').unwrap().1.parse().unwrap());
-            let deck = admire::syntax::Address::parse(address, &loaded.dataset).unwrap();
+            let deck = admire_syntax::Address::parse(address, &loaded.dataset).unwrap();
             let value = factor * loaded.dataset.value_at(&deck).unwrap();
             let [low, high] = parameter.interval95;
             all += 1;

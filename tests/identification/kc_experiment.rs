@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::rig::effect::EffectSpec;
-use admire::rig::{RigOptions, virtual_rig};
+use admire_rig::effect::EffectSpec;
+use admire_rig::{RigOptions, virtual_rig};
 
 /// The seed its README names.
 const SEED: u64 = 44;

@@ -2,18 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::backend::{Backend, BackendError, Sweep, SweepRequest};
-use admire::discrepancy::{
+use admire_diagnosis::{
     Data, GainCheck, Outcome, Progress, Subject, diagnose, diagnose_watched, held_out,
 };
-use admire::identify::LoadedStudy;
-use admire::identify::global::gauss_newton::LeastSquares;
-use admire::identify::global::{
+use admire_identify::LoadedStudy;
+use admire_identify::global::gauss_newton::LeastSquares;
+use admire_identify::global::{
     Observations, Options, Prepared, Row, fit_study, fit_unknowns, global_problem,
 };
-use admire::rig::effect::EffectSpec;
-use admire::rig::{RigOptions, RigRun, virtual_rig};
-use admire::syntax::Address;
+use admire_rig::effect::EffectSpec;
+use admire_rig::{RigOptions, RigRun, virtual_rig};
+use admire_session::backend::{Backend, BackendError, Sweep, SweepRequest};
+use admire_syntax::Address;
 
 use crate::setup::replace;
 
@@ -357,7 +357,7 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
         .fit;
     let prepared = Prepared::external(&problem).unwrap();
     // The built-in solver behind the interface of any other: poses of every case.
-    let mut backend = admire::backend::NativeBackend::new();
+    let mut backend = admire_session::backend::NativeBackend::new();
     let other = fit_study(&problem, &prepared, Some(&mut backend), Options::default())
         .unwrap()
         .fit;
@@ -381,7 +381,7 @@ fn another_solver_is_fitted_to_curves_and_gradients() {
 }
 
 /// A solver to which a bushing is softer than the deck says.
-struct Softer(admire::backend::NativeBackend);
+struct Softer(admire_session::backend::NativeBackend);
 
 const SOFTER: f64 = 0.9;
 /// BUSHING/2.K.1.
@@ -427,7 +427,7 @@ fn the_last_fit_of_a_diagnosis_takes_channels_of_another_solver() {
         (native - SOFTER * IN_THE_DECK).abs() < 3.0 * error,
         "{native}"
     );
-    let mut other = Softer(admire::backend::NativeBackend::new());
+    let mut other = Softer(admire_session::backend::NativeBackend::new());
     assert_eq!(outcome.by_the_study(&mut other), None);
     // Ten percent are more than ten standard errors.
     let (foreign, error) = found(&outcome);

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use admire::identify::global::gauss_newton::{LeastSquares, Tolerances, minimise};
-use admire::identify::global::{
+use admire_identify::global::gauss_newton::{LeastSquares, Tolerances, minimise};
+use admire_identify::global::{
     FrameMotions, GlobalFit, Observations, Options, Prepared, Row, fit_study, fit_unknowns,
     global_problem,
 };
-use admire::identify::{LoadedStudy, Status};
-use admire::mechanics::Vec3;
-use admire::rig::settings::{Amount, Loss, ShiftSd};
-use admire::rig::{RigOptions, virtual_rig};
+use admire_identify::{LoadedStudy, Status};
+use admire_rig::{RigOptions, virtual_rig};
+use admire_solver::mechanics::Vec3;
+use admire_study::settings::{Amount, Loss, ShiftSd};
 
 use crate::setup::{copy, replace};
 

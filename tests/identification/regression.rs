@@ -2,12 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use admire::backend::NativeBackend;
-use admire::identify::regression;
-use admire::identify::{Fit, Status};
+use admire_identify::{Fit, Status, regression};
+use admire_session::backend::NativeBackend;
 
-use admire::rig::deflection::DeflectionForm;
-use admire::rig::settings::{Slope, Weights};
+use admire_study::deflection::DeflectionForm;
+use admire_study::settings::{Slope, Weights};
 
 use crate::setup::{Loaded, exact_mcpherson, load, measure};
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire::sweep::{Stream, normal};
+use admire_sweep::{Stream, normal};
 
 /// A block on a bushing at its own middle, pushed along three axes.
 const BLOCK: &str = "block

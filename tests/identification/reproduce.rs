@@ -1,6 +1,6 @@
 //! `admire reproduce`: what the paper printed beside what the same methods give on our axles.
 
-use admire::identify::reproduction::{STAGES, Section, reproduce};
+use admire_identify::reproduction::{STAGES, Section, reproduce};
 
 fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a str {
     let table = section

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use admire::identify::global::{Options, Prepared, fit_study};
-use admire::identify::{LoadedStudy, Status, estimate_noise};
-use admire::rig::{LoadTable, RigOptions, virtual_rig};
+use admire_identify::global::{Options, Prepared, fit_study};
+use admire_identify::{LoadedStudy, Status, estimate_noise};
+use admire_rig::{LoadTable, RigOptions, virtual_rig};
 
 use crate::setup::{copy, replace};
 

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use admire::backend::{Backend, FreeMotions, LoadProgramme, NativeBackend, SweepRequest};
-use admire::identify::{Problem, Unknown, unknowns};
-use admire::model::Model;
-use admire::rig::noise::Noise;
-use admire::rig::{Measurement, Study, programme};
-use admire::syntax::Dataset;
+use admire_identify::{Problem, Unknown, unknowns};
+use admire_session::backend::{Backend, FreeMotions, LoadProgramme, NativeBackend, SweepRequest};
+use admire_solver::model::Model;
+use admire_study::noise::Noise;
+use admire_study::{Measurement, Study, programme};
+use admire_syntax::Dataset;
 
 pub struct Loaded {
     pub study: Study,

@@ -1,9 +1,9 @@
 //! The verdict on a fit: the chi-square test, structure in what is left, and runs that were ended early.
 
-use admire::discrepancy::tolerant;
-use admire::identify::global::{Options, Prepared, fit_study};
-use admire::identify::{Fit, NOT_CONVERGED, Problem, Verdict, structure};
-use admire::report::lead;
+use admire_diagnosis::tolerant;
+use admire_identify::global::{Options, Prepared, fit_study};
+use admire_identify::{Fit, NOT_CONVERGED, Problem, Verdict, structure};
+use admire_report::lead;
 
 use crate::options::with_sensors;
 use crate::setup::{Loaded, exact_mcpherson, load, measure};

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire::rig::effect::{EffectSpec, causes, outside_causes};
-use admire::rig::{LoadTable, RigOptions, RigRun, Scatter, Tolerances, virtual_rig};
+use admire_rig::effect::{EffectSpec, causes, outside_causes};
+use admire_rig::{LoadTable, RigOptions, RigRun, Scatter, Tolerances, virtual_rig};
 
 use crate::setup::replace;
 

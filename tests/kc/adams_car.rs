@@ -1,6 +1,6 @@
 //! The double wishbone of the corpus in the states Adams/Car 2024.1 reports.
 
-use admire::kc::{Given, Inputs, Side, Variant};
+use admire_kc::{Given, Inputs, Side, Variant};
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, corpus};
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use admire::kc::{Bench, Compliance, Config};
-use admire::model::Model;
-use admire::syntax::Dataset;
-use admire::syntax::files::Files;
-use admire::text::Source;
+use admire_kc::{Bench, Compliance, Config};
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::files::Files;
+use admire_syntax::text::Source;
 
 pub struct Axle {
     pub dataset: Dataset,

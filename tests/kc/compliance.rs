@@ -1,10 +1,10 @@
 //! The compliance matrix and what follows from it, against differences, sweeps and itself.
 
-use admire::kc::{
+use admire_kc::{
     BenchError, Compliance, Drive, Hold, Inputs, Observation, Side, Unit, Variant, given, run,
     swing_arm,
 };
-use admire::mechanics::{Vec3, Vec6, exp, log};
+use admire_solver::mechanics::{Vec3, Vec6, exp, log};
 
 use crate::axles::{
     Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest, sprung_wishbone,
@@ -330,7 +330,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
                 .unwrap_or_else(|| panic!("{path}"))
                 .value
         };
-        let slope = |bench: &mut admire::kc::Bench<'_>, of: &dyn Fn(&Observation) -> f64| {
+        let slope = |bench: &mut admire_kc::Bench<'_>, of: &dyn Fn(&Observation) -> f64| {
             let mut one = |h: f64| {
                 let mut at = |h: f64| {
                     let inputs = Inputs {
@@ -363,7 +363,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
             // Rates of the functions of the pose themselves, at any camber.
             let wheel = centre.axle.wheels[k].unwrap().wheel;
             let turn: Vec3 = centre.rates[k].unwrap().motion.fixed_rows::<3>(3).into();
-            let exact = admire::kc::wheel::angle_rates(side, &wheel.spin, &turn);
+            let exact = admire_kc::wheel::angle_rates(side, &wheel.spin, &turn);
             let toe = slope(&mut bench, &|seen| read(seen, &format!("toe_angle.{w}")));
             near("toe", exact.toe, toe);
             let camber = slope(&mut bench, &|seen| read(seen, &format!("camber_angle.{w}")));
@@ -410,7 +410,7 @@ fn a_mirrored_axle_has_mirrored_columns() {
         if !path.contains("left") || path.contains("ackerman") || path.contains("turn") {
             continue;
         }
-        use admire::kc::Sense::{AboutX, AboutZ, ToTheRight, Y};
+        use admire_kc::Sense::{AboutX, AboutZ, ToTheRight, Y};
         let odd = matches!(reading.sense, Y | AboutX | AboutZ | ToTheRight);
         // Over a roll angle, itself odd: caster left - and right +, steer alike.
         let odd = odd != (path.contains("roll_steer") || path.contains("roll_caster"));
@@ -533,7 +533,7 @@ fn branches_close() {
                 let (up, down) = (&test.samples[k], &test.samples[2 * n - 1 - k]);
                 assert_eq!(up.value, down.value);
                 for side in 0..2 {
-                    let p = |s: &admire::kc::Sample| s.seen.axle.wheels[side].unwrap().wheel;
+                    let p = |s: &admire_kc::Sample| s.seen.axle.wheels[side].unwrap().wheel;
                     let apart = (p(up).centre - p(down).centre).norm();
                     assert!(apart < 1e-7, "{name} {}: {apart:e}", test.kind.name());
                 }

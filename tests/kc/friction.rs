@@ -1,7 +1,7 @@
 //! Joints that rub: loops close and are as wide as the closed form says.
 
-use admire::kc::{Branch, Hold, KcRun, Sample, TestKind, run};
-use admire::system::Grasp;
+use admire_kc::{Branch, Hold, KcRun, Sample, TestKind, run};
+use admire_solver::system::Grasp;
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, corpus, sprung_wishbone};
 

@@ -1,11 +1,11 @@
 //! The same axle in other axes and units has the same characteristics.
 
-use admire::kc::{KcRun, Unit, run};
-use admire::mechanics::{Mat3, Vec3, psi_theta_phi};
-use admire::model::{Model, Orientation, PartKind, convert_units};
-use admire::syntax::{Address, Dataset};
-use admire::text::Source;
-use admire::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit as DeckUnit};
+use admire_kc::{KcRun, Unit, run};
+use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
+use admire_solver::model::{Model, Orientation, PartKind, convert_units};
+use admire_syntax::text::Source;
+use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit as DeckUnit};
+use admire_syntax::{Address, Dataset};
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, MULTILINK, corpus, double_wishbone, largest};
 
@@ -114,7 +114,7 @@ fn turned(deck: &str, Q: &Mat3) -> String {
 /// Every reading of every sample, scaled from the second deck's units to the first's.
 fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     let (mut compared, mut worst) = (0, (0.0, String::new()));
-    let samples = |run: &KcRun| -> Vec<admire::kc::Sample> {
+    let samples = |run: &KcRun| -> Vec<admire_kc::Sample> {
         let all = run.tests.iter().flat_map(|t| t.samples.iter());
         std::iter::once(&run.ride).chain(all).cloned().collect()
     };
@@ -122,7 +122,7 @@ fn same(a: &KcRun, b: &KcRun, scale: impl Fn(Unit) -> f64, bar: f64) {
     assert_eq!(first.len(), second.len());
     // Wheels that point to both sides do not turn: round-off says which one is the inside one. Near straight ahead the percentage is a
     // quotient of differences that go with the square of the steer angle.
-    let steered = |sample: &admire::kc::Sample| {
+    let steered = |sample: &admire_kc::Sample| {
         let all = sample.readings.iter();
         let steer = all.filter(|r| r.path().starts_with("steer_angle"));
         let angles: Vec<f64> = steer.map(|r| r.value).collect();
@@ -240,7 +240,7 @@ fn in_metres(deck: &str, toml: &str, toml_in_metres: &str) {
     // What the definition writes in units of length of its own: the axis point and the radius of a straight wheel.
     let strip = |mut run: KcRun| {
         let odd = ["wheel_axis", "turn_radius", "outside_turn"];
-        let clean = |sample: &mut admire::kc::Sample| {
+        let clean = |sample: &mut admire_kc::Sample| {
             sample
                 .readings
                 .retain(|r| !odd.iter().any(|o| r.path().contains(o)));

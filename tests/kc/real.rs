@@ -6,11 +6,11 @@ use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::Command;
 
-use admire::kc::{
+use admire_kc::{
     AxleState, Frame, Given, Replay, ReplayOptions, Road, Side, SteerAxis, Steering, ride, wheel,
 };
-use admire::mechanics::Vec3;
-use admire::results::{StepKind, XrfReader};
+use admire_results::{StepKind, XrfReader};
+use admire_solver::mechanics::Vec3;
 
 use crate::common::{files_below, shared};
 

@@ -5,7 +5,7 @@ use std::io::{BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use admire::results::{StepKind, XrfReader};
+use admire_results::{StepKind, XrfReader};
 
 use crate::client::{LineEnds, copy, load_cases, project, run};
 use crate::common::{missing, shared};
@@ -250,7 +250,7 @@ fn both_readers_agree(results: &Path) -> Option<usize> {
 
     let folder = tempfile::tempdir().expect("a folder");
     let (names, out) = (folder.path().join("names"), folder.path().join("out"));
-    let mut asked: Vec<&admire::results::Entity> = Vec::new();
+    let mut asked: Vec<&admire_results::Entity> = Vec::new();
     for entity in &entities {
         if asked.iter().all(|other| other.name != entity.name) && !entity.components.is_empty() {
             asked.push(entity);

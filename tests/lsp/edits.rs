@@ -1,12 +1,13 @@
 //! Random edits: a document that was edited holds and says what one that is read anew does.
 
-use admire::check::{self, Found, Told};
-use admire::diagnostic::Checked;
-use admire::lsp::Document;
-use admire::syntax::files::Files;
-use admire::syntax::lint::Options;
-use admire::syntax::{Argument, Dataset, Statement};
-use admire::text::{Source, Span};
+use admire_lsp::Document;
+use admire_session::check;
+use admire_session::check::{Found, Told};
+use admire_syntax::diagnostic::Checked;
+use admire_syntax::files::Files;
+use admire_syntax::lint::Options;
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{Argument, Dataset, Statement};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

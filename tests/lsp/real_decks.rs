@@ -1,12 +1,13 @@
 //! Decks that ADAMS and its users wrote: what the server holds of them while they are edited.
 
-use admire::check::{self, Told};
-use admire::diagnostic::Code;
-use admire::lsp::Document;
-use admire::syntax::Dataset;
-use admire::syntax::files::Files;
-use admire::syntax::lint::Options;
-use admire::text::{Source, Span};
+use admire_lsp::Document;
+use admire_session::check;
+use admire_session::check::Told;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::Code;
+use admire_syntax::files::Files;
+use admire_syntax::lint::Options;
+use admire_syntax::text::{Source, Span};
 use rayon::prelude::*;
 
 use crate::common::{files_below, shared};
@@ -67,7 +68,7 @@ fn compare(document: &mut Document, text: &str, place: &str) {
         ),
         "{place}"
     );
-    let files = admire::diagnostic::Checked::clean(Files::default());
+    let files = admire_syntax::diagnostic::Checked::clean(Files::default());
     let found = check::dataset(read, files, &Options::default(), || false).expect("never outdated");
     // A file of thousands of complaints is told in part, and not in the same parts.
     if found

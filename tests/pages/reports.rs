@@ -1,8 +1,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire::identify::reproduction::{self, Comparison, Section};
-use admire::report::ReproductionReport;
+use admire_identify::reproduction::{self, Comparison, Section};
+use admire_report::ReproductionReport;
 
 use super::browser::{Seen, chromium, sound};
 

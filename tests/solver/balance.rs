@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use admire::mechanics::Vec3;
-use admire::model::{Model, PartKind};
-use admire::statics::{Report, Settings, Solver};
-use admire::syntax::Dataset;
-use admire::system::{Parameters, Scratch, State, System};
-use admire::text::Source;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{Model, PartKind};
+use admire_solver::statics::{Report, Settings, Solver};
+use admire_solver::system::{Parameters, Scratch, State, System};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 use crate::common::{files_below, shared};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use admire::mechanics::{Vec3, exp, log};
-use admire::statics::{Settings, smallest_eigenvalue};
+use admire_solver::mechanics::{Vec3, exp, log};
+use admire_solver::statics::{Settings, smallest_eigenvalue};
 
 use crate::deck::{Solved, solve, solve_with};
 

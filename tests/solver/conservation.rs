@@ -1,6 +1,6 @@
 //! What motions conserve: energy and momentum of random trees and loops of joints, and the way back in time.
 
-use admire::motion::Kept;
+use admire_solver::motion::Kept;
 
 use crate::conserved::{Case, energy_off, mechanism};
 

@@ -4,13 +4,13 @@
 use std::fs;
 use std::path::Path;
 
-use admire::diagnostic::{Diagnostic, Severity};
-use admire::function::Compiler;
-use admire::grammar::{FUNCTIONS, FunctionDef, Role, STATEMENTS, Solved, StatementDef};
-use admire::model::Model;
-use admire::syntax::{Dataset, Value};
-use admire::system::{Scratch, System};
-use admire::text::{Edit, Source, apply_edits};
+use admire_solver::function::Compiler;
+use admire_solver::model::Model;
+use admire_solver::system::{Scratch, System};
+use admire_syntax::diagnostic::{Diagnostic, Severity};
+use admire_syntax::grammar::{FUNCTIONS, FunctionDef, Role, STATEMENTS, Solved, StatementDef};
+use admire_syntax::text::{Edit, Source, apply_edits};
+use admire_syntax::{Dataset, Value};
 
 use crate::common::files_below;
 use crate::deck::HEAD;
@@ -215,7 +215,7 @@ fn functions_are_evaluated_as_the_grammar_says() {
 #[test]
 fn every_element_file_states_its_law() {
     let mut checked = 0;
-    for folder in ["src/element", "src/constraint"] {
+    for folder in ["src/solver/element", "src/solver/constraint"] {
         for path in files_below(&root().join(folder), "rs") {
             let text = fs::read_to_string(&path).unwrap();
             let law = text.contains("\nimpl Law for ") || text.contains("\nimpl Constraint for ");

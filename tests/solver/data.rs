@@ -1,10 +1,10 @@
 //! Equations, states and lists of a dataset at rest, and what is held or left out, against closed forms.
 
-use admire::diagnostic::Code;
-use admire::model::{Ignore, Model};
-use admire::syntax::Dataset;
-use admire::system::System;
-use admire::text::Source;
+use admire_solver::model::{Ignore, Model};
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::Code;
+use admire_syntax::text::Source;
 
 use crate::deck::{HEAD, Solved, solve};
 
@@ -232,10 +232,10 @@ fn initial_displacements_of_joints_are_told() {
 /// A force that reads itself has no value to begin with: refused with the way out, and with that way taken it is solved.
 #[test]
 fn a_force_that_reads_itself() {
-    use admire::model::Model;
-    use admire::syntax::Dataset;
-    use admire::system::System;
-    use admire::text::Source;
+    use admire_solver::model::Model;
+    use admire_solver::system::System;
+    use admire_syntax::Dataset;
+    use admire_syntax::text::Source;
     let spring =
         "SPRINGDAMPER/1, I=21, J=1, TRANSLATIONAL, K=10, LENGTH=25\nMARKER/9, PART=1, FLOATING\n";
     let force =
@@ -258,10 +258,10 @@ fn a_force_that_reads_itself() {
 /// How many statements need user subroutines and which, in one line; none of them is taken for zero.
 #[test]
 fn user_subroutines_are_refused_by_name() {
-    use admire::model::Model;
-    use admire::syntax::Dataset;
-    use admire::system::System;
-    use admire::text::Source;
+    use admire_solver::model::Model;
+    use admire_solver::system::System;
+    use admire_syntax::Dataset;
+    use admire_syntax::text::Source;
     let text = format!(
         "{}{RAIL}SFORCE/1, I=21, J=1, ROTATIONAL, FUNCTION=USER(1,2)\n\
          VARIABLE/7, FUNCTION=USER(3)\nCOUPLER/1, JOINTS=1,1, FUNCTION=USER(4)\nEND\n",

@@ -1,11 +1,11 @@
 //! Decks to models.
 
-use admire::mechanics::{Pose, Vec3};
-use admire::model::Model;
-use admire::statics::{Report, Settings, Solver};
-use admire::syntax::Dataset;
-use admire::system::{Parameters, Scratch, State, System};
-use admire::text::Source;
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::Model;
+use admire_solver::statics::{Report, Settings, Solver};
+use admire_solver::system::{Parameters, Scratch, State, System};
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 pub fn read(text: &str) -> Model {
     let dataset = Dataset::parse(Source::new("test.adm", text.as_bytes().to_vec()));

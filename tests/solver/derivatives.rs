@@ -1,7 +1,7 @@
 //! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
 
-use admire::statics::{Settings, Solver, Tangent};
-use admire::system::{Parameters, Slot, State, System};
+use admire_solver::statics::{Settings, Solver, Tangent};
+use admire_solver::system::{Parameters, Slot, State, System};
 
 use crate::differences::{along, richardson, step};
 use crate::reference::{AXLES, load};
@@ -99,10 +99,10 @@ pub fn check_slot(
         let mut out = Vec::new();
         for (k, (p, m)) in plus.poses.iter().zip(&minus.poses).enumerate() {
             // What the translations among the unknowns move.
-            let part = admire::model::PartIx(k);
+            let part = admire_solver::model::PartIx(k);
             let shift = system.reference_point(plus, part) - system.reference_point(minus, part);
             out.extend((shift / (2.0 * h)).iter());
-            let turn = admire::mechanics::log(&(p.R * m.R.transpose())) / (2.0 * h);
+            let turn = admire_solver::mechanics::log(&(p.R * m.R.transpose())) / (2.0 * h);
             out.extend((turn * 100.0).iter());
         }
         out
@@ -111,7 +111,7 @@ pub fn check_slot(
     let column = tangent.by_slot(system, parameters, state, slot).unwrap();
     let mut exact = Vec::new();
     for part in 0..state.poses.len() {
-        let range = system.part_unknowns(admire::model::PartIx(part));
+        let range = system.part_unknowns(admire_solver::model::PartIx(part));
         if range.is_empty() {
             exact.extend([0.0; 6]);
         } else {

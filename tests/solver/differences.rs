@@ -1,6 +1,6 @@
 //! Central differences by the numbers of theta, and of the residual along a motion.
 
-use admire::system::{Parameters, Scratch, Slot, State, System};
+use admire_solver::system::{Parameters, Scratch, Slot, State, System};
 
 /// The step of a difference by a number whose value is `here`.
 pub fn step(system: &System, slot: Slot, here: f64) -> f64 {

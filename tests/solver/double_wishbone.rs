@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use admire::mechanics::Vec3;
-use admire::model::Model;
-use admire::statics::{Settings, Solver};
-use admire::system::{Scratch, State, System};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::Model;
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::{Scratch, State, System};
 
 use crate::deck;
 use crate::reference::address;
@@ -41,7 +41,7 @@ fn drive(
     solver: &mut Solver,
     state: &mut State,
     (travel, rack): (f64, f64),
-) -> admire::system::Parameters {
+) -> admire_solver::system::Parameters {
     let mut parameters = system.parameters();
     for (id, value) in [(1, rack), (2, travel), (3, travel)] {
         let slot = system.catalogue().slot(&address("MOTION", id)).unwrap();
@@ -59,7 +59,7 @@ fn drive(
 fn wheel(
     model: &Model,
     system: &System,
-    parameters: &admire::system::Parameters,
+    parameters: &admire_solver::system::Parameters,
     state: &State,
     request: usize,
 ) -> [f64; 5] {

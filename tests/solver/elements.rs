@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use admire::model::Model;
-use admire::statics::{Settings, Solver};
-use admire::system::System;
+use admire_solver::model::Model;
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::System;
 
 use crate::balance;
 use crate::deck;

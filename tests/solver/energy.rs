@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use admire::mechanics::{Pose, Vec3, exp};
-use admire::model::Model;
-use admire::statics::{Settings, Solver};
-use admire::system::{Scratch, State, System};
+use admire_solver::mechanics::{Pose, Vec3, exp};
+use admire_solver::model::Model;
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::{Scratch, State, System};
 
 use crate::deck::{self, solve};
 use crate::reference::address;

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use admire::mechanics::{Pose, Vec3, exp};
-use admire::statics::{Report, Settings, Softest, SolveError, Solver};
-use admire::system::System;
+use admire_solver::mechanics::{Pose, Vec3, exp};
+use admire_solver::statics::{Report, Settings, Softest, SolveError, Solver};
+use admire_solver::system::System;
 
 use crate::common::shared;
 use crate::deck;
@@ -294,7 +294,12 @@ fn inverse(pose: &Pose) -> Pose {
 }
 
 /// Solves a deck as its EQUILIBRIUM has it.
-fn solved(deck: &str) -> (System, Result<(Report, admire::system::State), SolveError>) {
+fn solved(
+    deck: &str,
+) -> (
+    System,
+    Result<(Report, admire_solver::system::State), SolveError>,
+) {
     let model = deck::read(deck);
     let system = System::compile(&model).value;
     let mut state = system.state();

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use admire::grammar::{FUNCTIONS, FunctionDef, Solved};
-use admire::statics::{Settings, Solver, Tangent};
-use admire::system::System;
+use admire_solver::statics::{Settings, Solver, Tangent};
+use admire_solver::system::System;
+use admire_syntax::grammar::{FUNCTIONS, FunctionDef, Solved};
 
 use crate::deck::{HEAD, read};
 use crate::differences::{along, richardson};

@@ -2,12 +2,12 @@
 
 use std::f64::consts::FRAC_PI_6;
 
-use admire::mechanics::{Mat3, Pose, Vec3, exp};
-use admire::model::{Model, Orientation, PartKind, SpringKind};
-use admire::statics::{Settings, Solver};
-use admire::syntax::Dataset;
-use admire::system::System;
-use admire::text::Source;
+use admire_solver::mechanics::{Mat3, Pose, Vec3, exp};
+use admire_solver::model::{Model, Orientation, PartKind, SpringKind};
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::text::Source;
 
 use crate::common::shared;
 use crate::deck::{self, solve};

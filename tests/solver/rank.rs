@@ -1,7 +1,7 @@
 //! Free motions, redundant and contradicting constraints, stability: named in the user's words.
 
-use admire::statics::{Settings, SolveError, Solver, smallest_eigenvalue};
-use admire::system::System;
+use admire_solver::statics::{Settings, SolveError, Solver, smallest_eigenvalue};
+use admire_solver::system::System;
 
 use crate::deck;
 
@@ -12,8 +12,8 @@ fn solve(
     text: &str,
 ) -> (
     System,
-    admire::system::State,
-    Result<admire::statics::Report, SolveError>,
+    admire_solver::system::State,
+    Result<admire_solver::statics::Report, SolveError>,
 ) {
     let model = deck::read(&format!("{HEAD}{text}\nEND\n"));
     let system = System::compile(&model).value;
@@ -195,6 +195,6 @@ fn causes_that_are_present() {
     assert!(has("D.Xj in JOINT/1 is open by 3.000 at the start"));
     assert!(has("the function of SFORCE/1 has an IF"));
     assert!(history.len() > 5);
-    let table = admire::statics::history_table(&history);
+    let table = admire_solver::statics::history_table(&history);
     assert!(table.len() <= 14 && table[1].trim_start().starts_with('1'));
 }

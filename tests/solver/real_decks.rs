@@ -5,12 +5,12 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-use admire::diagnostic::{Diagnostic, Severity};
-use admire::model::Model;
-use admire::statics::{Continuation, Settings, SolveError, Solver};
-use admire::syntax::Dataset;
-use admire::system::System;
-use admire::text::Source;
+use admire_solver::model::Model;
+use admire_solver::statics::{Continuation, Settings, SolveError, Solver};
+use admire_solver::system::System;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Diagnostic, Severity};
+use admire_syntax::text::Source;
 
 use crate::common::{files_below, shared};
 

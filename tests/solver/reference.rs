@@ -1,10 +1,10 @@
 //! The two axles of ../shared/reference: an independent dense Newton solution (see the README there).
 
-use admire::mechanics::Vec3;
-use admire::model::{JointKind, Model};
-use admire::statics::{Settings, SolveError, Solver};
-use admire::syntax::Address;
-use admire::system::{Scratch, System};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{JointKind, Model};
+use admire_solver::statics::{Settings, SolveError, Solver};
+use admire_solver::system::{Scratch, System};
+use admire_syntax::Address;
 
 use crate::common::shared;
 use crate::deck;
@@ -131,7 +131,7 @@ fn spherical_tie_rod() {
         "PART/6 'TIE_ROD' spins freely about the line MARKER/13-MARKER/15"
     );
     let mut parameters = parameters;
-    let mass = admire::syntax::Address {
+    let mass = admire_syntax::Address {
         argument: Some("MASS".to_string()),
         ..address("PART", 6)
     };

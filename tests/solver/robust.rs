@@ -1,9 +1,9 @@
 //! Equilibria from poor starts.
 
-use admire::mechanics::{Vec3, exp};
-use admire::statics::{Settings, Solver};
-use admire::syntax::Address;
-use admire::system::System;
+use admire_solver::mechanics::{Vec3, exp};
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::System;
+use admire_syntax::Address;
 
 use crate::reference::load;
 

@@ -1,8 +1,8 @@
 //! Derivatives of forces and measures by every number of theta: direct against adjoint, both against differences of equilibria.
 
-use admire::model::PartIx;
-use admire::statics::{Sensitivity, Settings, Solver};
-use admire::system::{Parameters, Quantity, Scratch, Slot, State, System};
+use admire_solver::model::PartIx;
+use admire_solver::statics::{Sensitivity, Settings, Solver};
+use admire_solver::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
 use crate::deck;
 use crate::differences::{richardson, step};
@@ -206,7 +206,7 @@ fn measures() {
     // Motions are the unknowns themselves: what the tangent says.
     let mut sensitivity =
         Sensitivity::new(&solved.system, &solved.parameters, &solved.state).unwrap();
-    let address = admire::syntax::Address {
+    let address = admire_syntax::Address {
         argument: Some("K".to_string()),
         index: Some(2),
         ..crate::reference::address("BUSHING", 1)
@@ -272,7 +272,7 @@ fn reaction_of_a_gear_at_a_cylindrical_joint() {
     }
     // A force along the axis and a torque about it.
     let axis = solved.state.poses[1].R
-        * admire::mechanics::euler313(
+        * admire_solver::mechanics::euler313(
             10_f64.to_radians(),
             70_f64.to_radians(),
             -20_f64.to_radians(),

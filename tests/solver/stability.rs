@@ -1,7 +1,7 @@
 //! Equilibria that do not last, the way on from them, and starts that stay.
 
-use admire::statics::{Settings, Softest, SolveError, Solver};
-use admire::system::Scratch;
+use admire_solver::statics::{Settings, Softest, SolveError, Solver};
+use admire_solver::system::Scratch;
 
 use crate::deck::{Solved, solve, solve_with};
 
@@ -142,7 +142,7 @@ fn as_many_iterations_as_stated_and_no_more() {
         };
         let text = format!("{}{far}EQUILIBRIUM/MAXIT={most}\nEND\n", crate::deck::HEAD);
         let model = crate::deck::read(&text);
-        let system = admire::system::System::compile(&model).value;
+        let system = admire_solver::system::System::compile(&model).value;
         assert_eq!(
             Settings::from(system.settings()),
             Settings {
@@ -176,7 +176,7 @@ fn as_many_iterations_as_stated_and_no_more() {
     };
     let text = format!("{}{far}END\n", crate::deck::HEAD);
     let model = crate::deck::read(&text);
-    let system = admire::system::System::compile(&model).value;
+    let system = admire_solver::system::System::compile(&model).value;
     let solved = Solver::new(&system).solve(
         &system,
         &system.parameters(),

@@ -1,11 +1,11 @@
 //! USER forces that only read a property file, replaced by its curves: the deck then solves, to closed forms.
 
-use admire::model::{Model, replace_user_forces};
-use admire::statics::{Settings, Solver};
-use admire::syntax::files::Files;
-use admire::syntax::{Address, Dataset};
-use admire::system::System;
-use admire::text::{Source, apply_edits};
+use admire_solver::model::{Model, replace_user_forces};
+use admire_solver::statics::{Settings, Solver};
+use admire_solver::system::System;
+use admire_syntax::files::Files;
+use admire_syntax::text::{Source, apply_edits};
+use admire_syntax::{Address, Dataset};
 
 const UNITS: &str =
     "[UNITS]\nLENGTH='mm'\nFORCE='newton'\nANGLE='degrees'\nMASS='kg'\nTIME='second'\n";
@@ -75,7 +75,7 @@ fn replaced_in(text: &str, lengths: &[(Address, f64)], plain: &[Address]) -> (St
 }
 
 /// Where the part stands.
-fn place(text: &str) -> admire::mechanics::Pose {
+fn place(text: &str) -> admire_solver::mechanics::Pose {
     let model: Model = crate::deck::read(text);
     let system = System::compile(&model);
     assert!(!system.has_errors(), "{:?}", system.diagnostics);
@@ -105,7 +105,7 @@ fn a_bushing_file_becomes_splines() {
     let pose = place(&text);
     assert!((pose.p.x - 0.5).abs() < 1e-9 && (pose.p.z + 0.25).abs() < 1e-9);
     // 2e4 N.mm at 1e4 N.mm per degree.
-    let turn = admire::mechanics::log(&pose.R).z.to_degrees();
+    let turn = admire_solver::mechanics::log(&pose.R).z.to_degrees();
     assert!((turn - 2.0).abs() < 1e-9, "{turn}");
 }
 

@@ -75,7 +75,7 @@ fn every_field_of_the_answers_is_explained() {
     assert!(found.len() > 60, "{found:?}");
     let lacking: Vec<&String> = found
         .iter()
-        .filter(|field| !admire::guide::glossary::entries().any(|entry| entry.term == **field))
+        .filter(|field| !admire_guide::glossary::entries().any(|entry| entry.term == **field))
         .collect();
     assert!(lacking.is_empty(), "{lacking:?}");
     let said = admire(
@@ -124,7 +124,7 @@ fn every_column_of_the_tables_is_explained() {
     assert!(found.len() > 200, "{}", found.len());
     let lacking: Vec<&String> = found
         .iter()
-        .filter(|word| admire::guide::glossary::find(word).is_empty())
+        .filter(|word| admire_guide::glossary::find(word).is_empty())
         .collect();
     assert!(lacking.is_empty(), "{lacking:?}");
     let said = admire(folder.path(), &["explain", "toe_angle.left [rad]"]);
@@ -138,7 +138,7 @@ fn every_column_of_the_tables_is_explained() {
 /// The causes are those the code names in `diagnosis.json`.
 #[test]
 fn every_cause_is_explained() {
-    let code = include_str!("../../src/discrepancy/cause.rs");
+    let code = include_str!("../../src/diagnosis/cause.rs");
     let causes: Vec<&str> = code
         .lines()
         .filter_map(|line| {
@@ -222,7 +222,7 @@ fn every_key_of_the_other_settings_is_explained() {
         ask(&sweep, "sweep.toml", text, table);
     }
     assert!(keys.len() > 70, "{keys:?}");
-    let terms: Vec<String> = admire::guide::glossary::entries()
+    let terms: Vec<String> = admire_guide::glossary::entries()
         .filter(|entry| entry.section == "kc.toml" || entry.section == "SWEEP.toml")
         .map(|entry| entry.term)
         .collect();

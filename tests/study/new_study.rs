@@ -1,4 +1,4 @@
-use admire::rig::Study;
+use admire_study::Study;
 
 use super::run::{admire, change, copied, corpus};
 

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use admire::discrepancy::{Aim, Kind, Plan, Progress, Ranked, plan, tolerant};
-use admire::identify::LoadedStudy;
-use admire::rig::{RigOptions, virtual_rig};
+use admire_design::{Aim, Kind, Plan, Ranked, plan};
+use admire_diagnosis::{Progress, tolerant};
+use admire_identify::LoadedStudy;
+use admire_rig::{RigOptions, virtual_rig};
 use nalgebra::DVector;
 use serde_json::Value;
 
@@ -147,7 +148,7 @@ fn readings_and_curves_alone_are_planned_for() {
         for candidate in &found.candidates {
             let sds = found.combinations.iter().zip(&candidate.sd_log);
             let worse =
-                |(c, sd): (&admire::discrepancy::Combination, &f64)| *sd > c.sd_log * (1.0 + 1e-9);
+                |(c, sd): (&admire_design::Combination, &f64)| *sd > c.sd_log * (1.0 + 1e-9);
             assert!(!sds.clone().any(worse), "{study}: {candidate:?}");
         }
     }
@@ -226,7 +227,7 @@ fn suggested_cases_are_rows_of_the_study() {
     );
     let mut found = BTreeSet::new();
     fields(&json, "", &mut found);
-    let entries: Vec<_> = admire::guide::glossary::entries()
+    let entries: Vec<_> = admire_guide::glossary::entries()
         .filter(|entry| entry.page == "plan")
         .map(|entry| entry.term)
         .collect();

@@ -1,7 +1,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire::guide;
+use admire_guide as guide;
 
 /// The words of a text, whatever the line ends.
 fn words(text: &str) -> String {

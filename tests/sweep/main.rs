@@ -9,7 +9,7 @@ mod studies;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use admire::sweep::{Columns, Row, TableReader};
+use admire_sweep::{Columns, Row, TableReader};
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

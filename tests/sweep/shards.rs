@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use admire::sweep::{SweepPlan, TableReader};
+use admire_sweep::{SweepPlan, TableReader};
 
 use super::{Bench, NUMBERS, admire, bits, said, shown};
 

@@ -1,4 +1,4 @@
-use admire::sweep::SweepPlan;
+use admire_sweep::SweepPlan;
 
 use super::{Bench, admire, said, shown};
 

@@ -2,13 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::linear::Sink;
-use crate::mechanics::eigen::{pseudo_inverse, symmetric_eigen};
-use crate::mechanics::{Mat6, Pose, log, skew};
-use crate::model::{Model, PartIx};
-use crate::rig::Measurement;
-use crate::rig::orientation::absolute_orientation;
-use crate::system::{NoValue, Parameters, Scratch, Slot, State, System};
+use admire_solver::linear::Sink;
+use admire_solver::mechanics::eigen::{pseudo_inverse, symmetric_eigen};
+use admire_solver::mechanics::{Mat6, Pose, log, skew};
+use admire_solver::model::{Model, PartIx};
+use admire_solver::system::{NoValue, Parameters, Scratch, Slot, State, System};
+use admire_study::Measurement;
+use admire_study::orientation::absolute_orientation;
 
 /// The measured poses of all moving parts in one case, and the current estimate of where they really were.
 #[derive(Clone)]

@@ -18,12 +18,12 @@ use nalgebra::{DMatrix, DVector};
 use self::equations::{CaseState, Linearised};
 use super::unknowns::stiffness;
 use super::{IdentifyError, Problem, Progress, bounded};
-use crate::backend::{compile, slot};
-use crate::mechanics::eigen::pseudo_inverse;
-use crate::rig::orientation::chi_square_p_value;
-use crate::rig::settings::Method;
-use crate::syntax::Address;
-use crate::system::{NoValue, Scratch, Slot, System};
+use admire_session::backend::{compile, slot};
+use admire_solver::mechanics::eigen::pseudo_inverse;
+use admire_solver::system::{NoValue, Scratch, Slot, System};
+use admire_study::orientation::chi_square_p_value;
+use admire_study::settings::Method;
+use admire_syntax::Address;
 
 /// What is taken as the noise of exact readings: their weights must still be relative to something.
 const EXACT: f64 = 1e-6;
@@ -522,7 +522,7 @@ fn inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 fn no_value(error: NoValue) -> IdentifyError {
-    IdentifyError::NoCases(Some(crate::backend::CaseFailure::NoEquilibrium(
+    IdentifyError::NoCases(Some(admire_session::backend::CaseFailure::NoEquilibrium(
         error.into(),
     )))
 }

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::LN_10;
 
 use super::{DirectSettings, DirectSolution, solve};
-use crate::backend::Backend;
-use crate::identify::evaluation::fill;
-use crate::identify::global::confidence::open_directions;
-use crate::identify::{
+use crate::evaluation::fill;
+use crate::global::confidence::open_directions;
+use crate::{
     Fit, IdentifyError, OffsetFit, ParameterFit, Problem, Progress, Status, UnidentifiableDirection,
 };
-use crate::rig::settings::Method;
+use admire_session::backend::Backend;
+use admire_study::settings::Method;
 
 /// Sd of ln K beyond which a number is not identified.
 const UNIDENTIFIABLE: f64 = 0.5;
@@ -75,7 +75,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
         });
         with.fold(0.0, f64::max)
     };
-    let one = |(k, unknown): (usize, &crate::identify::Unknown)| {
+    let one = |(k, unknown): (usize, &crate::Unknown)| {
         let (value, sd) = (solution.values[k], sd_log(solution, k));
         let reach = NORMAL95 * sd;
         // A side three decades away is no bound.

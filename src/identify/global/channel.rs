@@ -2,75 +2,73 @@
 
 use nalgebra::DMatrix;
 
-use crate::rig::Channels;
-use crate::system::{NoValue, Parameters, Scratch, State, System};
+use admire_solver::system::{NoValue, Parameters, Scratch, State, System};
+use admire_study::Channels;
 
 use super::unknown::Direction;
 
 /// Step of the difference that finds how a channel depends on theta where nothing moves: relative to one unit of the unknown.
 const STEP: f64 = 1e-5;
 
-impl Channels {
-    /// Changes of all channels along each direction, one column each, given how the system's unknowns respond to it.
-    ///
-    /// # Errors
-    /// [`NoValue`] if a function is undefined there.
-    pub(crate) fn changes(
-        self,
-        system: &System,
-        (theta, case): (&Parameters, usize),
-        state: &State,
-        scratch: &mut Scratch,
-        (directions, responses): (&[Direction], &DMatrix<f64>),
-    ) -> Result<DMatrix<f64>, NoValue> {
-        let mut out = DMatrix::zeros(self.count, directions.len());
-        if self.count == 0 {
-            return Ok(out);
-        }
-        let mut here = system.look(theta, state, scratch)?;
-        for k in 0..self.count {
-            let Some((_, gradient)) = here.read_function((self.first + k, 1))? else {
-                continue;
-            };
-            for (change, response) in out.row_mut(k).iter_mut().zip(responses.column_iter()) {
-                *change = gradient
-                    .iter()
-                    .map(|(unknown, by)| by * response[*unknown])
-                    .sum();
-            }
-        }
-        // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
-        let mut near = theta.clone();
-        for (mut changes, direction) in out.column_iter_mut().zip(directions) {
-            if !self.read(system, direction, case) {
-                continue;
-            }
-            let mut at = |step: f64| {
-                near.clone_from(theta);
-                for (slot, factor) in direction.in_case(case) {
-                    near.set(slot, near.get(slot) + step * factor);
-                }
-                for (marker, axis) in &direction.turns {
-                    near.turn(*marker, axis, step);
-                }
-                self.values(system, &near, state, scratch)
-            };
-            let (up, down) = (at(STEP)?, at(-STEP)?);
-            for (change, (up, down)) in changes.iter_mut().zip(up.iter().zip(&down)) {
-                *change += (up - down) / (2.0 * STEP);
-            }
-        }
-        Ok(out)
+/// Changes of all channels along each direction, one column each, given how the system's unknowns respond to it.
+///
+/// # Errors
+/// [`NoValue`] if a function is undefined there.
+pub fn channel_changes(
+    channels: Channels,
+    system: &System,
+    (theta, case): (&Parameters, usize),
+    state: &State,
+    scratch: &mut Scratch,
+    (directions, responses): (&[Direction], &DMatrix<f64>),
+) -> Result<DMatrix<f64>, NoValue> {
+    let mut out = DMatrix::zeros(channels.count, directions.len());
+    if channels.count == 0 {
+        return Ok(out);
     }
+    let mut here = system.look(theta, state, scratch)?;
+    for k in 0..channels.count {
+        let Some((_, gradient)) = here.read_function((channels.first + k, 1))? else {
+            continue;
+        };
+        for (change, response) in out.row_mut(k).iter_mut().zip(responses.column_iter()) {
+            *change = gradient
+                .iter()
+                .map(|(unknown, by)| by * response[*unknown])
+                .sum();
+        }
+    }
+    // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
+    let mut near = theta.clone();
+    for (mut changes, direction) in out.column_iter_mut().zip(directions) {
+        if !reads(channels, system, direction, case) {
+            continue;
+        }
+        let mut at = |step: f64| {
+            near.clone_from(theta);
+            for (slot, factor) in direction.in_case(case) {
+                near.set(slot, near.get(slot) + step * factor);
+            }
+            for (marker, axis) in &direction.turns {
+                near.turn(*marker, axis, step);
+            }
+            channels.values(system, &near, state, scratch)
+        };
+        let (up, down) = (at(STEP)?, at(-STEP)?);
+        for (change, (up, down)) in changes.iter_mut().zip(up.iter().zip(&down)) {
+            *change += (up - down) / (2.0 * STEP);
+        }
+    }
+    Ok(out)
+}
 
-    /// True if a channel may change along a direction while nothing moves.
-    fn read(self, system: &System, direction: &Direction, case: usize) -> bool {
-        let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
-        let mut functions = (0..self.count).map(|k| (self.first + k, 1));
-        numbers.any(|(slot, _)| functions.clone().any(|k| system.request_reads(k, slot)))
-            || functions.any(|k| {
-                let mut turns = direction.turns.iter();
-                turns.any(|(marker, _)| system.request_reads_marker(k, *marker))
-            })
-    }
+/// True if a channel may change along a direction while nothing moves.
+fn reads(channels: Channels, system: &System, direction: &Direction, case: usize) -> bool {
+    let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
+    let mut functions = (0..channels.count).map(|k| (channels.first + k, 1));
+    numbers.any(|(slot, _)| functions.clone().any(|k| system.request_reads(k, slot)))
+        || functions.any(|k| {
+            let mut turns = direction.turns.iter();
+            turns.any(|(marker, _)| system.request_reads_marker(k, *marker))
+        })
 }

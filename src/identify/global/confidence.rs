@@ -3,12 +3,12 @@
 use nalgebra::DMatrix;
 
 use super::gauss_newton::Minimum;
-use crate::mechanics::eigen::symmetric_eigen;
+use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// Half the 95 percent point of chi-square with one degree of freedom: 3.841 / 2.
 pub(super) const HALF_CHI2_95: f64 = 1.920_729;
 /// 97.5 percent point of the normal distribution.
-pub(crate) const NORMAL_975: f64 = 1.959_964;
+pub const NORMAL_975: f64 = 1.959_964;
 
 /// Posterior covariance of all unknowns: the inverse of data plus prior information. Zero for held ones.
 pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {

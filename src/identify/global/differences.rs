@@ -3,14 +3,14 @@
 use super::predictor::{CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
-use crate::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
-use crate::identify::Problem;
-use crate::identify::free_motions::{changes_along, meet_marks};
-use crate::mechanics::{Pose, log};
-use crate::rig::Channels;
-use crate::statics::Balance;
-use crate::syntax::Address;
-use crate::system::{Parameters, Scratch, System};
+use crate::Problem;
+use crate::free_motions::{changes_along, meet_marks};
+use admire_session::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
+use admire_solver::mechanics::{Pose, log};
+use admire_solver::statics::Balance;
+use admire_solver::system::{Parameters, Scratch, System};
+use admire_study::Channels;
+use admire_syntax::Address;
 
 /// Step of a difference, in units of an unknown: a thousandth of an e-fold, where truncation and the ten digits of a results file
 /// are about as bad.
@@ -222,7 +222,7 @@ impl Predictor for DifferencePredictor<'_> {
         for _ in directions {
             let (up, down) = (next(), next());
             for (prediction, (up, down)) in out.iter_mut().zip(up.iter().zip(&down)) {
-                let change = |part: &crate::model::PartIx| {
+                let change = |part: &admire_solver::model::PartIx| {
                     let (Some(up), Some(down)) = (up, down) else {
                         return [f64::NAN; 6];
                     };

@@ -13,20 +13,20 @@ use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
 use super::profile::profile_interval;
 use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
-use crate::backend::{CaseFailure, Sweep};
-use crate::identify::evaluation::fill;
-use crate::identify::goodness::{FitTest, Kind, Tally};
-use crate::identify::structure::{Residuals, structure};
-use crate::identify::unknowns::{Place, bushing_number};
-use crate::identify::{
+use crate::evaluation::fill;
+use crate::goodness::{FitTest, Kind, Tally};
+use crate::structure::{Residuals, structure};
+use crate::unknowns::{Place, bushing_number};
+use crate::{
     Fit, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
     UnidentifiableDirection,
 };
-use crate::rig::settings::{Loss, Method};
-use crate::system::{Equilibrium, System};
+use admire_session::backend::{CaseFailure, Sweep};
+use admire_solver::system::{Equilibrium, System};
+use admire_study::settings::{Loss, Method};
 
 /// sd of ln K above which a number counts as unidentifiable (guide/study.md).
-pub(crate) const UNIDENTIFIABLE: f64 = 0.5;
+pub const UNIDENTIFIABLE: f64 = 0.5;
 /// sd of ln K above which the normal interval is replaced by profile likelihood.
 pub const POOR_NORMAL: f64 = 0.3;
 /// A reading of pure noise is taken for an outlier in so many of the studies.
@@ -71,7 +71,7 @@ pub fn fit_unknowns(
     system: &System,
     start: Option<&StartValues>,
 ) -> FitUnknowns {
-    let slot = |address: &crate::syntax::Address| system.catalogue().slot(address);
+    let slot = |address: &admire_syntax::Address| system.catalogue().slot(address);
     let settings = problem.settings;
     let (mut list, mut offsets) = (Vec::new(), Vec::new());
     for (k, unknown) in problem.unknowns.iter().enumerate() {

@@ -7,8 +7,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::mechanics::eigen::symmetric_eigen;
-use crate::mechanics::{Pose, Vec3};
+use admire_solver::mechanics::eigen::symmetric_eigen;
+use admire_solver::mechanics::{Pose, Vec3};
 
 /// A reading that is off by more than this many times the median of its case is weighed down in proportion: one wrong mark must not turn a part.
 const WILD: f64 = 3.0;

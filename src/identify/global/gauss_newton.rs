@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::observation::Evaluation;
-use crate::identify::bounded;
+use crate::bounded;
 
 /// A sum of squares to minimise: `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
 pub trait LeastSquares {
@@ -69,7 +69,7 @@ impl Prior {
     }
 
     /// Slope of its share of the objective.
-    pub(crate) fn pull(self, x: f64) -> f64 {
+    pub fn pull(self, x: f64) -> f64 {
         if self.has_width() {
             (x - self.mean) / (self.sd * self.sd)
         } else {
@@ -400,7 +400,7 @@ pub(crate) const LOUD: f64 = 3.0;
 /// linear model misses, and not come back. So the noise counts as the misfit there is, and every unknown has a prior of one natural unit
 /// about the start; stage by stage the misfit falls and the readings count more. (Levenberg's damping by the square of the misfit, as of
 /// Yamashita and Fukushima, 2001.)
-pub(crate) fn approach(
+pub fn approach(
     problem: &mut dyn LeastSquares,
     start: &[f64],
     scale: &[f64],

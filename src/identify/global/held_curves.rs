@@ -4,8 +4,8 @@ use nalgebra::DVector;
 
 use super::observation::{Observations, Row};
 use super::problem::GlobalProblem;
-use crate::identify::{CurveHeldOut, Problem};
-use crate::rig::Channel;
+use crate::{CurveHeldOut, Problem};
+use admire_study::Channel;
 
 /// How far two models are from the curves that are held out; those of which a case has no equilibrium are left out.
 pub(super) fn held_curves(

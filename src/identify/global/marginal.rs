@@ -16,12 +16,12 @@ use super::observation::{Evaluation, NuisanceLayout, Observations};
 use super::predictor::Predictor;
 use super::prepared::Prepared;
 use super::unknown::FitUnknowns;
-use crate::identify::{IdentifyError, Problem};
-use crate::mechanics::eigen::symmetric_eigen;
-use crate::model::Model;
-use crate::rig::Measurement;
-use crate::system::{Parameters, State};
 use crate::tolerance::Whitening;
+use crate::{IdentifyError, Problem};
+use admire_solver::mechanics::eigen::symmetric_eigen;
+use admire_solver::model::Model;
+use admire_solver::system::{Parameters, State};
+use admire_study::Measurement;
 
 /// A joint fit, from which the sought numbers are taken.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub struct Marginal {
 
 impl Marginal {
     /// Of a joint fit.
-    pub(crate) fn new(joint: Joint) -> Self {
+    pub fn new(joint: Joint) -> Self {
         let weights = joint.weights.iter().copied().enumerate();
         let used: Vec<(usize, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
         let small: Vec<usize> = (joint.sought..joint.x.len())
@@ -107,7 +107,7 @@ impl Marginal {
     }
 
     /// Of a fit in which everything but the sought numbers has a prior.
-    pub(crate) fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
+    pub fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
         let global = &fit.problem;
         Self::new(Joint {
             prepared,
@@ -125,17 +125,18 @@ impl Marginal {
     }
 
     /// How many numbers are sought.
-    pub(crate) fn len(&self) -> usize {
+    #[expect(clippy::len_without_is_empty, reason = "something is sought")]
+    pub fn len(&self) -> usize {
         self.joint.sought
     }
 
     /// The rows that are used, by their places among all rows of the cases.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.used.iter().map(|(row, _)| *row)
     }
 
     /// The readings that the rows are.
-    pub(crate) fn observations<'m>(
+    pub fn observations<'m>(
         &self,
         measurement: &'m Measurement,
         model: &Model,
@@ -150,17 +151,17 @@ impl Marginal {
     }
 
     /// Where the fit found them.
-    pub(crate) fn start(&self) -> Vec<f64> {
+    pub fn start(&self) -> Vec<f64> {
         self.joint.x[..self.len()].to_vec()
     }
 
     /// Their priors.
-    pub(crate) fn priors(&self) -> &[Prior] {
+    pub fn priors(&self) -> &[Prior] {
         &self.joint.priors[..self.len()]
     }
 
     /// Natural steps of a fit.
-    pub(crate) fn scale(&self) -> Vec<f64> {
+    pub fn scale(&self) -> Vec<f64> {
         self.priors()
             .iter()
             .map(|prior| prior.sd.min(1.0))
@@ -171,7 +172,7 @@ impl Marginal {
     ///
     /// # Errors
     /// A load that drives nothing the solver can change.
-    pub(crate) fn problem<'a>(
+    pub fn problem<'a>(
         &'a self,
         problem: &Problem<'a>,
     ) -> Result<MarginalProblem<'a>, IdentifyError> {
@@ -216,7 +217,7 @@ fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<
 }
 
 /// The sought numbers as a fit: residuals are independent with unit variance if the model is right.
-pub(crate) struct MarginalProblem<'a> {
+pub struct MarginalProblem<'a> {
     marginal: &'a Marginal,
     unknowns: FitUnknowns,
     deck: Parameters,
@@ -228,12 +229,12 @@ pub(crate) struct MarginalProblem<'a> {
 
 impl MarginalProblem<'_> {
     /// With other readings: `shift` is taken off every residual.
-    pub(crate) fn shift(&mut self, shift: DVector<f64>) {
+    pub fn shift(&mut self, shift: DVector<f64>) {
         self.shift = Some(shift);
     }
 
     /// Fits from `start` with priors of these means and standard deviations.
-    pub(crate) fn minimise(
+    pub fn minimise(
         &mut self,
         start: &[f64],
         priors: &[Prior],

@@ -6,8 +6,8 @@
 use nalgebra::DMatrix;
 
 use super::unknown::Direction;
-use crate::element::Slip;
-use crate::system::{Parameters, Slot};
+use admire_solver::element::Slip;
+use admire_solver::system::{Parameters, Slot};
 
 /// How the place moves on after a case in which the displacement was `u`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

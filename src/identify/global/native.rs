@@ -1,5 +1,6 @@
 //! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
 
+use super::channel::channel_changes;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::sync::Arc;
@@ -10,11 +11,11 @@ use super::free::{STEPS, step};
 use super::memory::{Carried, Memory};
 use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
-use crate::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
-use crate::model::PartIx;
-use crate::rig::Channels;
-use crate::statics::{Balance, Settings, Tangent, displace, twist};
-use crate::system::{Parameters, Scratch, Slot, State, System};
+use admire_session::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
+use admire_solver::model::PartIx;
+use admire_solver::statics::{Balance, Settings, Tangent, displace, twist};
+use admire_solver::system::{Parameters, Scratch, Slot, State, System};
+use admire_study::Channels;
 
 /// What the last answer of one case was found at, and how it moves with theta.
 #[derive(Clone, Debug)]
@@ -81,7 +82,7 @@ impl<'a> NativePredictor<'a> {
 
     /// With contacts that remember; their channels are among those of [`Self::new`].
     #[must_use]
-    pub(crate) fn remembering(mut self, memories: Vec<Memory>) -> Self {
+    pub fn remembering(mut self, memories: Vec<Memory>) -> Self {
         self.memories = memories;
         self
     }
@@ -99,14 +100,14 @@ impl<'a> NativePredictor<'a> {
 
     /// With other values of the loads.
     #[must_use]
-    pub(crate) fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
+    pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
         self.answers = vec![None; cases.len()];
         self.sweeper.set_cases(cases);
         self
     }
 
     /// Lets the first solve of a case start from this state of the same system.
-    pub(crate) fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
+    pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Arc::new(Answer {
             theta,
@@ -116,7 +117,7 @@ impl<'a> NativePredictor<'a> {
     }
 
     /// The last answer of a case with the numbers it was solved at.
-    pub(crate) fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
+    pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
         let answer = self.answers[case].as_ref()?;
         Some((self.sweeper.answer(case)?, &answer.theta))
     }
@@ -238,7 +239,7 @@ impl<'a> NativePredictor<'a> {
     }
 
     /// Solves the first `common` load cases in their order, then sequences of so many cases each, every one as if it alone followed them.
-    pub(crate) fn predict_apart(
+    pub fn predict_apart(
         &mut self,
         numbers: &Numbers,
         directions: Option<&[Direction]>,
@@ -299,15 +300,15 @@ impl<'a> NativePredictor<'a> {
         };
         if free.ncols() > 0 {
             let nothing = vec![Direction::default(); free.ncols()];
-            let changes = channels
-                .changes(
-                    self.system,
-                    (theta, case),
-                    &state,
-                    &mut self.scratch,
-                    (&nothing, &free),
-                )
-                .ok()?;
+            let changes = channel_changes(
+                channels,
+                self.system,
+                (theta, case),
+                &state,
+                &mut self.scratch,
+                (&nothing, &free),
+            )
+            .ok()?;
             prediction.free = self
                 .observed
                 .changes((self.system, &state), &free, &changes);
@@ -318,9 +319,15 @@ impl<'a> NativePredictor<'a> {
             let directions = carried.directions(directions, case, &mut room);
             let responses = self.responses(case, theta, &state, (directions, tangent))?;
             let along = (directions, &responses);
-            let changes = channels
-                .changes(self.system, (theta, case), &state, &mut self.scratch, along)
-                .ok()?;
+            let changes = channel_changes(
+                channels,
+                self.system,
+                (theta, case),
+                &state,
+                &mut self.scratch,
+                along,
+            )
+            .ok()?;
             carried.advance(theta, &prediction.channels, (directions, &changes));
             prediction.by_unknown =
                 self.observed

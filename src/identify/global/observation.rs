@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector, Dyn, U1};
 
 use super::free::FreeRows;
 use super::predictor::{CaseChange, CasePrediction, Observed};
-use crate::mechanics::{Pose, Vec3};
-use crate::model::Model;
-use crate::rig::wheel::{camber_deg, steer_deg};
-use crate::rig::{Case, Measurement, Over, Summary};
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::Model;
+use admire_study::wheel::{camber_deg, steer_deg};
+use admire_study::{Case, Measurement, Over, Summary};
 
 /// A row of a Jacobian.
 type RowViewMut<'a, T> = nalgebra::MatrixViewMut<'a, T, U1, Dyn, U1, Dyn>;
@@ -45,7 +45,7 @@ pub enum Row {
 
 impl Row {
     /// The load case.
-    pub(crate) const fn case(self) -> usize {
+    pub const fn case(self) -> usize {
         match self {
             Self::Mark { case, .. } | Self::Wheel { case, .. } | Self::Channel { case, .. } => case,
         }
@@ -67,7 +67,7 @@ pub struct FrameMotions {
 
 impl FrameMotions {
     /// The first unknown of each motion of a case, and its factor.
-    pub(crate) fn of(&self, case: usize) -> impl Iterator<Item = (usize, f64)> {
+    pub fn of(&self, case: usize) -> impl Iterator<Item = (usize, f64)> {
         let each = self.factors.iter().enumerate();
         each.map(move |(k, factors)| (self.first + 6 * k, factors[case]))
     }
@@ -225,7 +225,7 @@ impl<'a> Observations<'a> {
     }
 
     /// All cases with the marks where these residuals of all rows, prediction minus reading, have them.
-    pub(crate) fn predicted(&self, residual: &DVector<f64>) -> Vec<Case> {
+    pub fn predicted(&self, residual: &DVector<f64>) -> Vec<Case> {
         let mut out = self.measurement.cases.clone();
         for (row, residual) in self.rows.iter().zip(residual.iter()) {
             if let Row::Mark {
@@ -244,7 +244,7 @@ impl<'a> Observations<'a> {
     /// columns stay zero.
     ///
     /// `None` if a case that is compared has no prediction.
-    pub(crate) fn evaluate(
+    pub fn evaluate(
         &self,
         prediction: &[Option<CasePrediction>],
         layout: &NuisanceLayout,

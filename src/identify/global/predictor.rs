@@ -8,11 +8,11 @@ use nalgebra::DMatrix;
 
 use super::free::SeenMark;
 use super::unknown::{Component, Direction, Numbers};
-use crate::mechanics::Pose;
-use crate::model::PartIx;
-use crate::rig::{MarkReading, Measurement};
-use crate::statics::Balance;
-use crate::system::{State, System};
+use admire_solver::mechanics::Pose;
+use admire_solver::model::PartIx;
+use admire_solver::statics::Balance;
+use admire_solver::system::{State, System};
+use admire_study::{MarkReading, Measurement};
 
 /// One load case at equilibrium.
 #[derive(Clone, PartialEq, Debug)]
@@ -91,7 +91,8 @@ impl CaseChanges {
     }
 
     /// Some that follow one another.
-    pub(crate) fn range(&self, range: Range<usize>) -> Self {
+    #[must_use]
+    pub fn range(&self, range: Range<usize>) -> Self {
         let (parts, channels) = self.each();
         Self {
             count: range.len(),
@@ -119,7 +120,7 @@ pub struct Observed {
 
 impl Observed {
     /// The marked parts of a measurement, and where their marks were read.
-    pub(crate) fn of(measurement: &Measurement) -> Self {
+    pub fn of(measurement: &Measurement) -> Self {
         let mut new = Self::default();
         let place: Vec<usize> = measurement
             .parts
@@ -148,7 +149,7 @@ impl Observed {
     }
 
     /// What is observed of changes of the system's unknowns at a state and of the channels, columns of both.
-    pub(crate) fn changes(
+    pub fn changes(
         &self,
         (system, state): (&System, &State),
         responses: &DMatrix<f64>,
@@ -165,7 +166,7 @@ impl Observed {
 }
 
 /// Every load case in the order of application; `None` where there is no equilibrium.
-pub(crate) type Prediction = Vec<Option<CasePrediction>>;
+pub type Prediction = Vec<Option<CasePrediction>>;
 
 /// Predicts all load cases: the built-in solver with exact sensitivities, or any backend with differences.
 pub trait Predictor {

@@ -2,12 +2,12 @@
 
 use super::native::NativePredictor;
 use super::predictor::Observed;
-use crate::backend::{BackendError, Loads, compile};
-use crate::diagnostic::{Code, Diagnostic};
-use crate::identify::{IdentifyError, Problem};
-use crate::model::Model;
-use crate::rig::{Channels, with_channels};
-use crate::system::{Scratch, System};
+use crate::{IdentifyError, Problem};
+use admire_session::backend::{BackendError, Loads, compile};
+use admire_solver::model::Model;
+use admire_solver::system::{Scratch, System};
+use admire_study::{Channels, with_channels};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// A study's deck with its channels, compiled.
 #[derive(Debug)]
@@ -33,7 +33,7 @@ impl Prepared {
     ///
     /// # Errors
     /// See [`Self::new`].
-    pub(crate) fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
+    pub fn with(problem: &Problem<'_>, further: &[String]) -> Result<Self, IdentifyError> {
         let (model, channels) = with_channels(problem.model, problem.measurement, further)
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
         let system = compile(&model)?;

@@ -6,8 +6,8 @@ use super::gauss_newton::{LeastSquares, Minimum, Prior};
 use super::observation::{Evaluation, NuisanceLayout, Observations, Row};
 use super::predictor::Predictor;
 use super::unknown::FitUnknowns;
-use crate::rig::settings::Loss;
-use crate::system::Parameters;
+use admire_solver::system::Parameters;
+use admire_study::settings::Loss;
 
 /// Huber's constant: 95 percent efficiency where the noise is Gaussian after all.
 const HUBER: f64 = 1.345;

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::confidence::{HALF_CHI2_95, NORMAL_975};
 use super::gauss_newton::{LeastSquares, Minimum, Prior, Tolerances, minimise, objective};
-use crate::identify::bounded;
+use crate::bounded;
 
 /// A side of an interval that reaches further than this from the estimate, in e-folds, has no bound.
 const UNBOUNDED: f64 = 7.0;

@@ -10,9 +10,9 @@ use super::gauss_newton::Ending;
 use super::observation::Observations;
 use super::prepared::Prepared;
 use super::problem::{GlobalProblem, Watch};
-use crate::backend::Backend;
-use crate::identify::direct::{self, DirectSettings, DirectSolution};
-use crate::identify::{Fit, IdentifyError, Problem};
+use crate::direct::{self, DirectSettings, DirectSolution};
+use crate::{Fit, IdentifyError, Problem};
+use admire_session::backend::Backend;
 
 /// Standard deviations between the direct solution and the fit that are worth a remark.
 const CONTRADICTION: f64 = 6.0;

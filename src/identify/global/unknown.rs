@@ -4,10 +4,10 @@
 
 use nalgebra::DVector;
 
-use crate::mechanics::Vec3;
-use crate::model::MarkerIx;
-use crate::syntax::Address;
-use crate::system::{Parameters, Slot};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::MarkerIx;
+use admire_solver::system::{Parameters, Slot};
+use admire_syntax::Address;
 
 /// A stiffness of a bushing with the preload of the same direction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -64,7 +64,7 @@ pub struct Direction {
 
 impl Direction {
     /// Slots and changes in one load case.
-    pub(crate) fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
+    pub fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
         let own = self
             .per_case
             .iter()
@@ -102,7 +102,7 @@ const LEAST_SHARE: f64 = 1e-4;
 
 impl FitUnknowns {
     /// A list of unknowns.
-    pub(crate) fn new(list: Vec<FitUnknown>) -> Self {
+    pub fn new(list: Vec<FitUnknown>) -> Self {
         Self {
             list,
             shares: Vec::new(),
@@ -115,7 +115,8 @@ impl FitUnknowns {
     }
 
     /// How many.
-    pub(crate) fn len(&self) -> usize {
+    #[expect(clippy::len_without_is_empty, reason = "a fit has unknowns")]
+    pub fn len(&self) -> usize {
         self.list.len()
     }
 
@@ -125,7 +126,7 @@ impl FitUnknowns {
     }
 
     /// The springs of all stiffnesses, in order.
-    pub(crate) fn springs(&self) -> Vec<Component> {
+    pub fn springs(&self) -> Vec<Component> {
         let of = |unknown: &FitUnknown| match &unknown.meaning {
             Meaning::Stiffness(components) => components.clone(),
             _ => Vec::new(),
@@ -135,7 +136,7 @@ impl FitUnknowns {
 
     /// Takes the load share of each of [`Self::springs`]; several springs of one unknown count by their mean. None at all where the
     /// backend knows none: then all count as springs in series.
-    pub(crate) fn set_shares(&mut self, shares: &[f64]) {
+    pub fn set_shares(&mut self, shares: &[f64]) {
         if shares.is_empty() {
             self.shares.clear();
             return;
@@ -168,7 +169,7 @@ impl FitUnknowns {
     /// A spring beside which the rest of the model resists with K_s deflects by 1/(K + K_s) under a given force. A step of ln K is
     /// made in that, with the share s = K/(K + K_s): `K_+ + K_s = (K + K_s)/(1 - s step)`. In series, s = 1, that is linear in 1/K;
     /// for springs that others hold, s near 0, in K. It makes the linear model good far away: half of the sweeps are saved.
-    pub(crate) fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => x + libm::log1p(step / (1.0 - s * step)),
             None => x + step,
@@ -187,7 +188,7 @@ impl FitUnknowns {
     }
 
     /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
-    pub(crate) fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+    pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let of = |(k, scale): (usize, &f64)| match self.share(k) {
             Some(s) => (step_of(s, -reach), step_of(s, reach)),
             None => (-reach * scale, reach * scale),
@@ -241,7 +242,7 @@ impl FitUnknowns {
     }
 
     /// For each unknown the change of theta per unit of it, at these unknowns.
-    pub(crate) fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
+    pub fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
         let offset_of = |slot: Slot| {
             self.list
                 .iter()

@@ -3,16 +3,17 @@ use std::ops::ControlFlow;
 use serde::Serialize;
 
 use super::ReproductionError;
-use crate::backend::SweepRequest;
-use crate::backend::{Backend, BackendError, LoadCase, LoadProgramme, NativeBackend, Sweep};
-use crate::identify::evaluation::marker_pose;
-use crate::identify::global::{GlobalFit, Options, Prepared, fit_study};
-use crate::identify::{Fit, IdentifyError, LoadedStudy, regression};
-use crate::mechanics::Pose;
-use crate::model::{MarkerIx, Model};
-use crate::rig::noise::Noise;
-use crate::rig::settings::SpinAxis;
-use crate::rig::wheel::SpinDirection;
+use crate::evaluation::marker_pose;
+use crate::global::{GlobalFit, Options, Prepared, fit_study};
+use crate::{Fit, IdentifyError, LoadedStudy, regression};
+use admire_session::backend::{
+    Backend, BackendError, LoadCase, LoadProgramme, NativeBackend, Sweep, SweepRequest,
+};
+use admire_solver::mechanics::Pose;
+use admire_solver::model::{MarkerIx, Model};
+use admire_study::noise::Noise;
+use admire_study::settings::SpinAxis;
+use admire_study::wheel::SpinDirection;
 
 /// An angle over a load.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
@@ -85,7 +86,7 @@ pub(super) fn read_reference(
 /// The reference deck of a study, lowered.
 pub(super) fn reference(
     study: &LoadedStudy,
-) -> Result<(Model, &crate::syntax::Dataset), ReproductionError> {
+) -> Result<(Model, &admire_syntax::Dataset), ReproductionError> {
     let dataset = study.reference.as_ref().ok_or(ReproductionError::Lacks {
         folder: study.study.source.name().to_string(),
         needs: "reference deck",
@@ -123,7 +124,7 @@ impl Wheel {
             });
         }
         let model = &study.model;
-        let named = |header: &crate::model::Header| header.name.eq_ignore_ascii_case("WC");
+        let named = |header: &admire_solver::model::Header| header.name.eq_ignore_ascii_case("WC");
         let marker = model.markers.iter().position(|m| named(&m.header));
         let marker = marker.map(MarkerIx).ok_or(ReproductionError::Lacks {
             folder: study.study.source.name().to_string(),

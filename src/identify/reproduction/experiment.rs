@@ -2,9 +2,9 @@
 
 use super::curves::{Curve, Wheel, by_fit, by_loop, wheel_curves};
 use super::{Comparison, Figure, ReproductionError, Section, iterations, texts, unidentified};
-use crate::backend::LoadProgramme;
-use crate::identify::{Fit, LoadedStudy, Status};
-use crate::rig::settings::{Slope, Weights};
+use crate::{Fit, LoadedStudy, Status};
+use admire_session::backend::LoadProgramme;
+use admire_study::settings::{Slope, Weights};
 
 /// Table 3, nominal: Ktx of A is printed as 1300, its text says 13 000. Rotational stiffnesses per degree.
 const NOMINAL: [[f64; 6]; 2] = [

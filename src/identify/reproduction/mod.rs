@@ -12,7 +12,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::{Fit, IdentifyError, LoadedStudy, ParameterFit, Status};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 pub use curves::Curve;
 

@@ -5,8 +5,8 @@ use super::{
     Comparison, Curve, Figure, ReproductionError, Section, iterations, median_error, range, ratios,
     texts, truth, unidentified,
 };
-use crate::identify::{Fit, LoadedStudy};
-use crate::rig::settings::{Slope, Weights};
+use crate::{Fit, LoadedStudy};
+use admire_study::settings::{Slope, Weights};
 
 /// What the paper prints: iterations to a step test of 0.05, and how many of how many kept their start.
 const PAPER_ITERATIONS: usize = 50;

@@ -1,9 +1,9 @@
 //! Bushings and joints whose two markers lie apart, or are turned, where their element holds them together.
 
-use crate::identify::{LoadedStudy, Place};
-use crate::mechanics::{Mat3, Vec3, log};
-use crate::model::lint::apart;
-use crate::model::{MarkerIx, Model};
+use crate::{LoadedStudy, Place};
+use admire_solver::mechanics::{Mat3, Vec3, log};
+use admire_solver::model::lint::apart;
+use admire_solver::model::{MarkerIx, Model};
 
 /// Parts that lie further apart along what holds them, in millimetres, or are turned further, in degrees, are not assembled by any tolerance.
 const ASSEMBLED: (f64, f64) = (2.0, 2.0);
@@ -12,7 +12,7 @@ const TURNED: f64 = 10.0;
 
 /// Two markers that lie apart.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Displaced {
+pub struct Displaced {
     /// What is found, and what mends it.
     pub why: String,
     /// True if one exchange, or one sign, mends it.
@@ -37,7 +37,7 @@ enum Kind {
 }
 
 /// Bushings whose markers lie apart, and those elements that one exchange or one sign mends.
-pub(crate) fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
+pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     let millimetre = 1e-3 / study.model.units.length.si;
     let mut out = Vec::new();
     for gap in gaps(study, &study.model) {

@@ -6,15 +6,15 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::candidate::{Change, Family};
-use crate::identify::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
-use crate::identify::global::{
+use crate::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
+use crate::global::{
     Component, FitUnknown, FitUnknowns, GlobalProblem, Meaning, Observations, Prepared,
     fit_unknowns, global_problem,
 };
-use crate::identify::unknowns::bushing_number;
-use crate::identify::{LoadedStudy, Problem};
-use crate::syntax::Address;
 use crate::tolerance::{Effect, Layer, LayerOf, Sizes};
+use crate::unknowns::bushing_number;
+use crate::{LoadedStudy, Problem};
+use admire_syntax::Address;
 
 /// A study and its compiled deck.
 pub(super) struct Bench {

@@ -1,13 +1,13 @@
 //! What may have been mistaken in a study, each as a change that would mend it.
 
 use super::unit_pairs::{UnitPair, angles, forces, lengths, stiffnesses, torsional};
-use crate::backend::LoadProgramme;
-use crate::identify::LoadedStudy;
-use crate::mechanics::Vec3;
-use crate::model::{MarkerIx, SpringKind};
-use crate::rig::Measurement;
-use crate::syntax::Address;
+use crate::LoadedStudy;
 use crate::tolerance::{Effect, acts_at};
+use admire_session::backend::LoadProgramme;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{MarkerIx, SpringKind};
+use admire_study::Measurement;
+use admire_syntax::Address;
 
 /// A change of the study.
 #[derive(Clone, PartialEq, Debug)]
@@ -239,7 +239,7 @@ fn of_numbers(
 /// Rates and forces of springs.
 fn springs(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
-    let of = |spring: &crate::model::SpringDamper| {
+    let of = |spring: &admire_solver::model::SpringDamper| {
         let id = spring.header.id;
         let (rate, force, pairs) = match spring.kind {
             SpringKind::Translational => ("K", "FORCE", stiffnesses(units)),
@@ -262,7 +262,7 @@ fn springs(study: &LoadedStudy) -> Vec<Family> {
 /// Stiffnesses of bushings that are not sought.
 fn bushings(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
-    let of = |bushing: &crate::model::Bushing| {
+    let of = |bushing: &admire_solver::model::Bushing| {
         let id = bushing.header.id;
         let numbers = |argument: &str, values: [f64; 3]| -> Vec<(Address, f64)> {
             let values = values.into_iter().enumerate();
@@ -345,7 +345,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
 fn channels(study: &LoadedStudy) -> Vec<Family> {
     let channels = study.measurement.channels.iter().enumerate();
     let read = channels.filter(|(_, channel)| channel.is_read_by_case());
-    let of = |(k, channel): (usize, &crate::rig::Channel)| Family {
+    let of = |(k, channel): (usize, &admire_study::Channel)| Family {
         candidates: vec![Candidate {
             remedy: format!("`{}` with the other sign", channel.name),
             change: Change::Channel(k, -1.0),

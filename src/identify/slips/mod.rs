@@ -12,5 +12,5 @@ mod search;
 mod thinned;
 mod unit_pairs;
 
-pub(crate) use apart::displaced;
-pub(crate) use search::search;
+pub use apart::displaced;
+pub use search::search;

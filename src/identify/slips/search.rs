@@ -3,11 +3,11 @@
 use super::bench::{Bench, Trial};
 use super::candidate::{Candidate, Family, acting, families};
 use super::thinned::thinned;
-use crate::identify::LoadedStudy;
+use crate::LoadedStudy;
 
 /// A slip that explains what no value of the unknowns and no tolerance can.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) struct Slip {
+pub struct Slip {
     /// What mends it; several where the readings do not tell them apart.
     pub remedies: Vec<String>,
     /// Root mean square of the residuals beyond tolerances in units of their noise: as the study stands, where it has equilibria at all,
@@ -21,7 +21,7 @@ pub(crate) struct Slip {
 const SPARE: usize = 4;
 /// What the search found.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(crate) struct Search {
+pub struct Search {
     /// The slip, if one explains the readings.
     pub slip: Option<Slip>,
     /// True where the study as it stands explains them: nothing odd at its start values says anything.
@@ -56,7 +56,7 @@ const FITS: f64 = 0.25;
 const ALIKE: f64 = 1.1;
 
 /// Looks for the slip of a study.
-pub(crate) fn search(loaded: &LoadedStudy) -> Search {
+pub fn search(loaded: &LoadedStudy) -> Search {
     let cases = loaded.measurement.fitted_cases().count();
     if cases < acting(&loaded.programme).len() + 1 + SPARE {
         return Search::default();

@@ -1,7 +1,7 @@
 //! A study with few of its load cases, spread over the loads.
 
-use crate::identify::LoadedStudy;
-use crate::rig::Reference;
+use crate::LoadedStudy;
+use admire_study::Reference;
 
 /// So many cases tell a slip: the ends and middles of the usual three loads.
 const ENOUGH: usize = 12;

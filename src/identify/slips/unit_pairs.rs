@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
+use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
 
 /// What a number has to be multiplied by, and the unit it was written in.
 #[derive(Clone, PartialEq, Debug)]

@@ -1,16 +1,16 @@
 use super::hull::hull;
 use super::shapes::{Shape, shapes};
 use super::{Body, End, Highlight, Kind, Object, Placed, Role, Scene, Set, point};
-use crate::mechanics::{Pose, Vec3};
-use crate::model::{
+use crate::short_unit;
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::{
     JointKind, MarkerIx, Model, PartKind, PrimitiveKind, SforceKind, SpringKind, VectorForceKind,
 };
-use crate::report::short_unit;
-use crate::syntax::Dataset;
+use admire_syntax::Dataset;
 
 impl Scene {
     /// The geometry of a model, standing where its deck puts it. With its dataset also the shapes of GRAPHICS statements are drawn.
-    pub(crate) fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
+    pub fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
         let objects = objects(model);
         let shapes = dataset.map(|dataset| shapes(dataset, model));
         let gravity = model.gravity;
@@ -41,7 +41,7 @@ impl Scene {
 
     /// Marks what stands at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. False if nothing of it is
     /// drawn.
-    pub(crate) fn highlight(&mut self, address: &str, label: &str) -> bool {
+    pub fn highlight(&mut self, address: &str, label: &str) -> bool {
         let found = self.owner(address);
         if let Some(address) = &found
             && self.highlight.iter().all(|mark| mark.address != *address)
@@ -179,7 +179,7 @@ fn end(model: &Model, marker: MarkerIx) -> Option<End> {
 
 fn objects(model: &Model) -> Vec<Object> {
     let mut out = Vec::new();
-    let mut add = |header: &crate::model::Header,
+    let mut add = |header: &admire_solver::model::Header,
                    statement: &str,
                    kind: Kind,
                    form: &str,
@@ -347,7 +347,7 @@ fn bodies(model: &Model, objects: &[Object], shapes: &[Shape]) -> Vec<Body> {
             corners[end.part].push(Vec3::new(x, y, z));
         }
     }
-    let mut of = |k: usize, part: &crate::model::Part| {
+    let mut of = |k: usize, part: &admire_solver::model::Part| {
         let ground = part.kind == PartKind::Ground;
         let mut points = std::mem::take(&mut corners[k]);
         points.retain(|p| p.iter().all(|x| x.is_finite()));

@@ -1,14 +1,14 @@
 use super::Scene;
-use crate::report::escape;
+use crate::escape;
 
 /// The client: drawing and controls.
-pub(in crate::report) const CLIENT: &str = include_str!("viewer.js");
+pub(crate) const CLIENT: &str = include_str!("viewer.js");
 /// Its style.
-pub(in crate::report) const CLIENT_STYLE: &str = include_str!("viewer.css");
+pub(crate) const CLIENT_STYLE: &str = include_str!("viewer.css");
 
 impl Scene {
     /// The place of the picture in a page, with its data. `full` lets it fill the window.
-    pub(in crate::report) fn html(&self, full: bool) -> String {
+    pub(crate) fn html(&self, full: bool) -> String {
         let data = serde_json::to_string(self).expect("a scene holds only names and numbers");
         // No `<` of a name can end the script.
         let data = data.replace('<', "\\u003c");

@@ -1,4 +1,4 @@
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
 
 /// The outline of a cloud of points: flat faces and the edges between them.
 #[derive(Clone, PartialEq, Debug, Default)]

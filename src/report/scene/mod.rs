@@ -10,7 +10,7 @@ mod shapes;
 
 use serde::Serialize;
 
-use crate::mechanics::{Pose, Vec3};
+use admire_solver::mechanics::{Pose, Vec3};
 
 pub(super) use build::along;
 pub(crate) use hull::Hull;

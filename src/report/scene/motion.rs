@@ -1,7 +1,7 @@
 use super::{Arrow, Body, Frame, Kind, Placed, Role, Scene, Set, point};
-use crate::mechanics::{Pose, Vec3, euler313};
-use crate::results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader};
-use crate::units::LENGTH_UNITS;
+use admire_results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader};
+use admire_solver::mechanics::{Pose, Vec3, euler313};
+use admire_syntax::units::LENGTH_UNITS;
 
 /// The steps of a results file as frames of a scene.
 #[derive(Clone, PartialEq, Debug)]

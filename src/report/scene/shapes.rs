@@ -1,6 +1,6 @@
-use crate::mechanics::{Pose, Vec3};
-use crate::model::Model;
-use crate::syntax::{Dataset, Statement};
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::Model;
+use admire_syntax::{Dataset, Statement};
 
 /// A GRAPHICS statement as lines in the frame of one part.
 #[derive(Clone, PartialEq, Debug)]

@@ -2,7 +2,7 @@
 //! real deflection is the offset.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z, ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

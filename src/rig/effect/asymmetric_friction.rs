@@ -3,7 +3,7 @@
 use super::dry_friction::{place, slider, start};
 use super::memory::MemoryLaw;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `force=...,back=...,stiffness=...`: the force toward positive and toward negative displacements; `start=0`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

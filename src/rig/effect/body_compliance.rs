@@ -3,8 +3,8 @@
 //! along the axes of ground. With `rated` the spring stiffens as with `link-compliance`.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `stiffness=...`, `x=1,y=1,z=1`, `rated=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

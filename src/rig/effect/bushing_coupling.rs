@@ -4,7 +4,7 @@
 
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// One or more of `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`; `reach=...`, a deflection of the second one of each pair.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

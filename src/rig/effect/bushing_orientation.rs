@@ -1,8 +1,8 @@
 //! A bushing mounted turned about an axis: both of its sides.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Vec3;
+use admire_solver::mechanics::Vec3;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `ax_deg, ay_deg, az_deg`: a rotation vector in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

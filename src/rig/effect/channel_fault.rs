@@ -1,7 +1,7 @@
 //! A reading's gain, zero or single value is wrong.
 
 use super::{EffectSpec, ReadingFault, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `gain=...` and `offset=...`; with `case=...` in that case only.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -3,7 +3,7 @@
 
 use super::memory::{Memory, MemoryLaw};
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `rate=...`, above zero and below one.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -7,7 +7,7 @@
 use super::memory::{Memory, MemoryLaw};
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`; `axis=z` or `az` for a joint.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

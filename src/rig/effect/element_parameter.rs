@@ -1,8 +1,8 @@
 //! A number of the deck taken as known is wrong.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::syntax::Address;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `value=...`, `factor=...` or `delta=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

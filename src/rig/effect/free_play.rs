@@ -6,7 +6,7 @@
 use super::link_compliance::{cut, line};
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// Newtons (of the deck's force unit) that use up all of the play of a joint, if not stated.
 const FORCE: f64 = 1000.0;

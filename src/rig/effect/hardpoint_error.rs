@@ -6,10 +6,10 @@
 
 use super::point::{on_part, points};
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Vec3;
-use crate::model::Model;
-use crate::syntax::Address;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::Model;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z`: with `form=part` (the default) in the axes of the marker's part, with `form=point` in ground axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -5,10 +5,10 @@
 //! `F = k u (1 + (k u / rated)^2)`.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::{Mat3, Pose, Vec3};
-use crate::model::Model;
-use crate::syntax::Address;
+use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::model::Model;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `stiffness=...`, `ends=one` or `both`, `rated=...`: the force at which a linear spring's deflection takes twice that force.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -1,7 +1,7 @@
 //! The rig applies part of one load along another: `SFORCE/2<-SFORCE/3`.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `fraction=0.02` of the load on the right acts along the one on the left besides. With `law=growing` a rig that leans the more
 /// the more it is loaded: the fraction is half as large where there is no load.

@@ -1,9 +1,9 @@
 //! Outside the catalogue: the rig pulls in another direction than the deck says.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Vec3;
-use crate::syntax::Address;
+use admire_solver::mechanics::Vec3;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `ax_deg, ay_deg, az_deg`: a rotation vector in the axes of the marker that gives the direction: J of an action-only SFORCE, RM of a
 /// GFORCE or VFORCE.
@@ -26,7 +26,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
 }
 
 /// The argument that names the marker whose axes give the direction of a load.
-pub(in crate::rig) fn direction_of(reality: &Reality, target: &Address) -> Option<&'static str> {
+pub(crate) fn direction_of(reality: &Reality, target: &Address) -> Option<&'static str> {
     let object = Address {
         argument: None,
         index: None,

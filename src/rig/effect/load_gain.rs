@@ -1,7 +1,7 @@
 //! The rig's load is wrong by a factor.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `gain=1.02`: what acts is so many times what the study says. With `law=growing` a load cell that is not straight: the error
 /// per load is half as large where there is no load.

@@ -1,10 +1,10 @@
 //! The load acts elsewhere than at its marker.
 
 use super::{EffectSpec, Reality};
-use crate::backend::Load;
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Mat3;
-use crate::syntax::Address;
+use admire_session::backend::Load;
+use admire_solver::mechanics::Mat3;
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z` in the axes of the marker's part. Only loads move; what else sits at the marker stays. With `law=growing` a contact
 /// patch that wanders: half as far off where the largest load at the marker is zero.

@@ -1,7 +1,7 @@
 //! One mark reading is wrong: `case 7 KNUCKLE 3`.
 
 use super::{EffectSpec, ReadingFault, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z`: by so much.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -1,7 +1,7 @@
 //! A mark sits elsewhere on its part than the list says: `KNUCKLE 3`.
 
 use super::{EffectSpec, ReadingFault, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z`: by so much in the frame of the part; `from=8`: in that case and all after it, where the mark came loose.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

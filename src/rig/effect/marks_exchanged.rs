@@ -1,7 +1,7 @@
 //! Outside the catalogue: somebody mixed up the marks of two parts from some case on: `KNUCKLE<->ROD`.
 
 use super::{EffectSpec, ReadingFault, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `from=8`: the first case with exchanged marks; `mark=3` if it is one mark only.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -41,7 +41,7 @@ pub use reality::Marked;
 pub(crate) use reality::{ReadingFault, Reality};
 pub use spec::EffectSpec;
 
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 type Plant = fn(&EffectSpec, &mut Reality) -> Result<(), Diagnostic>;
 

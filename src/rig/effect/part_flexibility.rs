@@ -4,8 +4,8 @@
 //! on the rest half way between that marker and the mean of the other connections, held by torsion springs.
 
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::{Mat3, Pose, Vec3};
+use admire_solver::mechanics::{Mat3, Pose, Vec3};
+use admire_syntax::diagnostic::Diagnostic;
 
 /// Torsional stiffness of the way that does not yield, over that of the way that does.
 const RIGID: f64 = 1e3;

@@ -1,14 +1,14 @@
 //! Points of the car: places where joints, bushings, springs and forces hold parts together at design.
 
-use crate::mechanics::{Pose, Vec3};
-use crate::model::{JointKind, MarkerIx, Model, PrimitiveKind, SforceKind};
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::{JointKind, MarkerIx, Model, PrimitiveKind, SforceKind};
 
 /// Markers nearer to each other than this part of the deck's extent are at one point.
 const NEAR: f64 = 1e-3;
 
 /// One point with the markers that move when it does.
 #[derive(Clone, PartialEq, Debug)]
-pub(in crate::rig) struct Point {
+pub(crate) struct Point {
     /// Ids of the markers of connections that meet there, sorted.
     pub members: Vec<u32>,
     /// Ids of markers elsewhere on the line of a sliding joint that has its other marker here: they move as well, so that the
@@ -63,7 +63,7 @@ fn connections(model: &Model) -> Vec<Connection> {
 }
 
 /// Markers at which joints, primitives and springs hold a part, with their places on it: sorted by id.
-pub(in crate::rig) fn held(model: &Model) -> Vec<(u32, Vec3)> {
+pub(crate) fn held(model: &Model) -> Vec<(u32, Vec3)> {
     let joints = model.joints.iter().map(|o| [o.i, o.j]);
     let primitives = model.primitives.iter().map(|o| [o.i, o.j]);
     let springs = model.springdampers.iter().map(|o| [o.i, o.j]);
@@ -88,7 +88,7 @@ fn place(model: &Model, marker: MarkerIx) -> Vec3 {
 /// All points of a deck, in the order of their smallest ids.
 ///
 /// A marker that only guides a sliding joint and meets nothing else is no point of its own: it follows the joint's other marker.
-pub(in crate::rig) fn points(model: &Model) -> Vec<Point> {
+pub(crate) fn points(model: &Model) -> Vec<Point> {
     let connections = connections(model);
     let mut markers: Vec<MarkerIx> = connections.iter().flat_map(|c| c.markers).collect();
     markers.sort_by_key(|marker| model.markers[marker.0].header.id);

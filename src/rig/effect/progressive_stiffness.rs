@@ -4,7 +4,7 @@
 
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `law=cubic,cubic=...` or `law=exponential,rate=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

@@ -1,8 +1,8 @@
-use crate::backend::LoadProgramme;
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
-use crate::model::{MarkerIx, Model};
-use crate::syntax::{Address, Dataset, NewStatement};
+use admire_session::backend::LoadProgramme;
+use admire_solver::mechanics::{Mat3, Pose, Vec3, psi_theta_phi};
+use admire_solver::model::{MarkerIx, Model};
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::{Address, Dataset, NewStatement};
 
 use super::{EffectSpec, Memory};
 
@@ -177,7 +177,7 @@ impl Reality {
             .iter()
             .filter(|s| s.kind() == Some(kind));
         let id = same
-            .filter_map(crate::syntax::Statement::number)
+            .filter_map(admire_syntax::Statement::number)
             .max()
             .unwrap_or(0)
             + 1;
@@ -194,7 +194,7 @@ impl Reality {
         id
     }
 
-    fn edit(&mut self, edits: &[crate::text::Edit]) {
+    fn edit(&mut self, edits: &[admire_syntax::text::Edit]) {
         let edited = self.dataset.edited(edits);
         self.dataset = edited.expect("edits of one statement do not overlap").value;
     }

@@ -1,8 +1,8 @@
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::diagnostic::{Code, Diagnostic};
-use crate::mechanics::{Mat3, Vec3, exp};
+use admire_solver::mechanics::{Mat3, Vec3, exp};
+use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// `cause@address:name=value,...`.
 #[derive(Clone, PartialEq, Debug)]

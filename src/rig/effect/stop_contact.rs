@@ -5,8 +5,8 @@
 
 use super::reality::displacement;
 use super::{EffectSpec, Reality};
-use crate::diagnostic::Diagnostic;
-use crate::mechanics::Pose;
+use admire_solver::mechanics::Pose;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `clearance=...,stiffness=...`, `law=linear` or `quadratic`, `side=plus` or `minus` (for a spring: `bump` or `rebound`).
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
@@ -19,7 +19,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
     };
     let (model, i, frame_i) = reality.marker(spec, pair[0])?;
     let (_, j, frame_j) = reality.marker(spec, pair[1])?;
-    let place = |marker: crate::model::MarkerIx, frame: &Pose| {
+    let place = |marker: admire_solver::model::MarkerIx, frame: &Pose| {
         model.parts[model.markers[marker.0].part.0]
             .pose
             .compose(frame)

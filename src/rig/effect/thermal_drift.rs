@@ -2,7 +2,7 @@
 //! origin and in proportion to the number of cases done.
 
 use super::{EffectSpec, ReadingFault, Reality};
-use crate::diagnostic::Diagnostic;
+use admire_syntax::diagnostic::Diagnostic;
 
 /// `growth=1e-4`: relative, reached at the last case.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {

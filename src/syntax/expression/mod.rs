@@ -9,7 +9,7 @@ mod tests;
 mod tokens;
 
 pub use parse::parse;
-pub(crate) use references::argument_space;
+pub use references::argument_space;
 
 use crate::grammar::FunctionDef;
 use crate::text::Span;
@@ -92,7 +92,7 @@ impl Node {
     }
 
     /// It and everything inside of it; of what stands side by side the last first.
-    pub(crate) fn walk(&self) -> impl Iterator<Item = &Self> {
+    pub fn walk(&self) -> impl Iterator<Item = &Self> {
         let mut open = vec![self];
         std::iter::from_fn(move || {
             let node = open.pop()?;

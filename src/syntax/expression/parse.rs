@@ -4,8 +4,8 @@ use super::super::{Number, Token, TokenKind, number::parse_number};
 use super::tokens::tokens_of;
 use super::{BinaryOperator, Constant, Expression, Node};
 use crate::diagnostic::{Checked, Code, Diagnostic};
+use crate::fix::did_you_mean;
 use crate::grammar::{Count, FUNCTIONS, FunctionDef, all_nearest, find_function};
-use crate::syntax::fix::did_you_mean;
 use crate::text::{Source, Span};
 
 /// How many parentheses, calls and signs may stand inside each other.
@@ -66,21 +66,6 @@ impl Expression {
             (Some(expression), _) => Ok(expression),
             (None, Some(diagnostic)) => Err(diagnostic),
             (None, None) => unreachable!("an expression that is not returned has a diagnostic"),
-        }
-    }
-
-    /// The expression that is one number, with an empty span.
-    #[cfg(test)]
-    pub(crate) fn constant(value: f64) -> Self {
-        Self {
-            root: Node::Literal(0),
-            text: value.to_string(),
-            span: Span::default(),
-            literals: vec![Number {
-                value,
-                degrees: false,
-                span: Span::default(),
-            }],
         }
     }
 }

@@ -47,7 +47,7 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
 }
 
 /// The id space of argument `at`, from 0, of a function; `None` for plain values.
-pub(crate) fn argument_space(function: &str, at: usize) -> Option<&'static str> {
+pub fn argument_space(function: &str, at: usize) -> Option<&'static str> {
     let spaces = argument_spaces(function);
     spaces[at.min(spaces.len() - 1)]
 }

@@ -2,8 +2,8 @@
 
 use super::{Expression, Node, parse};
 use crate::diagnostic::Code;
-use crate::syntax::{Token, TokenKind};
 use crate::text::{Source, Span};
+use crate::{Token, TokenKind};
 
 /// The tree written with all its parentheses.
 fn tree(text: &str) -> String {

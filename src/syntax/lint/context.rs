@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use super::options::Options;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::ValueKind;
-use crate::syntax::{Argument, Dataset, Fault, Reference, Statement};
 use crate::text::Span;
+use crate::{Argument, Dataset, Fault, Reference, Statement};
 
 /// What the rules look at: the dataset, its statements by id space and id, and every reference.
 pub(super) struct Context<'a> {

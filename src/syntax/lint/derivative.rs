@@ -1,9 +1,9 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
+use crate::expression::Node;
 use crate::grammar::{FunctionDef, Solved};
-use crate::syntax::expression::Node;
-use crate::syntax::{Expression, Value};
 use crate::text::Span;
+use crate::{Expression, Value};
 
 /// Functions of the motion that have no derivative everywhere: Newton's method may stumble where they bend or jump.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

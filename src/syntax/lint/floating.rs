@@ -1,6 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::Diagnostic;
-use crate::syntax::floating_faults;
+use crate::floating_faults;
 
 /// Floating markers where a fixed one is needed, and fixed ones where the solver must move it.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

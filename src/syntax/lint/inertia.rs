@@ -1,5 +1,3 @@
-use nalgebra::Matrix3;
-
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
@@ -21,15 +19,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         // IP gives the products as positive integrals (`state_part`).
         let product = |k: usize| -products.get(k).copied().unwrap_or(0.0);
         let (xy, xz, yz) = (product(0), product(1), product(2));
-        let tensor = Matrix3::new(*xx, xy, xz, xy, *yy, yz, xz, yz, *zz);
+        let tensor = [[*xx, xy, xz], [xy, *yy, yz], [xz, yz, *zz]];
         if [xx, yy, zz].iter().any(|moment| !(**moment > 0.0)) {
             continue;
         }
-        let mut moments: Vec<f64> = tensor.symmetric_eigenvalues().iter().copied().collect();
-        moments.sort_by(f64::total_cmp);
-        let [small, middle, large] = moments[..] else {
-            continue;
-        };
+        let [small, middle, large] = principal_moments(tensor);
         if middle < NOT_STATED * large && small > -NOT_STATED * large {
             continue;
         }
@@ -55,5 +49,64 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
                 .warning(Code::ImpossibleInertia, argument.value_span(), fault)
                 .help("IP is Ixx, Iyy, Izz, Ixy, Ixz, Iyz, with products as positive integrals"),
         );
+    }
+}
+
+/// Eigenvalues of a symmetric tensor, the smallest first: rotations by Jacobi until nothing is left beside the diagonal (Golub and
+/// Van Loan, Matrix Computations, section 8.5).
+fn principal_moments(mut a: [[f64; 3]; 3]) -> [f64; 3] {
+    let size = a.iter().flatten().map(|x| x.abs()).sum::<f64>();
+    // What is left falls with its square: five sweeps are enough. The limit is for numbers that are not finite.
+    for _ in 0..60 {
+        let beside = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
+        if !(beside > 1e-3 * f64::EPSILON * size) {
+            break;
+        }
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let tau = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let t = tau.signum() / (tau.abs() + (1.0 + tau * tau).sqrt());
+            let c = 1.0 / (1.0 + t * t).sqrt();
+            let s = t * c;
+            for row in &mut a {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            for k in 0..3 {
+                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+            }
+        }
+    }
+    let mut moments = [a[0][0], a[1][1], a[2][2]];
+    moments.sort_by(f64::total_cmp);
+    moments
+}
+
+#[cfg(test)]
+mod tests {
+    use super::principal_moments;
+
+    #[test]
+    fn principal_moments_are_those_of_a_turned_body() {
+        // Moments 1, 2 and 4, turned about z by 30 degrees and then about x by 45.
+        let (c, s, h) = (0.75_f64.sqrt(), 0.5, 0.5_f64.sqrt());
+        let R = [[c, -s, 0.0], [h * s, h * c, -h], [h * s, h * c, h]];
+        let mut tensor = [[0.0; 3]; 3];
+        for (i, row) in tensor.iter_mut().enumerate() {
+            for (j, x) in row.iter_mut().enumerate() {
+                *x = (0..3).map(|k| R[i][k] * [1.0, 2.0, 4.0][k] * R[j][k]).sum();
+            }
+        }
+        let found = principal_moments(tensor);
+        for (found, wanted) in found.iter().zip([1.0, 2.0, 4.0]) {
+            assert!((found - wanted).abs() < 1e-14, "{found}");
+        }
+    }
+
+    #[test]
+    fn moments_of_a_diagonal_tensor_are_its_own() {
+        let tensor = [[3.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 2.0]];
+        assert_eq!(principal_moments(tensor), [-1.0, 2.0, 3.0]);
     }
 }

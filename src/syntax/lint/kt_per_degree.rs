@@ -1,6 +1,6 @@
 use super::context::Context;
+use crate::Argument;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Argument;
 use crate::units::LENGTH_UNITS;
 
 /// Below this lever arm a rotational stiffness was hardly meant per radian.

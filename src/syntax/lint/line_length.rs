@@ -1,6 +1,6 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::lines::comment_start;
+use crate::lines::comment_start;
 use crate::text::Span;
 
 /// Columns the FORTRAN solver reads.

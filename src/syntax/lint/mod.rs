@@ -38,7 +38,7 @@ use crate::text::Span;
 use context::Context;
 
 pub use options::Options;
-pub(crate) use suppressed::Suppressed;
+pub use suppressed::Suppressed;
 
 /// What a rule looks at to judge one statement: what a change of another one can change in its complaints.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
@@ -153,7 +153,7 @@ pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
 /// Looks at the commands of a file in their order, against the decks they are run on: objects that are not there, and times
 /// that cannot be. `deck_of` gives the deck behind the name of a model at a place of the file, or `None` where it could not be
 /// read; then less is said. Complaints are in the order of the file.
-pub(crate) fn check_sequence(
+pub fn check_sequence(
     file: &CommandFile,
     deck_of: impl FnMut(Span) -> Option<Dataset>,
 ) -> Vec<Diagnostic> {
@@ -171,7 +171,7 @@ pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
 
 /// Runs the rules that look no further than `reach` over a dataset, each complaint with the reach of its rule. `None` as soon as
 /// the answer is `outdated`, which is asked between rules.
-pub(crate) fn check_until(
+pub fn check_until(
     dataset: &Dataset,
     options: &Options,
     reach: Reach,

@@ -2,7 +2,7 @@ use std::collections::HashMap;
 
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::{Number, Statement};
+use crate::{Number, Statement};
 
 /// What a motion drives: a joint or a pair of markers, and along or about which axis.
 type Freedom = (Option<u32>, Option<(u32, u32)>, &'static str);

@@ -2,10 +2,10 @@ use std::collections::BTreeMap;
 
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
+use crate::expression::Node;
 use crate::grammar::{FunctionDef, Solved};
-use crate::syntax::expression::Node;
-use crate::syntax::{Stated, Statement, Value};
 use crate::text::Span;
+use crate::{Stated, Statement, Value};
 
 /// What ADAMS solves and the built-in solver does not, once for each kind of statement and each function.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

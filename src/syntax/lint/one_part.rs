@@ -1,6 +1,6 @@
 use super::context::Context;
+use crate::Argument;
 use crate::diagnostic::{Code, Diagnostic, Severity};
-use crate::syntax::Argument;
 
 /// Constraints and forces whose two markers are on one body.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

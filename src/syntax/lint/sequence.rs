@@ -4,8 +4,8 @@
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{STATEMENTS, nearest};
-use crate::syntax::{Argument, CommandFile, Dataset, Statement, Wrong};
 use crate::text::Span;
+use crate::{Argument, CommandFile, Dataset, Statement, Wrong};
 
 /// The rules of one command file; `deck_of` gives the deck that stands behind the name of a model at a place of the file, if
 /// it could be read. Complaints are in the order of the file.

@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::expression::{BinaryOperator, Constant, Node};
-use crate::syntax::{Expression, Value};
+use crate::expression::{BinaryOperator, Constant, Node};
+use crate::{Expression, Value};
 
 /// STEP, STEP5 and HAVSIN that begin where they end: their value there is not defined.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

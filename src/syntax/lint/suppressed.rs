@@ -1,14 +1,14 @@
 use std::ops::Range;
 
+use crate::Statement;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Statement;
-use crate::syntax::lines::{comment_start, physical_line};
+use crate::lines::{comment_start, physical_line};
 use crate::text::{Source, Span};
 
 /// Complaints that comments of a file silence: `! admire: ignore[tab, unreferenced]` behind a statement or on a line above it
 /// silences these codes there, without a list all of them; `! admire: ignore-file[tab]` silences them in the whole file.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Suppressed {
+pub struct Suppressed {
     silences: Vec<Silence>,
     /// Codes in such comments that do not exist.
     pub diagnostics: Vec<Diagnostic>,
@@ -34,7 +34,7 @@ const MARK: &[u8] = b"admire:";
 
 impl Suppressed {
     /// Reads the comments of a file with these statements or commands, in the order of the file.
-    pub(crate) fn of(source: &Source, statements: &[Statement]) -> Self {
+    pub fn of(source: &Source, statements: &[Statement]) -> Self {
         let bytes = source.bytes();
         let mut found = Self::default();
         for at in memchr::memmem::find_iter(bytes, MARK) {
@@ -65,19 +65,19 @@ impl Suppressed {
     }
 
     /// True if a comment of the file silences a complaint about it.
-    pub(crate) fn covers(&self, diagnostic: &Diagnostic) -> bool {
+    pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
         let label = diagnostic.labels.first();
         label.is_some_and(|label| self.covers_at(diagnostic.code, label.span.start()))
     }
 
     /// True if a comment silences a code at a place.
-    pub(crate) fn covers_at(&self, code: Code, offset: usize) -> bool {
+    pub fn covers_at(&self, code: Code, offset: usize) -> bool {
         let here = |silence: &Silence| silence.place.contains(&offset);
         self.silences.iter().any(|s| here(s) && s.covers(code))
     }
 
     /// True if a comment silences a code in the whole file.
-    pub(crate) fn covers_file(&self, code: Code) -> bool {
+    pub fn covers_file(&self, code: Code) -> bool {
         let mut silences = self.silences.iter();
         silences.any(|silence| silence.whole_file && silence.covers(code))
     }
@@ -136,8 +136,8 @@ fn statement_of(statements: &[Statement], line: Span, comment: usize) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::syntax::Dataset;
-    use crate::syntax::lint::{Options, check};
+    use crate::Dataset;
+    use crate::lint::{Options, check};
 
     #[test]
     fn comments_silence_the_statement_they_stand_at() {

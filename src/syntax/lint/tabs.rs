@@ -1,6 +1,6 @@
 use super::context::Context;
+use crate::TokenKind;
 use crate::diagnostic::{Applicability, Code, Diagnostic};
-use crate::syntax::TokenKind;
 use crate::text::{Edit, Span};
 
 /// Tabs between words, once for the file.

@@ -1,8 +1,8 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::ArgumentDef;
-use crate::syntax::{Argument, Statement};
 use crate::units::Dimension;
+use crate::{Argument, Statement};
 
 /// A degree suffix on a number that is no angle: it divides the number by 57.3. An angle without it of more than a whole turn that
 /// is a multiple of five: it was meant in degrees.

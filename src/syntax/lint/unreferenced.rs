@@ -1,8 +1,8 @@
 use std::collections::HashSet;
 
 use super::context::Context;
+use crate::Value;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Value;
 
 /// Data nothing reads. Markers that nothing uses are normal in decks of ADAMS/View and are counted by `admire summary`.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {

@@ -1,7 +1,7 @@
 use super::block::{Block, Table};
 use super::{PropertyKind, PropertyUnits};
+use crate::Number;
 use crate::diagnostic::{Code, Diagnostic};
-use crate::syntax::Number;
 use crate::text::{Source, Span};
 use crate::units::{Dimension, Units};
 

@@ -1,8 +1,8 @@
 use super::block::{Block, Cell, Parameter, Table};
+use crate::Number;
 use crate::diagnostic::{Checked, Code, Diagnostic};
-use crate::syntax::Number;
-use crate::syntax::lines::physical_line;
-use crate::syntax::number::parse_number;
+use crate::lines::physical_line;
+use crate::number::parse_number;
 use crate::text::{Source, Span};
 
 /// A file full of nonsense is reported with so many complaints.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use admire::identify::LoadedStudy;
-use admire::rig::LoadTable;
-use admire::rig::noise::Noise;
+use admire_identify::LoadedStudy;
+use admire_rig::LoadTable;
+use admire_study::noise::Noise;
 use tempfile::TempDir;
 
 use super::draw::Axle;

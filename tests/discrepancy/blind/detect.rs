@@ -1,12 +1,12 @@
 //! How much of an effect no stiffness and no nuisance can follow.
 
-use admire::identify::LoadedStudy;
-use admire::identify::global::gauss_newton::LeastSquares;
-use admire::identify::global::{
+use admire_identify::LoadedStudy;
+use admire_identify::global::gauss_newton::LeastSquares;
+use admire_identify::global::{
     Meaning, Observations, Options, Prepared, Row, Start, StartValues, fit_study, fit_unknowns,
     global_problem,
 };
-use admire::rig::Measurement;
+use admire_study::Measurement;
 use nalgebra::{DMatrix, DVector};
 
 /// Directions a fit can follow anyway, at the truth.

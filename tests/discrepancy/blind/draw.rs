@@ -1,7 +1,7 @@
 //! What a seed plants: cause, place, sign and size on an axle, measured in a programme with a noise.
 
-use admire::model::{JointKind, MarkerIx, Model};
-use admire::rig::LoadTable;
+use admire_rig::LoadTable;
+use admire_solver::model::{JointKind, MarkerIx, Model};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use admire::discrepancy::{Diagnosis, Finding, Verdict};
-use admire::identify::LoadedStudy;
+use admire_diagnosis::{Diagnosis, Finding, Verdict};
+use admire_identify::LoadedStudy;
 
 use super::draw::{Kind, Plan};
 use super::trial::{Planted, Trial};

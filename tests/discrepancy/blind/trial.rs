@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use admire::backend::{Backend, NativeBackend, SweepRequest};
-use admire::discrepancy::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
-use admire::identify::LoadedStudy;
-use admire::mechanics::{Pose, RelativeMotion, Vec3};
-use admire::model::{MarkerIx, Model};
-use admire::rig::effect::EffectSpec;
-use admire::rig::{RigOptions, RigRun, Tolerances, virtual_rig};
+use admire_diagnosis::{Diagnosis, GainCheck, Progress, diagnose_watched, held_out};
+use admire_identify::LoadedStudy;
+use admire_rig::effect::EffectSpec;
+use admire_rig::{RigOptions, RigRun, Tolerances, virtual_rig};
+use admire_session::backend::{Backend, NativeBackend, SweepRequest};
+use admire_solver::mechanics::{Pose, RelativeMotion, Vec3};
+use admire_solver::model::{MarkerIx, Model};
 
 use nalgebra::DVector;
 
@@ -134,7 +134,7 @@ fn measure(truth: &Truth, plan: &Plan, specs: &[&str], sigma: Option<f64>) -> Op
         },
         ..RigOptions::default()
     };
-    let unreachable = |why: &[admire::diagnostic::Diagnostic]| {
+    let unreachable = |why: &[admire_syntax::diagnostic::Diagnostic]| {
         let only = why.iter().all(|d| d.code.as_str() == "unreachable-case");
         assert!(only, "{specs:?} of seed {}: {why:#?}", plan.seed);
     };

@@ -1,0 +1,478 @@
+//! What could be measured next.
+
+use serde::Serialize;
+
+use admire_diagnosis::Subject;
+use admire_session::backend::LoadProgramme;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
+
+/// How far beyond the largest magnitude of the study loads are looked at.
+pub(super) const BEYOND: f64 = 1.25;
+/// Load cases that are looked at, at most.
+const MOST_LOADS: usize = 160;
+/// Cases whose repetition is looked at, at most.
+const MOST_REPEATS: usize = 24;
+/// Places on a part that are looked at for a mark, at most.
+const MOST_PLACES: usize = 6;
+/// Elements into which a load cell is thought, at most.
+const MOST_CELLS: usize = 24;
+/// Standard deviation of an angle of the wheel in degrees and of a place of it in millimetres where the study states none.
+const USUAL: (f64, f64) = (0.01, 0.05);
+/// Standard deviation of a mark coordinate in millimetres where the study has no marks.
+const USUAL_MARK: f64 = 0.05;
+/// Standard deviation of a load cell over the largest force it sees.
+const OF_FULL_SCALE: f64 = 0.005;
+
+/// What kind of measurement it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// A load case.
+    Load,
+    /// A load case of the study once more.
+    Repeat,
+    /// One load up, down, to the other side and back.
+    Loop,
+    /// A mark on a part, read in all cases.
+    Mark,
+    /// A curve of the wheel, read in all cases.
+    Curve,
+    /// Forces in an element, read in all cases.
+    LoadCell,
+}
+
+/// Something that could be measured next.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Candidate {
+    /// What kind of measurement it is.
+    pub kind: Kind,
+    /// What to do, as a person would say it.
+    pub what: String,
+    /// What is new.
+    pub new: New,
+}
+
+/// What a measurement adds to the study.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) enum New {
+    /// Load cases in this order, one value per load; all that the study reads is read in them.
+    Cases(Vec<Vec<f64>>),
+    /// The place of a mark on a part, in the part's frame.
+    Mark(PartIx, Vec3),
+    /// A component of the wheel: 0 to 2 for x, y, z, 3 camber, 4 toe; and the standard deviation of a reading.
+    Wheel(usize, f64),
+    /// Functions of the deck by their places in [`Candidates::functions`].
+    Functions(std::ops::Range<usize>),
+}
+
+/// All that is looked at.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub(super) struct Candidates {
+    /// One after the other.
+    pub list: Vec<Candidate>,
+    /// Functions of the deck that load cells read.
+    pub functions: Vec<String>,
+    /// Combinations of loads that were too many to be looked at.
+    pub left_out: usize,
+}
+
+impl Candidate {
+    fn cases(kind: Kind, what: String, cases: Vec<Vec<f64>>) -> Self {
+        Self {
+            kind,
+            what,
+            new: New::Cases(cases),
+        }
+    }
+
+    /// Its load cases; none for an instrument.
+    pub(super) fn sequence(&self) -> &[Vec<f64>] {
+        match &self.new {
+            New::Cases(cases) => cases,
+            _ => &[],
+        }
+    }
+}
+
+impl Candidates {
+    /// Each load alone and in pairs, both ways from where the study usually has it, at its largest distance from there times each of
+    /// these factors.
+    pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
+        let usual = usual(programme);
+        let far: Vec<f64> = (0..usual.len())
+            .map(|load| {
+                let values = programme.cases.iter().map(|case| case.values[load]);
+                values.fold(0.0_f64, |most, v| most.max((v - usual[load]).abs()))
+            })
+            .collect();
+        let moved: Vec<usize> = (0..usual.len()).filter(|load| far[*load] > 0.0).collect();
+        let mut new = Self::default();
+        let mut add = |sides: &[(usize, f64)], factor: f64| {
+            if new.list.len() == MOST_LOADS {
+                new.left_out += 1;
+                return;
+            }
+            let mut values = usual.clone();
+            for (load, side) in sides {
+                values[*load] += side * factor * far[*load];
+            }
+            // Four digits are as many as a rig can set.
+            for (load, _) in sides {
+                values[*load] = round(programme, *load, values[*load]);
+            }
+            let each = sides
+                .iter()
+                .map(|(load, _)| shown(programme, *load, values[*load]));
+            let mut what = each.collect::<Vec<_>>().join(", ");
+            if factor > 1.0 {
+                what += " (beyond)";
+            }
+            let known = |of: &Candidate| of.sequence()[0] == values;
+            if !new.list.iter().any(known) {
+                new.list
+                    .push(Candidate::cases(Kind::Load, what, vec![values]));
+            }
+        };
+        for factor in factors {
+            for load in &moved {
+                add(&[(*load, 1.0)], *factor);
+                add(&[(*load, -1.0)], *factor);
+            }
+        }
+        for factor in factors {
+            for (k, a) in moved.iter().enumerate() {
+                for b in &moved[k + 1..] {
+                    for (one, other) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                        add(&[(*a, one), (*b, other)], *factor);
+                    }
+                }
+            }
+        }
+        new
+    }
+
+    /// Adds the repetition of each case of the study, and leaves out the load cases that are one.
+    pub(super) fn repeats(&mut self, programme: &LoadProgramme) {
+        let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
+        self.list
+            .retain(|candidate| !candidate.sequence().iter().all(is_there));
+        let mut seen: Vec<(&[f64], Vec<&str>)> = Vec::new();
+        for case in &programme.cases {
+            match seen.iter_mut().find(|(values, _)| *values == case.values) {
+                Some((_, labels)) => labels.push(&case.label),
+                None => seen.push((&case.values, vec![&case.label])),
+            }
+        }
+        let step = seen.len().div_ceil(MOST_REPEATS).max(1);
+        for (values, labels) in seen.iter().step_by(step) {
+            let what = match labels.len() {
+                1 => format!("case {} again", labels[0]),
+                count => format!("case {} again (there {count} times)", labels[0]),
+            };
+            let cases = vec![values.to_vec()];
+            self.list.push(Candidate::cases(Kind::Repeat, what, cases));
+        }
+    }
+
+    /// Adds a loop of each load: to its largest distance on both sides, and back each time.
+    pub(super) fn loops(&mut self, programme: &LoadProgramme) {
+        let usual = usual(programme);
+        for load in 0..usual.len() {
+            let values = programme.cases.iter().map(|case| case.values[load]);
+            let far = values.fold(0.0_f64, |most, v| most.max((v - usual[load]).abs()));
+            if far == 0.0 {
+                continue;
+            }
+            let at = |side: f64| {
+                let mut values = usual.clone();
+                values[load] = round(programme, load, values[load] + side * far);
+                values
+            };
+            let cases: Vec<Vec<f64>> = [0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0, -0.5, 0.0]
+                .map(at)
+                .to_vec();
+            let (low, high) = (cases[6][load], cases[2][load]);
+            let what = format!(
+                "loop {} to {}",
+                shown(programme, load, low),
+                plain(programme, load, high)
+            );
+            self.list.push(Candidate::cases(Kind::Loop, what, cases));
+        }
+    }
+
+    /// Adds marks on all parts, at places where the deck has markers.
+    pub(super) fn marks(&mut self, model: &Model) {
+        for (k, part) in model.parts.iter().enumerate() {
+            if part.kind == PartKind::Ground {
+                continue;
+            }
+            let mut places: Vec<(u32, Vec3)> = Vec::new();
+            for marker in model.markers.iter().filter(|m| m.part == PartIx(k)) {
+                let far = |(_, place): &(u32, Vec3)| (place - marker.qp).norm() > 1e-6;
+                if places.iter().all(far) {
+                    places.push((marker.header.id, marker.qp));
+                }
+            }
+            let step = places.len().div_ceil(MOST_PLACES).max(1);
+            for (id, place) in places.iter().step_by(step) {
+                let name = if part.header.name.is_empty() {
+                    format!("PART/{}", part.header.id)
+                } else {
+                    part.header.name.clone()
+                };
+                self.list.push(Candidate {
+                    kind: Kind::Mark,
+                    what: format!("mark on {name} near MARKER/{id}"),
+                    new: New::Mark(PartIx(k), *place),
+                });
+            }
+        }
+    }
+
+    /// Adds curves of the wheel that the study does not read; of the point where the loads act where it names no wheel.
+    pub(super) fn curves(&mut self, subject: &Subject<'_>) {
+        let measurement = subject.problem.measurement;
+        let read = |words: [&str; 2]| {
+            measurement.wheel.is_some()
+                || measurement.channels.iter().any(|channel| {
+                    if !channel.is_read_by_case() {
+                        return false;
+                    }
+                    let texts = [&channel.name, &channel.column.0].map(|text| text.to_lowercase());
+                    words
+                        .iter()
+                        .any(|word| texts.iter().any(|t| t.contains(word)))
+                })
+        };
+        let mm = subject.millimetre();
+        let (angle, place) = (USUAL.0, USUAL.1 * mm);
+        let mut curves = [
+            (4, ["toe", "steer"], "toe of the wheel".to_string(), angle),
+            (
+                3,
+                ["camber", "camber"],
+                "camber of the wheel".to_string(),
+                angle,
+            ),
+            (
+                0,
+                ["base", "base"],
+                "wheel centre along x".to_string(),
+                place,
+            ),
+            (
+                1,
+                ["track", "track"],
+                "wheel centre along y".to_string(),
+                place,
+            ),
+            (
+                2,
+                ["travel", "travel"],
+                "wheel centre along z".to_string(),
+                place,
+            ),
+        ];
+        let is_named = measurement.wheel.is_some()
+            || measurement.channels.iter().any(|c| !c.helpers.is_empty());
+        if !is_named {
+            let Some(marker) = loaded_marker(subject) else {
+                return;
+            };
+            let id = subject.problem.model.markers[marker.0].header.id;
+            let words = ["turn about z", "turn about x", "x", "y", "z"];
+            for ((.., what, _), word) in curves.iter_mut().zip(words) {
+                *what = format!("{word} of MARKER/{id}");
+            }
+        }
+        for (component, words, what, sigma) in curves {
+            if !read(words) {
+                self.list.push(Candidate {
+                    kind: Kind::Curve,
+                    what,
+                    new: New::Wheel(component, sigma),
+                });
+            }
+        }
+    }
+
+    /// Adds load cells in bushings and joints: three forces each.
+    pub(super) fn load_cells(&mut self, model: &Model) {
+        let bushings = model.bushings.iter();
+        let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
+        let joints = model.joints.iter();
+        let joints = joints.map(|j| (["JOINT", "JOINT"], &j.header, j.j));
+        let all = bushings.chain(joints);
+        let active = all.filter(|(_, header, _)| header.active);
+        for ([kind, function], header, frame) in active.take(MOST_CELLS) {
+            let first = self.functions.len();
+            let frame = model.markers[frame.0].header.id;
+            for component in 2..=4 {
+                let force = format!("{function}({},0,{component},{frame})", header.id);
+                self.functions.push(force);
+            }
+            self.list.push(Candidate {
+                kind: Kind::LoadCell,
+                what: format!("load cell in {kind}/{}", header.id),
+                new: New::Functions(first..self.functions.len()),
+            });
+        }
+    }
+}
+
+/// Standard deviation of a load cell that sees these forces.
+pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
+    OF_FULL_SCALE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
+}
+
+/// Standard deviation of a coordinate of a mark that is new.
+pub(super) fn sigma_of_a_mark(subject: &Subject<'_>) -> f64 {
+    if subject.compares_marks() {
+        subject.sigma
+    } else {
+        USUAL_MARK * subject.millimetre()
+    }
+}
+
+/// The value each load has most often; of those as frequent the one nearest to zero.
+fn usual(programme: &LoadProgramme) -> Vec<f64> {
+    let of = |load: usize| {
+        let values: Vec<f64> = programme.cases.iter().map(|c| c.values[load]).collect();
+        let count = |v: f64| values.iter().filter(|w| **w == v).count();
+        let better = |a: &f64, b: &f64| {
+            let by_count = count(*a).cmp(&count(*b));
+            by_count.then(b.abs().total_cmp(&a.abs()))
+        };
+        values.iter().copied().max_by(better).unwrap_or_default()
+    };
+    (0..programme.loads.len()).map(of).collect()
+}
+
+/// To four significant digits in the unit of the study's file.
+fn round(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
+    let shown = in_the_file(programme, load, value);
+    let digits: f64 = format!("{shown:.3e}").parse().unwrap_or(shown);
+    if in_degrees(programme, load) {
+        digits.to_radians()
+    } else {
+        digits
+    }
+}
+
+fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
+    programme.loads[load].name.ends_with("_deg")
+}
+
+/// The value of a load as the study's file has it.
+pub(super) fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
+    if in_degrees(programme, load) {
+        // Ten digits: the way to radians and back leaves fewer than sixteen.
+        let degrees = value.to_degrees();
+        format!("{degrees:.9e}").parse().unwrap_or(degrees)
+    } else {
+        value
+    }
+}
+
+fn plain(programme: &LoadProgramme, load: usize, value: f64) -> String {
+    let value = in_the_file(programme, load, value);
+    let digits: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    format!("{digits}")
+}
+
+fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
+    format!(
+        "{} {}",
+        programme.loads[load].name,
+        plain(programme, load, value)
+    )
+}
+
+/// The marker at which the loads of a study act: of the first that acts at one.
+pub(super) fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
+    let problem = &subject.problem;
+    let mut loads = problem.programme.loads.iter();
+    loads.find_map(|load| admire_identify::tolerance::acts_at(problem.model, &load.target))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BEYOND, Candidates, Kind};
+    use admire_session::backend::{Load, LoadCase, LoadProgramme};
+    use admire_syntax::text::Source;
+    use admire_syntax::{Address, Dataset};
+
+    fn programme(names: [&str; 2], cases: &[[f64; 2]]) -> LoadProgramme {
+        let text = b"t\nSFORCE/1, I=1, J=2, FUNCTION=0\nEND\n";
+        let dataset = Dataset::parse(Source::new("model.adm", text.to_vec())).value;
+        let load = |name: &str| Load {
+            name: name.to_string(),
+            target: Address::parse("SFORCE/1", &dataset).unwrap(),
+        };
+        let case = |(k, values): (usize, &[f64; 2])| LoadCase {
+            label: format!("{}", k + 1),
+            values: values.to_vec(),
+        };
+        LoadProgramme {
+            loads: names.map(load).to_vec(),
+            cases: cases.iter().enumerate().map(case).collect(),
+        }
+    }
+
+    /// A preload at which the other load is driven, as on a rig.
+    const CASES: [[f64; 2]; 6] = [
+        [1500.0, 0.0],
+        [4500.0, 0.0],
+        [7500.0, 0.0],
+        [4500.0, -4000.0],
+        [4500.0, 2000.0],
+        [4500.0, 2000.0],
+    ];
+
+    #[test]
+    fn loads_go_both_ways_from_where_they_usually_are() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let found = Candidates::loads(&programme, &[1.0, BEYOND]);
+        let values: Vec<&[f64]> = found.list.iter().map(|c| &c.sequence()[0][..]).collect();
+        let alone = [
+            [7500.0, 0.0],
+            [1500.0, 0.0],
+            [4500.0, 4000.0],
+            [4500.0, -4000.0],
+            [8250.0, 0.0],
+            [750.0, 0.0],
+            [4500.0, 5000.0],
+            [4500.0, -5000.0],
+        ];
+        assert_eq!(&values[..8], &alone.each_ref().map(|a| &a[..]));
+        assert_eq!(values.len(), 16);
+        assert!(values.contains(&&[750.0, 5000.0][..]));
+        let what = &found.list.last().unwrap().what;
+        assert_eq!(what, "vertical 750, lateral -5000 (beyond)");
+    }
+
+    #[test]
+    fn what_is_there_is_a_repetition() {
+        let programme = programme(["vertical", "lateral"], &CASES);
+        let mut found = Candidates::loads(&programme, &[1.0]);
+        found.repeats(&programme);
+        let of = |kind: Kind| found.list.iter().filter(move |c| c.kind == kind);
+        assert!(of(Kind::Load).all(|c| !CASES.contains(&[c.sequence()[0][0], c.sequence()[0][1]])));
+        let names: Vec<&str> = of(Kind::Repeat).map(|c| c.what.as_str()).collect();
+        assert_eq!(names.len(), 5);
+        assert_eq!(names[4], "case 5 again (there 2 times)");
+    }
+
+    /// Columns in degrees are set to digits of a degree.
+    #[test]
+    fn angles_are_set_in_degrees() {
+        let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);
+        let programme = programme(["vertical", "steer_deg"], &radians);
+        let found = Candidates::loads(&programme, &[BEYOND]);
+        assert_eq!(found.list[2].what, "steer_deg 50 (beyond)");
+        let value = super::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
+        assert_eq!(value, 50.0);
+    }
+}

@@ -1,0 +1,73 @@
+//! A load case in which two explanations that do equally well would differ most.
+
+use std::collections::BTreeMap;
+
+use super::candidate::{Candidates, in_the_file};
+use super::information::Information;
+use super::prospect::Prospect;
+use super::rivals::separated;
+use admire_diagnosis::{Fitted, Hypothesis, NextMeasurement, Outcome, Subject};
+
+/// What separates less than this does not.
+const SEPARATED: f64 = 6.0;
+
+/// Proposes a measurement that tells a finding of the diagnosis from its rival, if one would.
+pub fn propose(outcome: &mut Outcome<'_>) {
+    let best = &*outcome.extended;
+    let mut proposed = outcome.rivals.iter().filter_map(|rival| {
+        let own = (best, &rival.finding);
+        next_measurement(&outcome.subject, own, (&rival.fitted, &rival.instead))
+    });
+    outcome.diagnosis.next_measurement = proposed.next();
+}
+
+/// The load case within the range of those applied that tells a finding from its rival, or the repetition of one where a single
+/// reading is in question.
+fn next_measurement(
+    subject: &Subject<'_>,
+    (best, finding): (&Fitted, &Hypothesis),
+    (other, rival): (&Fitted, &Hypothesis),
+) -> Option<NextMeasurement> {
+    let programme = subject.problem.programme;
+    let case_of = |values: &[f64]| -> BTreeMap<String, f64> {
+        let columns = programme.loads.iter().zip(values).enumerate();
+        columns
+            .map(|(k, (load, value))| (load.name.clone(), in_the_file(programme, k, *value)))
+            .collect()
+    };
+    for hypothesis in [finding, rival] {
+        if let Some(case) = hypothesis.only_case(&subject.rows) {
+            return Some(NextMeasurement {
+                case: case_of(&programme.cases[case].values),
+                why: format!(
+                    "separates {finding} from {rival}, as it repeats case {}",
+                    programme.cases[case].label
+                ),
+            });
+        }
+    }
+    let candidates = Candidates::loads(programme, &[1.0]);
+    let mine = Prospect::new(subject, best, &candidates)?;
+    let theirs = Prospect::new(subject, other, &candidates)?;
+    let information = Information::of(best);
+    let apart = |at: usize| {
+        let (mine, theirs) = (mine.readings(at)?, theirs.readings(at)?);
+        separated(&information, &mine, &theirs)
+    };
+    let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
+    // Of several that do as well the first.
+    let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
+    let why = if separated > SEPARATED {
+        format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")
+    } else {
+        format!(
+            "separates {finding} from {rival} best of all loads in the range applied, but by a chi-square of {separated:.1} \
+             only: marks on both sides of {} would tell",
+            rival.address
+        )
+    };
+    Some(NextMeasurement {
+        case: case_of(&candidates.list[at].sequence()[0]),
+        why,
+    })
+}

@@ -1,0 +1,154 @@
+//! Two explanations of the same readings, and what a further measurement would say of them.
+
+use std::sync::Arc;
+
+use nalgebra::{Cholesky, DMatrix};
+use serde::Serialize;
+
+use super::information::Information;
+use super::prospect::Readings;
+use admire_diagnosis::{Fitted, Found, Hypothesis, Visited};
+
+/// A rival that is less probable than this beside the leading model is none.
+const UNDECIDED: f64 = 0.01;
+
+/// The leading model and the one that is most probable beside it.
+#[derive(Clone, Debug)]
+pub(super) struct Rivals {
+    /// Both fits.
+    pub fits: [Arc<Fitted>; 2],
+    /// What each holds that the other does not.
+    pub names: [String; 2],
+    /// Probability of each; of the two and all others together one.
+    pub probability: [f64; 2],
+}
+
+/// What a measurement would say of two rivals.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct Separation {
+    /// Chi-square by which it would hold them apart.
+    pub chi_square: f64,
+    /// By how much the probability of the one that is true is expected to rise.
+    pub probability_shift: f64,
+    /// Expected information about which one is true, in nats.
+    pub nats: f64,
+}
+
+impl Rivals {
+    /// Of a search; `None` if it is decided.
+    pub(super) fn of(found: &Found, leading: &Arc<Fitted>) -> Option<Self> {
+        let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
+        let mut fits: Vec<(Arc<Fitted>, f64)> = found.models.iter().filter_map(fitted).collect();
+        let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
+        let (own, p) = fits.remove(at);
+        let differs =
+            |fit: &Fitted| !without(fit, &own).is_empty() || !without(&own, fit).is_empty();
+        let (other, q) = fits.into_iter().find(|(fit, _)| differs(fit))?;
+        let names = [without(&own, &other), without(&other, &own)].map(|causes| {
+            if causes.is_empty() {
+                "no such cause".to_string()
+            } else {
+                let names: Vec<String> = causes.iter().map(ToString::to_string).collect();
+                names.join(" and ")
+            }
+        });
+        (q / (p + q) > UNDECIDED).then_some(Self {
+            fits: [own, other],
+            names,
+            probability: [p, q],
+        })
+    }
+
+    /// True if one of them depends on the order of the load cases.
+    pub(super) fn remember(&self) -> bool {
+        let mut causes = self.fits.iter().flat_map(|fit| &fit.chosen);
+        causes.any(|h| h.memory.is_some())
+    }
+
+    /// The probability of the first if one of the two is true.
+    pub(super) fn odds(&self) -> f64 {
+        self.probability[0] / (self.probability[0] + self.probability[1])
+    }
+}
+
+/// Causes of one model that are at no place of the other.
+fn without<'a>(fit: &'a Fitted, other: &Fitted) -> Vec<&'a Hypothesis> {
+    let there = |h: &&Hypothesis| !other.chosen.iter().any(|o| o.same_place(h));
+    fit.chosen.iter().filter(there).collect()
+}
+
+/// The chi-square by which readings hold two models apart: `d' (I + J C J')^-1 d`, what the first model does not know being no surprise.
+pub(super) fn separated(
+    information: &Information,
+    first: &Readings,
+    second: &Readings,
+) -> Option<f64> {
+    let (difference, rows) = first.against(second)?;
+    let known = information.widened(&first.further);
+    let S = known.covariance(rows)? + DMatrix::identity(rows.nrows(), rows.nrows());
+    Some(difference.dot(&Cholesky::new(S)?.solve(&difference)))
+}
+
+impl Separation {
+    /// Of a measurement that would hold two models apart by this chi-square; `odds` is the probability of the first. The logarithm of
+    /// the Bayes factor is Gaussian with mean half the chi-square for the true one, and with the chi-square as variance.
+    pub fn of(chi_square: f64, odds: f64) -> Self {
+        let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);
+        let prior = libm::log(odds / (1.0 - odds));
+        for step in -80..=80 {
+            let z = f64::from(step) * 0.1;
+            let weight = libm::exp(-0.5 * z * z);
+            sum += weight;
+            for (share, sign) in [(odds, 1.0), (1.0 - odds, -1.0)] {
+                let factor = sign * 0.5 * chi_square + chi_square.sqrt() * z;
+                let first = 1.0 / (1.0 + libm::exp(-(prior + factor)));
+                let own = if sign > 0.0 { first } else { 1.0 - first };
+                right += weight * share * own;
+                entropy += weight * share * of_two(first);
+            }
+        }
+        let before = odds * odds + (1.0 - odds) * (1.0 - odds);
+        Self {
+            chi_square,
+            probability_shift: (right / sum - before).max(0.0),
+            nats: (of_two(odds) - entropy / sum).max(0.0),
+        }
+    }
+}
+
+/// Entropy of a choice of two.
+fn of_two(p: f64) -> f64 {
+    let term = |p: f64| if p > 0.0 { -p * libm::log(p) } else { 0.0 };
+    term(p) + term(1.0 - p)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Separation;
+
+    #[test]
+    fn what_tells_nothing_shifts_nothing_and_what_tells_all_decides() {
+        let none = Separation::of(0.0, 0.7);
+        assert!(none.probability_shift < 1e-12 && none.nats < 1e-12);
+        let all = Separation::of(400.0, 0.7);
+        // From 0.7^2 + 0.3^2 to one, and all of the entropy.
+        assert!((all.probability_shift - 0.42).abs() < 1e-6);
+        assert!((all.nats - (-0.7 * 0.7_f64.ln() - 0.3 * 0.3_f64.ln())).abs() < 1e-6);
+    }
+
+    /// Small separations: the probability of the true one rises by `2 p^2 q^2 D^2`, the information is `p q D^2 / 2`.
+    #[test]
+    fn small_separations_are_those_of_the_series() {
+        let (p, q, d2) = (0.6, 0.4, 1e-3);
+        let found = Separation::of(d2, p);
+        assert!(
+            (found.nats / (0.5 * p * q * d2) - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+        let shift = 2.0 * p * p * q * q * d2;
+        assert!(
+            (found.probability_shift / shift - 1.0).abs() < 0.01,
+            "{found:?}"
+        );
+    }
+}

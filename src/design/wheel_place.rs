@@ -1,0 +1,146 @@
+//! The wheel whose place and angles are predicted, whatever a study reads.
+
+use super::candidate::loaded_marker;
+use admire_diagnosis::Subject;
+use admire_identify::global::{CaseChange, CasePrediction};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::PartIx;
+
+/// A wheel on its carrier.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct WheelPlace {
+    /// What it was taken from.
+    pub told: String,
+    /// The carrier.
+    pub part: PartIx,
+    /// Centre in the frame of the carrier.
+    centre: Vec3,
+    /// Spin axis in the frame of the carrier.
+    spin: Vec3,
+}
+
+/// Place of the wheel centre in the deck's length unit, camber and toe in degrees; the angles up to a constant and a sign.
+pub(super) type Five = [f64; 5];
+
+impl WheelPlace {
+    /// The wheel of `[wheel]`, else that of `[kc]`, else the point where the loads act with the spin axis along y of ground.
+    pub(super) fn of(subject: &Subject<'_>) -> Option<Self> {
+        let (model, measurement) = (subject.problem.model, subject.problem.measurement);
+        if let Some(wheel) = &measurement.wheel {
+            let marker = &model.markers[wheel.marker.0];
+            let column: Vec3 = marker.R.column(wheel.spin.axis).into();
+            return Some(Self {
+                told: format!("MARKER/{}", marker.header.id),
+                part: marker.part,
+                centre: marker.qp,
+                spin: column * wheel.spin.sense,
+            });
+        }
+        // Curves of a rig bring markers of the wheel: its centre and one along its spin axis.
+        let helpers = measurement.channels.iter().map(|channel| &channel.helpers);
+        if let Some([centre, outboard, ..]) = helpers
+            .map(Vec::as_slice)
+            .find(|helpers| helpers.len() == 3)
+        {
+            let beside = &model.markers[model.marker(centre.beside)?.0];
+            return Some(Self {
+                told: format!("MARKER/{}", centre.beside),
+                part: beside.part,
+                centre: centre.place,
+                spin: outboard.place - centre.place,
+            });
+        }
+        let marker = &model.markers[loaded_marker(subject)?.0];
+        let part = &model.parts[marker.part.0];
+        Some(Self {
+            told: format!(
+                "MARKER/{}, where the loads act, its spin axis along y",
+                marker.header.id
+            ),
+            part: marker.part,
+            centre: marker.qp,
+            spin: part.pose.R.transpose() * Vec3::y(),
+        })
+    }
+
+    /// Where it is in a case.
+    pub(super) fn place(&self, case: &CasePrediction) -> Five {
+        let pose = &case.poses[self.part.0];
+        let (p, s) = (pose.point(&self.centre), pose.R * self.spin);
+        // Of the axis, not of its sense.
+        let toe = if s.y.abs() > s.x.abs() {
+            -libm::atan(s.x / s.y)
+        } else {
+            libm::atan(s.y / s.x)
+        };
+        [
+            p.x,
+            p.y,
+            p.z,
+            -libm::asin(s.z).to_degrees(),
+            toe.to_degrees(),
+        ]
+    }
+
+    /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.
+    pub(super) fn change(&self, case: &CasePrediction, change: CaseChange<'_>, at: usize) -> Five {
+        let pose = &case.poses[self.part.0];
+        let [x, y, z, a, b, c] = change.parts[at];
+        let turn = Vec3::new(a, b, c);
+        let dp = Vec3::new(x, y, z) + turn.cross(&(pose.R * self.centre));
+        let s = pose.R * self.spin;
+        let ds = turn.cross(&s);
+        let level = s.x * s.x + s.y * s.y;
+        [
+            dp.x,
+            dp.y,
+            dp.z,
+            -(ds.z / level.sqrt()).to_degrees(),
+            ((s.x * ds.y - s.y * ds.x) / level).to_degrees(),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use admire_identify::global::CaseChanges;
+    use admire_solver::mechanics::{Pose, exp};
+
+    #[test]
+    fn changes_are_those_of_the_place() {
+        let wheel = WheelPlace {
+            told: String::new(),
+            part: PartIx(0),
+            centre: Vec3::new(20.0, -30.0, 10.0),
+            spin: Vec3::new(0.03, -0.99, 0.1).normalize(),
+        };
+        let at = |step: f64| {
+            let turn = Vec3::new(0.2, -0.1, 0.3) + Vec3::new(0.4, -0.3, 0.2) * 0.0;
+            let R = exp(&(Vec3::new(0.4, -0.3, 0.2) * step)) * exp(&turn);
+            CasePrediction {
+                poses: vec![Pose {
+                    p: Vec3::new(1.0, 2.0, 3.0) + Vec3::new(-1.0, 0.5, 2.0) * step,
+                    R,
+                }],
+                channels: Vec::new(),
+                by_unknown: CaseChanges::default(),
+                free: CaseChanges::default(),
+            }
+        };
+        let change = CaseChange {
+            parts: &[[-1.0, 0.5, 2.0, 0.4, -0.3, 0.2]],
+            channels: &[],
+        };
+        let exact = wheel.change(&at(0.0), change, 0);
+        let step = 1e-5;
+        let (up, down) = (wheel.place(&at(step)), wheel.place(&at(-step)));
+        for k in 0..5 {
+            let difference = (up[k] - down[k]) / (2.0 * step);
+            assert!(
+                (difference - exact[k]).abs() < 1e-7 * (1.0 + exact[k].abs()),
+                "{k}"
+            );
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! `assembly-offset`: the two sides of a bushing sit displaced from where the deck says, in every load case.
+//!
+//! Out of centre is a small error that every bushing has, and a finding when it stands out; askew is a cause of its own.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number, SIX, Unknown, number};
+use super::super::survey::Survey;
+use admire_identify::tolerance::Group;
+
+/// Millimetres and degrees a bushing may well be off.
+const SD: (f64, f64) = (0.5, 0.5);
+
+/// Every bushing, out of centre and askew.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (k, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let id = bushing.header.id;
+        let address = format!("BUSHING/{id}");
+        let members = survey.members(Group::Offsets, &address);
+        if !members.is_empty() {
+            out.push(Hypothesis::outstanding(
+                Cause::AssemblyOffset,
+                address.clone(),
+                "shift",
+                members,
+                SD.0 * survey.millimetre(),
+            ));
+        }
+        let stiffnesses = survey.stiffnesses(k);
+        let numbers = (3..6).filter(|axis| stiffnesses[*axis] > 0.0).map(|axis| {
+            let [stiffness, preload] =
+                ["KT", "TORQUE"].map(|word| number("BUSHING", id, word, Some(axis - 2)));
+            let column = Column::Always(vec![(preload.clone(), stiffnesses[axis])]);
+            Number {
+                column,
+                ..Number::new(
+                    SIX[axis],
+                    SD.1.to_radians(),
+                    Unknown::Offset { stiffness, preload },
+                )
+            }
+        });
+        let numbers: Vec<Number> = numbers.collect();
+        if !numbers.is_empty() {
+            out.push(Hypothesis::plain(
+                Cause::AssemblyOffset,
+                address,
+                "turn",
+                numbers,
+            ));
+        }
+    }
+}

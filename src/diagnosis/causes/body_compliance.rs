@@ -1,0 +1,97 @@
+//! `body-compliance`: the ground-side attachment of a joint or spring yields.
+//!
+//! For a bushing it is part of the identified stiffness.
+
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::MarkerIx;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number, Unknown, number};
+use super::super::survey::Survey;
+
+/// Millimetres per newton a bracket that holds a joint may well yield, and the seat of a spring, which often is rubber.
+const SD: (f64, f64) = (1e-4, 5e-4);
+
+/// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
+pub(super) const IN_LINE: &str = "holds a link";
+
+/// Every joint, primitive and spring with one side on ground: the same compliance in all directions.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let model = survey.model;
+    let Some(ground) = model.ground() else {
+        return;
+    };
+    let per_length = survey.newton() / survey.millimetre();
+    let mut put =
+        |address: String, (i, j): (MarkerIx, MarkerIx), forces: Vec<[Vec3; 2]>, sd: f64| {
+            let sides = [i, j].map(|marker| model.markers[marker.0].part == ground);
+            let side = match sides {
+                [true, false] => 0,
+                [false, true] => 1,
+                _ => return,
+            };
+            let marker = [i, j][side];
+            let id = survey.marker_id(marker);
+            let R = model.parts[ground.0].pose.R;
+            let own = &model.markers[marker.0];
+            let shifts = forces.iter();
+            let shifts: Vec<Vec3> = shifts
+                .map(|f| own.as_written(&(R.transpose() * f[side])))
+                .collect();
+            let column = (0..3)
+                .map(|k| {
+                    let slot = number("MARKER", id, "QP", Some(k + 1));
+                    (slot, shifts.iter().map(|s| s[k]).collect())
+                })
+                .collect();
+            let place = (model.markers[marker.0].qp, [0.0; 3]);
+            let ground = model.parts[ground.0].header.id;
+            let (bushing, _, changes) = survey.split(ground, id, place, [1e6 * per_length; 3]);
+            let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
+            out.push(Hypothesis {
+                cause: Cause::BodyCompliance,
+                address,
+                members: Vec::new(),
+                side: "",
+                form: if survey.attachments(model.markers[[j, i][side].0].part).len() == 2 {
+                    IN_LINE
+                } else {
+                    ""
+                },
+                numbers: vec![Number {
+                    column: Column::PerCase(column),
+                    ..Number::new(
+                        "compliance",
+                        sd / per_length,
+                        Unknown::Compliance(stiffnesses.collect()),
+                    )
+                }],
+                ln_prior: 0.0,
+                one_sided: true,
+                changes,
+                memory: None,
+                part: 0,
+                with: None,
+            });
+        };
+    for joint in model.joints.iter().filter(|j| j.header.active) {
+        let readings = survey.constraint("JOINT", joint.header.id);
+        let forces = readings.iter().map(|r| [r.force, r.force_on_j]).collect();
+        put(
+            format!("JOINT/{}", joint.header.id),
+            (joint.i, joint.j),
+            forces,
+            SD.0,
+        );
+    }
+    for spring in model.springdampers.iter().filter(|s| s.header.active) {
+        let readings = survey.element("SPRINGDAMPER", spring.header.id);
+        let forces = readings.iter().map(|r| [r.force, r.force_on_j]).collect();
+        put(
+            format!("SPRINGDAMPER/{}", spring.header.id),
+            (spring.i, spring.j),
+            forces,
+            SD.1,
+        );
+    }
+}

@@ -1,0 +1,175 @@
+//! `bushing-coupling`: off-diagonal stiffness, as of a conical or inclined bushing, constant or growing with the deflection.
+
+use admire_solver::mechanics::Vec6;
+use admire_syntax::{Expression, NewStatement};
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Change, Column, FORCES, Hypothesis, Number, Unknown, number};
+use super::super::survey::Survey;
+
+/// Names of the fifteen pairs.
+const PAIRS: [(usize, usize, &str); 15] = [
+    (0, 1, "x-y"),
+    (0, 2, "x-z"),
+    (1, 2, "y-z"),
+    (0, 3, "x-rx"),
+    (0, 4, "x-ry"),
+    (0, 5, "x-rz"),
+    (1, 3, "y-rx"),
+    (1, 4, "y-ry"),
+    (1, 5, "y-rz"),
+    (2, 3, "z-rx"),
+    (2, 4, "z-ry"),
+    (2, 5, "z-rz"),
+    (3, 4, "rx-ry"),
+    (3, 5, "rx-rz"),
+    (4, 5, "ry-rz"),
+];
+
+/// A coupling grows with the deflection with this probability.
+const GROWS: f64 = 0.3;
+
+/// Every pair of components of every bushing.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (at, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let id = bushing.header.id;
+        let deflections = survey.bushing_deflections(at);
+        let stiffness = survey.stiffnesses(at);
+        let field = survey.free_id("FIELD");
+        for (a, b, form) in PAIRS {
+            let size = (stiffness[a] * stiffness[b]).max(0.0).sqrt();
+            if size <= 0.0 {
+                continue;
+            }
+            let wrench = deflections
+                .iter()
+                .map(|u| {
+                    let mut w = Vec6::zeros();
+                    w[a] = -u[b];
+                    w[b] = -u[a];
+                    w
+                })
+                .collect();
+            let entry = |row: usize, column: usize| {
+                (
+                    number("FIELD", field, "KMATRIX", Some(6 * column + row + 1)),
+                    1.0,
+                )
+            };
+            let statement = NewStatement {
+                kind: "FIELD".to_string(),
+                id: Some(field),
+                view_name: None,
+                arguments: vec![
+                    (
+                        "I".to_string(),
+                        Some(survey.marker_id(bushing.i).to_string()),
+                    ),
+                    (
+                        "J".to_string(),
+                        Some(survey.marker_id(bushing.j).to_string()),
+                    ),
+                    ("KMATRIX".to_string(), Some(["0.0"; 36].join(", "))),
+                    ("CMATRIX".to_string(), Some(["0.0"; 36].join(", "))),
+                ],
+            };
+            out.push(Hypothesis {
+                cause: Cause::BushingCoupling,
+                address: format!("BUSHING/{id}"),
+                members: Vec::new(),
+                side: "",
+                form,
+                numbers: vec![Number {
+                    column: Column::Wrench((bushing.i, bushing.j), wrench),
+                    ..Number::new(
+                        form,
+                        0.1 * size,
+                        Unknown::Extended(vec![entry(a, b), entry(b, a)]),
+                    )
+                }],
+                ln_prior: 0.0,
+                one_sided: false,
+                changes: vec![Change::Add(statement)],
+                memory: None,
+                part: 0,
+                with: None,
+            });
+        }
+    }
+}
+
+/// What a coupling that is in the model does beyond its constant: to the energy `k u_a u_b` come `c u_a u_b^3` and `d u_a^3 u_b`, the next
+/// terms of a law that is the same both ways.
+pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypothesis> {
+    let (a, b, form) = *PAIRS.iter().find(|(.., form)| *form == constant.form)?;
+    let at_place = |id: u32| {
+        constant.address == format!("BUSHING/{id}") && constant.cause == Cause::BushingCoupling
+    };
+    let bushings = &survey.model.bushings;
+    let at = bushings.iter().position(|b| at_place(b.header.id))?;
+    let pair = (bushings[at].i, bushings[at].j);
+    let deflections = survey.bushing_deflections(at);
+    let largest = |axis: usize| {
+        deflections
+            .iter()
+            .fold(0.0_f64, |most, u| most.max(u[axis].abs()))
+    };
+    let (far_a, far_b) = (largest(a), largest(b));
+    if far_a.min(far_b) < 1e-9 {
+        return None;
+    }
+    let [u, v] = [a, b].map(|axis| survey.deflection_function(pair, axis));
+    // Forces along a and b of each term.
+    let terms = [
+        [format!("-0.0*{v}**3"), format!("-0.0*3*{u}*{v}**2")],
+        [format!("-0.0*3*{u}**2*{v}"), format!("-0.0*{u}**3")],
+    ];
+    let texts = [0, 1].map(|side| format!("{}{}", terms[0][side], terms[1][side]));
+    let (force, changes) = survey.vector_force(pair, &[(a, &texts[0]), (b, &texts[1])]);
+    let literal = |side: usize, term: usize| {
+        let before = |term: &[String; 2]| {
+            Expression::parse_str(&term[side]).map_or(0, |text| text.literals.len())
+        };
+        let first: usize = terms[..term].iter().map(before).sum();
+        number("GFORCE", force, FORCES[[a, b][side]], Some(1 + first))
+    };
+    let along = |rise: &dyn Fn(f64, f64) -> [f64; 2]| {
+        let of = |u: &[f64; 6]| {
+            let mut w = Vec6::zeros();
+            [w[a], w[b]] = rise(u[a], u[b]).map(|force| -force);
+            w
+        };
+        deflections.iter().map(of).collect()
+    };
+    let rises: [&dyn Fn(f64, f64) -> [f64; 2]; 2] =
+        [&|u, v| [v.powi(3), 3.0 * u * v * v], &|u, v| {
+            [3.0 * u * u * v, u.powi(3)]
+        }];
+    let (first, second) = form.split_once('-')?;
+    let names = [
+        format!("{first}-{second}{second}{second}"),
+        format!("{first}{first}{first}-{second}"),
+    ];
+    // As much at the largest deflection as the constant may well be.
+    let numbers = names.into_iter().enumerate().map(|(k, name)| Number {
+        column: Column::Wrench(pair, along(rises[k])),
+        ..Number::new(
+            name,
+            constant.numbers[0].sd / [far_b, far_a][k].powi(2),
+            Unknown::Extended(vec![(literal(0, k), 1.0), (literal(1, k), 1.0)]),
+        )
+    });
+    let mut growth = Hypothesis::plain(
+        Cause::BushingCoupling,
+        constant.address.clone(),
+        form,
+        numbers.collect(),
+    );
+    growth.changes = changes.into_iter().map(Change::Add).collect();
+    growth.part = 1;
+    growth.ln_prior = libm::log(GROWS);
+    Some(growth)
+}

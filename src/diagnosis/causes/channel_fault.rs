@@ -1,0 +1,63 @@
+//! `channel-fault`: a reading's gain, zero or single value is wrong.
+
+use admire_identify::global::Row;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number, Unknown};
+use super::super::survey::Survey;
+
+/// Every channel: its gain, its zero, and each single reading.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let measurement = survey.measurement;
+    for (channel, info) in measurement.channels.iter().enumerate() {
+        let read: Vec<(usize, usize, f64)> = survey
+            .rows()
+            .iter()
+            .enumerate()
+            .filter_map(|(at, row)| match *row {
+                Row::Channel { case, channel: of } if of == channel => {
+                    Some((at, case, measurement.cases[case].channels[channel]?))
+                }
+                _ => None,
+            })
+            .collect();
+        let size = read
+            .iter()
+            .map(|(_, _, value)| value.abs())
+            .fold(info.sigma, f64::max);
+        let mut put = |form: &'static str, number: Number| {
+            let (cause, address) = (Cause::ChannelFault, info.name.clone());
+            out.push(Hypothesis::plain(cause, address, form, vec![number]));
+        };
+        let off =
+            |name: &str, rows: Vec<(usize, f64)>| Number::linear(name, size, Column::Rows(rows));
+        // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
+        // would explain anything by making it nothing.
+        // A single number has no gain and zero of its own.
+        if info.summary.is_some() {
+            for (at, ..) in &read {
+                put("value", off("value", vec![(*at, -1.0 / info.sigma)]));
+            }
+            continue;
+        }
+        let readings: Vec<(usize, f64)> = read
+            .iter()
+            .map(|(at, _, value)| (*at, value / info.sigma))
+            .collect();
+        let predicted = readings
+            .iter()
+            .map(|(at, reading)| (*at, reading + survey.misfit(*at)));
+        let gain = Number {
+            column: Column::Rows(predicted.collect()),
+            ..Number::new("gain", 0.1, Unknown::Gain(readings))
+        };
+        put("gain", gain);
+        let zero = read.iter().map(|(at, _, _)| (*at, -1.0 / info.sigma));
+        put("zero", off("zero", zero.collect()));
+        for (at, case, _) in &read {
+            let label = &measurement.cases[*case].label;
+            let name = format!("case {label}");
+            put("value", off(&name, vec![(*at, -1.0 / info.sigma)]));
+        }
+    }
+}

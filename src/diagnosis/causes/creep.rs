@@ -1,0 +1,82 @@
+//! `creep`: rubber flows from case to case, `F = -K (u - c)`, where `c` goes a part of the way to `u` in every case.
+
+use admire_identify::global::Carries;
+use admire_solver::mechanics::Vec6;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{
+    Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component, number,
+};
+use super::super::survey::{Survey, statement};
+
+/// The part of the way that the rubber flows in each case: where the fit starts. What has nearly ended within a case has done so before
+/// the reading: near one it would be a force by the last step, which equal steps cannot tell from friction.
+const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.5, "fast")];
+
+/// The part of a stiffness that may well belong to rubber that flows, and how far the rate may be from where it starts.
+const SD: (f64, f64) = (0.3, 0.15);
+
+/// Every component of every bushing.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let bushings = survey.model.bushings.iter().enumerate();
+    for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {
+        let deflections = survey.bushing_deflections(k);
+        let stiffness = survey.stiffnesses(k);
+        for axis in (0..6).filter(|axis| stiffness[*axis] > 0.0) {
+            let pair = (bushing.i, bushing.j);
+            let (place, flow) = (survey.free_id("VARIABLE"), survey.free_id("VARIABLE") + 1);
+            let law = format!("0.0*VARVAL({place})");
+            let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
+            let literal = |id| number("VARIABLE", id, "FUNCTION", Some(1));
+            for (rate, form) in RATES {
+                let mut flown = 0.0;
+                let forces = deflections.iter().map(|deflection| {
+                    let force = flown;
+                    flown += rate * (deflection[axis] - flown);
+                    Vec6::ith(axis, force)
+                });
+                let share = Number {
+                    column: Column::Wrench(pair, forces.collect()),
+                    ..Number::new(
+                        "stiffness",
+                        SD.0 * stiffness[axis],
+                        Unknown::Extended(vec![(
+                            number("GFORCE", force, FORCES[axis], Some(1)),
+                            1.0,
+                        )]),
+                    )
+                };
+                let part = Number {
+                    mean: rate,
+                    ..Number::new("rate", SD.1, Unknown::Extended(vec![(literal(flow), 1.0)]))
+                };
+                let variable =
+                    |id, value: String| statement("VARIABLE", id, &[("FUNCTION", value)]);
+                let new = [
+                    variable(place, "0.0".to_string()),
+                    // The mean of its number is added to what stands here.
+                    variable(flow, "0.0".to_string()),
+                ];
+                let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
+                let plain = Hypothesis::plain(Cause::Creep, address, form, vec![share, part]);
+                out.push(Hypothesis {
+                    one_sided: true,
+                    changes: new
+                        .into_iter()
+                        .chain(added.clone())
+                        .map(Change::Add)
+                        .collect(),
+                    part: 0,
+                    with: None,
+                    memory: Some(MemoryPlan {
+                        anchor: literal(place),
+                        carries: Carries::Flow,
+                        by: literal(flow),
+                        measure: survey.deflection_function(pair, axis),
+                    }),
+                    ..plain
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! `dry-friction`: rate-independent hysteresis, so that the answer depends on the order of the loads.
+//!
+//! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
+//! slider stands before the first case is unknown; from then on each case leaves it to the next.
+
+use admire_identify::global::Carries;
+use admire_solver::model::{JointKind, MarkerIx};
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{
+    BY_DIRECTION, Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component,
+    number,
+};
+use super::super::survey::Survey;
+
+use super::super::survey::statement;
+
+/// Newtons of friction that are nothing unusual.
+const SD: f64 = 300.0;
+/// The usual slip length as a part of the range of the displacement, and how far off that may be by the logarithm.
+const LENGTH: (f64, f64) = (0.06, 1.5);
+/// Where the search begins: slip lengths as parts of the range, and the force in the first case as a part of the limit.
+const FORMS: [(f64, f64, &str); 9] = [
+    (0.01, 0.0, "short, free at first"),
+    (0.01, 1.0, "short, pushed at first"),
+    (0.01, -1.0, "short, pulled at first"),
+    (0.08, 0.0, "middle, free at first"),
+    (0.08, 1.0, "middle, pushed at first"),
+    (0.08, -1.0, "middle, pulled at first"),
+    (0.3, 0.0, "long, free at first"),
+    (0.3, 1.0, "long, pushed at first"),
+    (0.3, -1.0, "long, pulled at first"),
+];
+
+/// The limit of a friction is reached by degrees with this probability.
+const GRADUAL: f64 = 0.3;
+
+/// Sliders of one friction at most.
+pub(crate) const SLIDERS: usize = 3;
+
+/// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
+/// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
+pub(crate) fn further_slider(h: &mut Hypothesis, part: usize) {
+    h.part = part;
+    h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
+}
+
+/// The limit of a friction differs by direction with this probability,
+const DIFFERS: f64 = 0.1;
+/// and usually by this part of it, up and down.
+const BY: f64 = 0.3;
+
+/// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
+/// whose spring starts elsewhere and whose limits are this force apart from the mean.
+pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
+    let chosen = &survey.fitted.chosen;
+    let of = |(at, h): (usize, &Hypothesis)| {
+        let differs = |other: &Hypothesis| other.part == BY_DIRECTION && other.same_place(h);
+        if h.cause != Cause::DryFriction || h.part > 0 || chosen.iter().any(differs) {
+            return None;
+        }
+        let force = survey.fitted.estimates(at).first()?.value.abs();
+        let Column::Wrench(pair, wrench) = &h.numbers[0].column else {
+            return None;
+        };
+        let axis = wrench
+            .iter()
+            .find_map(|w| w.iter().position(|f| *f != 0.0))?;
+        let (gforce, changes) = survey.vector_force(*pair, &[(axis, "-0.0*1.0")]);
+        let against = vec![admire_solver::mechanics::Vec6::ith(axis, -1.0); survey.cases()];
+        let numbers = vec![Number {
+            column: Column::Wrench(*pair, against),
+            ..Number::new(
+                "asymmetry",
+                BY * force,
+                Unknown::Extended(vec![(number("GFORCE", gforce, FORCES[axis], Some(1)), 1.0)]),
+            )
+        }];
+        let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
+        out.changes = changes.into_iter().map(Change::Add).collect();
+        out.part = BY_DIRECTION;
+        out.ln_prior = libm::log(DIFFERS);
+        (force > 0.0).then_some(out)
+    };
+    chosen.iter().enumerate().filter_map(of).collect()
+}
+
+/// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
+fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
+    u.iter()
+        .map(|&u| {
+            let slip = admire_solver::element::Slip::at(u, &[1.0 / length, 1.0, anchor]);
+            anchor = slip.anchor_after;
+            -slip.force
+        })
+        .collect()
+}
+
+/// Every component of every bushing, and the free motions of joints.
+pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (k, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let deflections = survey.bushing_deflections(k);
+        for axis in 0..6 {
+            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
+            put(survey, &address, ((bushing.i, bushing.j), axis), &u, out);
+        }
+    }
+    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
+        let axes: &[usize] = match joint.kind {
+            JointKind::Translational => &[2],
+            JointKind::Cylindrical => &[2, 5],
+            JointKind::Revolute => &[5],
+            _ => continue,
+        };
+        let readings = survey.constraint("JOINT", joint.header.id);
+        for &axis in axes {
+            let u: Vec<f64> = readings
+                .iter()
+                .map(|r| {
+                    if axis < 3 {
+                        r.motion.p_ij_j[axis]
+                    } else {
+                        r.motion.angles[axis - 3]
+                    }
+                })
+                .collect();
+            let address = format!("JOINT/{}", joint.header.id);
+            put(survey, &address, ((joint.i, joint.j), axis), &u, out);
+        }
+    }
+}
+
+/// A GFORCE `F max(-1, min(1, (anchor - u) / L))`; its anchor is a VARIABLE that each case leaves to the next.
+fn put(
+    survey: &Survey<'_>,
+    address: &str,
+    (pair, axis): ((MarkerIx, MarkerIx), usize),
+    u: &[f64],
+    out: &mut Vec<Hypothesis>,
+) {
+    let (low, high) = u
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), u| {
+            (low.min(*u), high.max(*u))
+        });
+    let range = high - low;
+    if !range.is_finite() || range < 1e-9 {
+        return;
+    }
+    let lever = if axis < 3 {
+        1.0
+    } else {
+        100.0 * survey.millimetre()
+    };
+    let measure = survey.deflection_function(pair, axis);
+    let anchor = survey.free_id("VARIABLE");
+    let law = format!("0.0*MAX(-1.0,MIN(1.0,(VARVAL({anchor})-{measure})/1.0))");
+    let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
+    let variable = statement("VARIABLE", anchor, &[("FUNCTION", "0.0".to_string())]);
+    let changes: Vec<Change> = std::iter::once(variable)
+        .chain(added)
+        .map(Change::Add)
+        .collect();
+    let literal = |k: usize| number("GFORCE", force, FORCES[axis], Some(k));
+    // Ids of markers are literals too; the length is the last of all.
+    let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
+    let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
+    for (share, first, form) in FORMS {
+        let length = share * range;
+        // The force on I is against the stretch.
+        let start = u[0] - first * length;
+        let wrench = pattern(u, length, start)
+            .into_iter()
+            .map(|p| admire_solver::mechanics::Vec6::ith(axis, p))
+            .collect();
+        let unfelt = Column::None;
+        out.push(Hypothesis {
+            cause: Cause::DryFriction,
+            address: address.to_string(),
+            members: Vec::new(),
+            side: "",
+            form,
+            numbers: vec![
+                Number {
+                    column: Column::Wrench(pair, wrench),
+                    ..Number::new(
+                        "force",
+                        SD * survey.newton() * lever,
+                        Unknown::Extended(vec![(literal(1), 1.0)]),
+                    )
+                },
+                Number {
+                    column: unfelt.clone(),
+                    ..Number::new(
+                        "stiffness",
+                        LENGTH.1,
+                        Unknown::SlipLength {
+                            address: literal(last),
+                            start: length,
+                            usual: LENGTH.0 * range,
+                        },
+                    )
+                },
+                Number {
+                    mean: start,
+                    ..Number::new(
+                        "anchor",
+                        range,
+                        Unknown::Extended(vec![(at_start.clone(), 1.0)]),
+                    )
+                },
+            ],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes: changes.clone(),
+            part: 0,
+            with: None,
+            memory: Some(MemoryPlan {
+                anchor: at_start.clone(),
+                carries: Carries::Slider,
+                by: literal(last),
+                measure: measure.clone(),
+            }),
+        });
+    }
+}

@@ -1,0 +1,62 @@
+//! `element-parameter`: a number of the deck taken as known is wrong.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number, Unknown, number};
+use super::super::survey::Survey;
+use admire_identify::tolerance::Group;
+use admire_solver::model::SpringKind;
+
+/// Parts of themselves by which numbers may well be wrong: rates of springs, their preloads, and rubber, of which data sheets often
+/// give the dynamic stiffness, which is half as large again.
+const SD: (f64, f64, f64) = (0.1, 0.05, 0.4);
+
+/// Rates and preloads of springs, and stiffnesses of bushings that are not identified.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (member, address, group, unit) in survey.numbers_of_the_deck() {
+        let sd = match group {
+            Group::Preloads => SD.1,
+            Group::SpringRates => SD.0,
+            _ => SD.2,
+        };
+        let mut hypothesis = Hypothesis::outstanding(
+            Cause::ElementParameter,
+            address,
+            "",
+            [(member, "change".to_string())],
+            sd,
+        );
+        hypothesis.numbers[0].unit = unit;
+        out.push(hypothesis);
+    }
+    free_lengths(survey, out);
+}
+
+/// A free length shifts the force of its spring by a constant, as a preload does.
+fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (_, address, group, force) in survey.numbers_of_the_deck() {
+        if group != Group::Preloads {
+            continue;
+        }
+        let springs = &survey.model.springdampers;
+        let Some(spring) = springs.iter().find(|spring| {
+            spring.kind == SpringKind::Translational
+                && address == format!("SPRINGDAMPER/{}.FORCE", spring.header.id)
+        }) else {
+            continue;
+        };
+        if spring.stiffness <= 0.0 || spring.reference <= 0.0 {
+            continue;
+        }
+        let length = number("SPRINGDAMPER", spring.header.id, "LENGTH", None);
+        let change = Number {
+            column: Column::Always(vec![(length.clone(), 1.0)]),
+            ..Number::new(
+                "change",
+                SD.1 * force / spring.stiffness,
+                Unknown::Extended(vec![(length.clone(), 1.0)]),
+            )
+        };
+        let (cause, address) = (Cause::ElementParameter, length.to_string());
+        out.push(Hypothesis::plain(cause, address, "", vec![change]));
+    }
+}

@@ -1,0 +1,38 @@
+//! `frame-drift`: the measuring frame moved in one load case.
+
+use admire_solver::mechanics::Vec3;
+
+use super::super::cause::Cause;
+use super::super::frame::by_frame;
+use super::super::hypothesis::{Column, Hypothesis, Number, SIX};
+use super::super::survey::Survey;
+
+/// Millimetres and degrees a frame may well move.
+const SD: (f64, f64) = (0.2, 0.03);
+
+/// Every load case with marks: a shift and a turn about the centroid of its marks.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let measurement = survey.measurement;
+    for (case, read) in measurement.cases.iter().enumerate() {
+        // Three marks leave no freedom beyond the six.
+        if read.marks.len() < 4 {
+            continue;
+        }
+        let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
+        let columns = by_frame(survey.rows(), case, &places, (survey.sigma(), 1.0));
+        let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
+            let sd = if k < 3 {
+                SD.0 * survey.millimetre()
+            } else {
+                SD.1.to_radians()
+            };
+            Number::linear(SIX[k], sd, Column::Rows(rows))
+        });
+        out.push(Hypothesis::plain(
+            Cause::FrameDrift,
+            format!("case {}", read.label),
+            "",
+            numbers.collect(),
+        ));
+    }
+}

@@ -1,0 +1,79 @@
+//! `free-play`: a joint of a part with two joints has play along their line.
+//!
+//! The part is split at one of its ends. Between both ends of the play little holds it, beyond them a contact.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::survey::Survey;
+use super::link_compliance::link_ends;
+
+/// Millimetres of play that are nothing unusual in a joint that is worn.
+const SD: f64 = 0.2;
+/// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
+const HELD: f64 = 0.02;
+/// Sd of the logarithm of the stiffness within the play.
+const SPREAD: f64 = 1.5;
+/// Newtons per millimetre of the contact of a ball joint, and sd of its logarithm.
+const CONTACT: (f64, f64) = (1e5, 1.0);
+
+/// Every movable part with exactly two attachments, at both ends.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let per_length = survey.newton() / survey.millimetre();
+    let sd = SD * survey.millimetre();
+    for end in link_ends(survey) {
+        let most = end.tension.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
+        let held = HELD * most;
+        if !(held > 0.0) {
+            continue;
+        }
+        let floating = survey.free_id("MARKER") + 2;
+        let within = held / (0.5 * sd);
+        let (bushing, pair, mut changes) = end.split(survey, within);
+        let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
+        let contact = CONTACT.0 * per_length;
+        let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
+        let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
+        let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
+        changes.extend(added.into_iter().map(Change::Add));
+        // The first literal is the stiffness of the contact, the last of both terms is half of the play.
+        let first = admire_syntax::Expression::parse_str(&format!("{half})"));
+        let first = first.map_or(0, |e| e.literals.len());
+        let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);
+        let halves = vec![slot(first), slot(2 * first - 1)];
+        out.push(Hypothesis {
+            cause: Cause::FreePlay,
+            address: format!("PART/{}", end.part),
+            members: Vec::new(),
+            side: "",
+            form: end.form,
+            numbers: vec![
+                Number {
+                    column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
+                    ..Number::new("play", sd, Unknown::Extended(halves))
+                },
+                Number::new(
+                    "stiffness",
+                    SPREAD,
+                    Unknown::Rate {
+                        address: number("BUSHING", bushing, "K", Some(3)),
+                        usual: within,
+                    },
+                ),
+                Number::new(
+                    "contact",
+                    CONTACT.1,
+                    Unknown::Rate {
+                        address: number("GFORCE", force, "FZ", Some(1)),
+                        usual: contact,
+                    },
+                ),
+            ],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes,
+            memory: None,
+            part: 0,
+            with: None,
+        });
+    }
+}

@@ -1,0 +1,91 @@
+//! `hardpoint-error`: a connection point is not where the deck puts it.
+//!
+//! Either a point of the car, where all parts that meet there go along and nothing is strained, or one side of it: a part made wrong,
+//! assembled under strain. For a bushing the second is `assembly-offset`.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number, SIX, number};
+use super::super::survey::Survey;
+use admire_identify::tolerance::Group;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::MarkerIx;
+
+/// Millimetres a point may well be off, and a part made wrong.
+const SD: (f64, f64) = (3.0, 1.5);
+
+/// Every point, in all directions and along each one alone; and every end of a joint, primitive or spring.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let model = survey.model;
+    for point in survey.points() {
+        let names = point
+            .markers
+            .iter()
+            .map(|marker| marker_name(survey, *marker));
+        let names: Vec<String> = names.collect();
+        let members = survey.members(Group::Hardpoints, &names[0]);
+        let mut put = |form, members: Vec<(usize, String)>| {
+            if !members.is_empty() {
+                let sd = SD.0 * survey.millimetre();
+                out.push(Hypothesis {
+                    members: names.clone(),
+                    side: "point",
+                    ..Hypothesis::outstanding(
+                        Cause::HardpointError,
+                        names[0].clone(),
+                        form,
+                        members,
+                        sd,
+                    )
+                });
+            }
+        };
+        for (axis, form) in ["along x", "along y", "along z"].into_iter().enumerate() {
+            put(form, members.get(axis).cloned().into_iter().collect());
+        }
+        put("", members);
+    }
+    let joints = model
+        .joints
+        .iter()
+        .map(|joint| (&joint.header, joint.i, joint.j));
+    let primitives = model.primitives.iter().map(|p| (&p.header, p.i, p.j));
+    let springs = model.springdampers.iter().map(|s| (&s.header, s.i, s.j));
+    let mut seen = Vec::new();
+    for (header, i, j) in joints.chain(primitives).chain(springs) {
+        for marker in [i, j] {
+            // Where nothing else meets it is the point itself.
+            let alone = survey
+                .points()
+                .iter()
+                .any(|point| point.markers == [marker]);
+            if !header.active || seen.contains(&marker) || alone {
+                continue;
+            }
+            seen.push(marker);
+            let own = &model.markers[marker.0];
+            let id = own.header.id;
+            let numbers = (0..3).map(|k| {
+                let unit = own.as_written(&Vec3::ith(k, 1.0));
+                let column = (0..3)
+                    .filter(|c| unit[*c] != 0.0)
+                    .map(|c| (number("MARKER", id, "QP", Some(c + 1)), unit[c]))
+                    .collect();
+                let sd = SD.1 * survey.millimetre();
+                Number::linear(SIX[k], sd, Column::Always(column))
+            });
+            out.push(Hypothesis {
+                side: "part",
+                ..Hypothesis::plain(
+                    Cause::HardpointError,
+                    format!("MARKER/{id}"),
+                    "one side",
+                    numbers.collect(),
+                )
+            });
+        }
+    }
+}
+
+fn marker_name(survey: &Survey<'_>, marker: MarkerIx) -> String {
+    format!("MARKER/{}", survey.marker_id(marker))
+}

@@ -1,0 +1,128 @@
+//! `link-compliance`: a part deforms along the line of its two joints.
+//!
+//! The part is split at one of its ends by a bushing that yields along the line only; where the marks sit decides which end.
+
+use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
+use admire_syntax::Address;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Change, Column, Hypothesis, Number, RIGID, Unknown, number};
+use super::super::survey::Survey;
+
+/// Millimetres per newton a link may well yield.
+const SD: f64 = 1e-4;
+
+/// One end of a movable part with exactly two attachments.
+pub(super) struct LinkEnd {
+    /// Id of the part.
+    pub part: u32,
+    /// Which of the two.
+    pub form: &'static str,
+    /// Id of its marker there.
+    pub marker: u32,
+    /// Where that is on the part.
+    place: Vec3,
+    /// Direction of the line, away from the other end, in axes of the part.
+    outward: Vec3,
+    /// The same in the axes in which the marker's QP is given.
+    written: Vec3,
+    /// Force along the line in each case, positive in tension.
+    pub tension: Vec<f64>,
+}
+
+/// Both ends of every such part.
+pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
+    let mut out = Vec::new();
+    for (part, body) in survey.model.parts.iter().enumerate() {
+        let part = admire_solver::model::PartIx(part);
+        let ends = survey.attachments(part);
+        if Some(part) == survey.model.ground() || ends.len() != 2 {
+            continue;
+        }
+        let place = |end: usize| survey.model.markers[ends[end].marker.0].qp;
+        let line = place(1) - place(0);
+        if line.norm() < 1e-6 {
+            continue;
+        }
+        for (end, form) in ["first end", "second end"].into_iter().enumerate() {
+            let outward: Vec3 = line.normalize() * if end == 1 { 1.0 } else { -1.0 };
+            let tension = (0..survey.cases())
+                .map(|case| {
+                    let pose = survey.pose(case, part);
+                    ends[end].force[case].dot(&(pose.R * outward))
+                })
+                .collect();
+            out.push(LinkEnd {
+                part: body.header.id,
+                form,
+                marker: survey.marker_id(ends[end].marker),
+                place: place(end),
+                outward,
+                written: survey.model.markers[ends[end].marker.0].as_written(&outward),
+                tension,
+            });
+        }
+    }
+    out
+}
+
+impl LinkEnd {
+    /// The end moves outward by so much in each case.
+    pub(super) fn moved(&self, by: impl Fn(f64) -> f64) -> Vec<(Address, Vec<f64>)> {
+        let column = |k: usize| {
+            let shift = self.tension.iter().map(|n| by(*n) * self.written[k]);
+            let slot = number("MARKER", self.marker, "QP", Some(k + 1));
+            (slot, shift.collect())
+        };
+        (0..3).map(column).collect()
+    }
+
+    /// The end goes over to a new part, which a bushing with its z axis along the line holds to the old one, along that by
+    /// `stiffness`: ids of the bushing and its markers.
+    pub(super) fn split(
+        &self,
+        survey: &Survey<'_>,
+        stiffness: f64,
+    ) -> (u32, [u32; 2], Vec<Change>) {
+        let axis = self.outward;
+        let x = if axis.x.abs() < 0.8 {
+            Vec3::x()
+        } else {
+            Vec3::y()
+        };
+        let y = axis.cross(&x).normalize();
+        let R = Mat3::from_columns(&[y.cross(&axis), y, axis]);
+        let rigid = RIGID[0] * survey.newton() / survey.millimetre();
+        let place = (self.place, psi_theta_phi(&R));
+        survey.split(self.part, self.marker, place, [rigid, rigid, stiffness])
+    }
+}
+
+/// Every movable part with exactly two attachments.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let per_length = survey.newton() / survey.millimetre();
+    for end in link_ends(survey) {
+        let (bushing, _, changes) = end.split(survey, 1e6 * per_length);
+        out.push(Hypothesis {
+            cause: Cause::LinkCompliance,
+            address: format!("PART/{}", end.part),
+            members: Vec::new(),
+            side: "",
+            form: end.form,
+            numbers: vec![Number {
+                column: Column::PerCase(end.moved(|n| n)),
+                ..Number::new(
+                    "compliance",
+                    SD / per_length,
+                    Unknown::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
+                )
+            }],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes,
+            memory: None,
+            part: 0,
+            with: None,
+        });
+    }
+}

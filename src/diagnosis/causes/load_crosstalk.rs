@@ -1,0 +1,31 @@
+//! `load-crosstalk`: the rig applies part of one load along another.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::Hypothesis;
+use super::super::survey::Survey;
+use super::load_gain::growing;
+use admire_identify::tolerance::Group;
+
+/// Rigs keep cross-talk to a few percent.
+const SD: f64 = 0.02;
+
+/// Every ordered pair of loads.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let loads = survey.loads();
+    for to in loads {
+        for from in loads {
+            let address = format!("{}<-{}", to.target, from.target);
+            for (member, _) in survey.members(Group::LoadDirections, &address) {
+                out.push(Hypothesis::outstanding(
+                    Cause::LoadCrosstalk,
+                    address.clone(),
+                    "",
+                    [(member, "fraction".to_string())],
+                    SD,
+                ));
+                let pair = (&to.target, &from.target);
+                out.push(growing(survey, Cause::LoadCrosstalk, &address, pair, SD));
+            }
+        }
+    }
+}

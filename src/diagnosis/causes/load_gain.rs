@@ -1,0 +1,51 @@
+//! `load-gain`: the rig's load is wrong by a factor.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Column, Hypothesis, Number};
+use super::super::survey::Survey;
+use admire_identify::tolerance::Group;
+use admire_syntax::Address;
+
+/// A load cell may well be wrong by so much.
+const SD: f64 = 0.03;
+
+/// Every load of the study.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for load in survey.loads() {
+        let address = load.target.to_string();
+        for (member, _) in survey.members(Group::LoadGains, &address) {
+            out.push(Hypothesis::outstanding(
+                Cause::LoadGain,
+                address.clone(),
+                "",
+                [(member, "gain".to_string())],
+                SD,
+            ));
+            out.push(growing(
+                survey,
+                Cause::LoadGain,
+                &address,
+                (&load.target, &load.target),
+                SD,
+            ));
+        }
+    }
+}
+
+/// An error along `to` that grows with the square of the load `from`; its number is the part of the largest load.
+pub(super) fn growing(
+    survey: &Survey<'_>,
+    cause: Cause,
+    address: &str,
+    (to, from): (&Address, &Address),
+    sd: f64,
+) -> Hypothesis {
+    let values = survey.load_values(from);
+    let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let grown = values
+        .iter()
+        .map(|v| v * v.abs() / largest.max(f64::MIN_POSITIVE));
+    let column = Column::PerCase(vec![(to.clone(), grown.collect())]);
+    let numbers = vec![Number::linear("growth", sd, column)];
+    Hypothesis::plain(cause, address.to_string(), "growing", numbers)
+}

@@ -1,0 +1,38 @@
+//! `load-point-error`: a load acts elsewhere than at its marker.
+
+use super::super::cause::Cause;
+use super::super::hypothesis::Hypothesis;
+use super::super::survey::Survey;
+use admire_identify::tolerance::Group;
+
+/// Millimetres a contact patch may well be off.
+const SD: f64 = 10.0;
+
+/// The point of every driven force, once.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for marker in &survey.model.markers {
+        let address = format!("MARKER/{}", marker.header.id);
+        let members = survey.members(Group::LoadPoints, &address);
+        let sd = SD * survey.millimetre();
+        for (axis, form) in ["along x", "along y", "along z"].into_iter().enumerate() {
+            if let Some(member) = members.get(axis) {
+                out.push(Hypothesis::outstanding(
+                    Cause::LoadPointError,
+                    address.clone(),
+                    form,
+                    [member.clone()],
+                    sd,
+                ));
+            }
+        }
+        if !members.is_empty() {
+            out.push(Hypothesis::outstanding(
+                Cause::LoadPointError,
+                address,
+                "",
+                members,
+                sd,
+            ));
+        }
+    }
+}

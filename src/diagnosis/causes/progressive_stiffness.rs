@@ -1,0 +1,86 @@
+//! `progressive-stiffness`: force grows faster than linearly with a deflection.
+
+use admire_solver::mechanics::Vec6;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, component, number};
+use super::super::survey::Survey;
+
+/// Powers of the deflection beside the linear one; the force is odd.
+const FORMS: [(&str, &[i32]); 3] = [
+    ("cubic", &[3]),
+    ("quadratic", &[2]),
+    ("cubic and quintic", &[3, 5]),
+];
+
+/// Every component of every bushing.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    for (k, bushing) in survey.model.bushings.iter().enumerate() {
+        if !bushing.header.active {
+            continue;
+        }
+        let id = bushing.header.id;
+        let deflections = survey.bushing_deflections(k);
+        let stiffness = survey.stiffnesses(k);
+        for axis in 0..6 {
+            let u: Vec<f64> = deflections.iter().map(|d| d[axis]).collect();
+            let largest = u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+            if largest < 1e-9 || stiffness[axis] <= 0.0 {
+                continue;
+            }
+            let measure = survey.deflection_function((bushing.i, bushing.j), axis);
+            for (form, powers) in FORMS {
+                let terms: Vec<String> = powers
+                    .iter()
+                    .map(|power| match power {
+                        2 => format!("-0.0*{measure}*ABS({measure})"),
+                        _ => format!("-0.0*{measure}**{power}"),
+                    })
+                    .collect();
+                let text = terms.concat();
+                let (gforce, changes) =
+                    survey.vector_force((bushing.i, bushing.j), &[(axis, &text)]);
+                // Literals of the function: those of a term are its factor, its markers, its power.
+                let each = admire_syntax::Expression::parse_str(&text)
+                    .map_or(0, |text| text.literals.len())
+                    / powers.len();
+                let numbers = powers.iter().enumerate().map(|(k, &power)| {
+                    let rise = |u: f64| match power {
+                        2 => u * u.abs(),
+                        _ => u.powi(power),
+                    };
+                    let wrench = u.iter().map(|u| Vec6::ith(axis, -rise(*u))).collect();
+                    let literal = Some(1 + each * k);
+                    let address = number(
+                        "GFORCE",
+                        gforce,
+                        super::super::hypothesis::FORCES[axis],
+                        literal,
+                    );
+                    Number {
+                        column: Column::Wrench((bushing.i, bushing.j), wrench),
+                        ..Number::new(
+                            ["", "", "quadratic", "cubic", "", "quintic"][power as usize],
+                            0.5 * stiffness[axis] * largest / rise(largest),
+                            Unknown::Extended(vec![(address, 1.0)]),
+                        )
+                    }
+                });
+                out.push(Hypothesis {
+                    cause: Cause::ProgressiveStiffness,
+                    address: format!("BUSHING/{id}.{}", component(axis)),
+                    members: Vec::new(),
+                    side: "",
+                    form,
+                    numbers: numbers.collect(),
+                    ln_prior: 0.0,
+                    one_sided: powers.len() == 1,
+                    changes: changes.into_iter().map(Change::Add).collect(),
+                    memory: None,
+                    part: 0,
+                    with: None,
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,213 @@
+//! `stop-contact`: a one-sided spring engages past a clearance along a joint or spring.
+
+use admire_solver::mechanics::Vec6;
+use admire_solver::model::JointKind;
+use admire_syntax::NewStatement;
+
+use super::super::cause::Cause;
+use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::survey::Survey;
+
+/// Where in the range of a displacement the stop may begin; the fit then moves it.
+const GRID: [(f64, &str, &str); 4] = [
+    (0.25, "above 0.25", "below 0.25"),
+    (0.5, "above 0.50", "below 0.50"),
+    (0.7, "above 0.70", "below 0.70"),
+    (0.85, "above 0.85", "below 0.85"),
+];
+
+/// Newtons per millimetre of a buffer that is nothing unusual.
+const SD: f64 = 2000.0;
+
+/// Joints that slide, and springs along their length, at both ends of their travel.
+pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+    let per_length = survey.newton() / survey.millimetre();
+    for joint in survey.model.joints.iter().filter(|j| j.header.active) {
+        if !matches!(
+            joint.kind,
+            JointKind::Cylindrical | JointKind::Translational
+        ) {
+            continue;
+        }
+        let u: Vec<f64> = survey
+            .constraint("JOINT", joint.header.id)
+            .iter()
+            .map(|reading| reading.motion.p_ij_j.z)
+            .collect();
+        let directions = vec![Vec6::ith(2, 1.0); u.len()];
+        let measure = survey.deflection_function((joint.i, joint.j), 2);
+        let address = format!("JOINT/{}", joint.header.id);
+        let text = |body: &str| survey.vector_force((joint.i, joint.j), &[(2, body)]);
+        stops(
+            &address,
+            ("GFORCE", "FZ"),
+            (joint.i, joint.j),
+            (&u, &directions),
+            &measure,
+            (&text, per_length),
+            out,
+        );
+    }
+    for spring in survey
+        .model
+        .springdampers
+        .iter()
+        .filter(|s| s.header.active)
+    {
+        if spring.kind != admire_solver::model::SpringKind::Translational {
+            continue;
+        }
+        let (mut u, mut directions) = (Vec::new(), Vec::new());
+        for reading in survey.element("SPRINGDAMPER", spring.header.id) {
+            let p = reading.motion.p_ij_j;
+            let along = p.normalize();
+            u.push(p.norm());
+            directions.push(Vec6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0));
+        }
+        let (i, j) = (survey.marker_id(spring.i), survey.marker_id(spring.j));
+        let id = survey.free_id("SFORCE");
+        let text = |body: &str| {
+            let argument = |word: &str, value: String| (word.to_string(), Some(value));
+            let statement = NewStatement {
+                kind: "SFORCE".to_string(),
+                id: Some(id),
+                view_name: None,
+                arguments: vec![
+                    ("TRANSLATIONAL".to_string(), None),
+                    argument("I", i.to_string()),
+                    argument("J", j.to_string()),
+                    argument("FUNCTION", body.to_string()),
+                ],
+            };
+            (id, vec![statement])
+        };
+        let measure = format!("DM({i},{j})");
+        let address = format!("SPRINGDAMPER/{}", spring.header.id);
+        let pair = (spring.i, spring.j);
+        stops(
+            &address,
+            ("SFORCE", "FUNCTION"),
+            pair,
+            (&u, &directions),
+            &measure,
+            (&text, per_length),
+            out,
+        );
+    }
+}
+
+/// Stops at both ends of a displacement `u` whose positive force acts along `directions`.
+fn stops(
+    address: &str,
+    (kind, argument): (&str, &str),
+    pair: (
+        admire_solver::model::MarkerIx,
+        admire_solver::model::MarkerIx,
+    ),
+    (u, directions): (&[f64], &[Vec6]),
+    measure: &str,
+    (statements, per_length): (&dyn Fn(&str) -> (u32, Vec<NewStatement>), f64),
+    out: &mut Vec<Hypothesis>,
+) {
+    let (low, high) = u
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {
+            (a.min(*u), b.max(*u))
+        });
+    let range = high - low;
+    if !range.is_finite() || range < 1e-6 {
+        return;
+    }
+    let mut ascending = u.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    // A stop that only one case reaches may begin anywhere between this and the next.
+    let last = |next: usize, end: usize| 0.5 * (ascending[next] + ascending[end]);
+    let ends = (u.len() > 2).then(|| {
+        let count = u.len();
+        [
+            (last(count - 2, count - 1), "in the highest case", true),
+            (last(1, 0), "in the lowest case", false),
+        ]
+    });
+    let grid = GRID.into_iter().flat_map(|(share, above, below)| {
+        [
+            (low + share * range, above, true),
+            (high - share * range, below, false),
+        ]
+    });
+    for (clearance, form, up) in grid.chain(ends.into_iter().flatten()) {
+        let past = |u: f64| {
+            if up {
+                -(u - clearance).max(0.0)
+            } else {
+                (clearance - u).max(0.0)
+            }
+        };
+        let wrench = |power: i32| {
+            let along = |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
+            Column::Wrench(pair, u.iter().zip(directions).map(along).collect())
+        };
+        // A literal has no sign of its own, so a negative clearance is added instead.
+        let (sign, size) = if clearance < 0.0 {
+            ('+', -clearance)
+        } else {
+            ('-', clearance)
+        };
+        let past_it = format!("{measure}{sign}{size:.6}");
+        let linear = if up {
+            format!("-0.0*MAX(0.0,{past_it})")
+        } else {
+            format!("+0.0*MAX(0.0,-({past_it}))")
+        };
+        // A buffer hardens.
+        let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
+        let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
+        let (id, added) = statements(&body);
+        let literals = admire_syntax::Expression::parse_str(linear.trim_start_matches('+'))
+            .map(|expression| expression.literals)
+            .unwrap_or_default();
+        let at = literals
+            .iter()
+            .rposition(|literal| (literal.value - size).abs() < 1e-5)
+            .map_or(3, |k| k + 1);
+        let second = literals.len();
+        let slot = |k: usize| number(kind, id, argument, Some(k));
+        let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
+        out.push(Hypothesis {
+            cause: Cause::StopContact,
+            address: address.to_string(),
+            members: Vec::new(),
+            side: "",
+            form,
+            numbers: vec![
+                Number {
+                    column: wrench(1),
+                    ..Number::new(
+                        "stiffness",
+                        SD * per_length,
+                        Unknown::Extended(vec![(slot(1), 1.0)]),
+                    )
+                },
+                Number {
+                    column: wrench(3),
+                    ..Number::new(
+                        "hardening",
+                        SD * per_length / (0.3 * range).powi(2),
+                        Unknown::Extended(vec![(slot(second + 1), 1.0)]),
+                    )
+                },
+                Number::new(
+                    "clearance_shift",
+                    0.2 * range,
+                    Unknown::Extended(clearances),
+                ),
+            ],
+            ln_prior: 0.0,
+            one_sided: true,
+            changes: added.into_iter().map(Change::Add).collect(),
+            memory: None,
+            part: 0,
+            with: None,
+        });
+    }
+}

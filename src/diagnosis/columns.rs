@@ -1,0 +1,286 @@
+//! First-order effects of hypotheses on all rows, from the tangent of each case: nothing is solved again.
+
+use admire_identify::global::channel_changes;
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::hypothesis::{Column, Number};
+use super::survey::Survey;
+use admire_identify::global::{
+    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
+};
+use admire_solver::statics::Tangents;
+use admire_solver::system::{Parameters, Scratch, Slot, State};
+use admire_syntax::Address;
+
+/// How all cases respond to some numbers, which become columns of rows one after the other: a few at a time stay in a processor's cache.
+pub(super) struct Responses<'a> {
+    observations: Observations<'a>,
+    /// Where the cases are; what changes there is put in before its rows are asked for.
+    prediction: Vec<CasePrediction>,
+    /// Of each case its changes along the numbers that the solver answers for, and how many of them were asked for.
+    changes: Vec<CaseChanges>,
+    done: usize,
+    /// Numbers that are left.
+    numbers: &'a [&'a Number],
+}
+
+impl Responses<'_> {
+    /// Effect of each of the next numbers on every row, per unit of its prior standard deviation: on prediction minus reading, in units
+    /// of the declared noise. A number without an effect of its own has a column of zeros.
+    pub(super) fn columns(&mut self, count: usize) -> DMatrix<f64> {
+        let (numbers, rest) = self.numbers.split_at(count);
+        self.numbers = rest;
+        let asked: Vec<usize> = (0..count).filter(|k| is_asked(numbers[*k])).collect();
+        let mut prediction = Vec::with_capacity(self.prediction.len());
+        let range = self.done..self.done + asked.len();
+        self.done = range.end;
+        for (case, changes) in self.prediction.drain(..).zip(&self.changes) {
+            let by_unknown = changes.range(range.clone());
+            prediction.push(Some(CasePrediction { by_unknown, ..case }));
+        }
+        let x = vec![0.0; asked.len()];
+        let mut out = DMatrix::zeros(self.observations.rows.len(), count);
+        let layout = NuisanceLayout::default();
+        let evaluated = self
+            .observations
+            .evaluate(&prediction, &layout, &x, x.len());
+        if let Some(evaluated) = evaluated {
+            for (from, &to) in evaluated.jacobian.column_iter().zip(&asked) {
+                let sd = numbers[to].sd;
+                for (to, from) in out.column_mut(to).iter_mut().zip(from.iter()) {
+                    *to = from * sd;
+                }
+            }
+        }
+        self.prediction.extend(prediction.into_iter().flatten());
+        for (k, number) in numbers.iter().enumerate() {
+            if let Column::Rows(rows) = &number.column {
+                for (row, value) in rows {
+                    out[(*row, k)] += value * number.sd;
+                }
+            }
+        }
+        out
+    }
+}
+
+/// True for a number whose effect only the solver knows.
+fn is_asked(number: &Number) -> bool {
+    !matches!(number.column, Column::Rows(_) | Column::None)
+}
+
+impl<'a> Survey<'a> {
+    /// Effects of these numbers, see [`Responses::columns`].
+    pub(super) fn columns(&self, numbers: &[&Number]) -> DMatrix<f64> {
+        self.responses(numbers).columns(numbers.len())
+    }
+
+    /// How all cases respond to these numbers.
+    pub(super) fn responses<'b>(&self, numbers: &'b [&'b Number]) -> Responses<'b>
+    where
+        'a: 'b,
+    {
+        let system = &self.fitted.deck.prepared.system;
+        let catalogue = system.catalogue();
+        let slot = |address: &Address| catalogue.slot(address);
+        let asked: Vec<usize> = (0..numbers.len())
+            .filter(|k| is_asked(numbers[*k]))
+            .collect();
+        let direction = |k: &usize| {
+            let mut direction = Direction::default();
+            match &numbers[*k].column {
+                Column::Always(pairs) => direction
+                    .always
+                    .extend(pairs.iter().filter_map(|(a, f)| Some((slot(a)?, *f)))),
+                Column::PerCase(pairs) => direction.per_case.extend(
+                    pairs
+                        .iter()
+                        .filter_map(|(a, f)| Some((slot(a)?, f.clone()))),
+                ),
+                Column::Wrench(..) | Column::Rows(_) | Column::None => {}
+            }
+            direction
+        };
+        let directions: Vec<Direction> = asked.iter().map(direction).collect();
+        let cases: Vec<usize> = (0..self.cases()).collect();
+        let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
+        // All cases follow the order of the first one, whatever thread they are on.
+        let mut known = Tangents::new(system);
+        if let (Some(theta), Some(state)) = (self.fitted.thetas.first(), self.fitted.states.first())
+        {
+            let _ = known.at(system, theta, state);
+        }
+        let found: Vec<_> = cases
+            .par_iter()
+            .map_init(
+                || Scratch::new(system),
+                |scratch, &case| {
+                    let at = (&self.fitted.thetas[case], &self.fitted.states[case]);
+                    let tools = (&mut *scratch, known.clone());
+                    let found = self.changes(case, at, tools, (&asked, &directions), numbers);
+                    let channels = self.fitted.deck.prepared.channels;
+                    let observed = &observations.observed;
+                    let [changes, free] =
+                        found.map(|of| observed.changes((system, at.1), &of.0, &of.1));
+                    let here = CasePrediction {
+                        poses: at.1.poses.clone(),
+                        channels: channels
+                            .values(system, at.0, at.1, scratch)
+                            .unwrap_or_default(),
+                        by_unknown: CaseChanges::default(),
+                        free,
+                    };
+                    (here, changes)
+                },
+            )
+            .collect();
+        let (prediction, changes) = found.into_iter().unzip();
+        Responses {
+            observations,
+            prediction,
+            changes,
+            done: 0,
+            numbers,
+        }
+    }
+
+    /// How the system's unknowns and the channels of a case change along each direction, one column each, and along each motion that nothing
+    /// resists.
+    fn changes(
+        &self,
+        case: usize,
+        (theta, state): (&Parameters, &State),
+        (scratch, mut tangents): (&mut Scratch, Tangents),
+        (asked, directions): (&[usize], &[Direction]),
+        numbers: &[&Number],
+    ) -> [(DMatrix<f64>, DMatrix<f64>); 2] {
+        let system = &self.fitted.deck.prepared.system;
+        let n = system.unknowns();
+        let channels = self.fitted.deck.prepared.channels;
+        let nothing = |count: usize| {
+            let measured = self.measurement.channels.len();
+            (DMatrix::zeros(n, count), DMatrix::zeros(measured, count))
+        };
+        let Ok(tangent) = tangents.at(system, theta, state) else {
+            return [nothing(asked.len()), nothing(0)];
+        };
+        let motions = tangent.free_motions(system);
+        let held = vec![Direction::default(); motions.len()];
+        let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());
+        let along = (held.as_slice(), &motions);
+        let free = match channel_changes(channels, system, (theta, case), state, scratch, along) {
+            Ok(changed) => (motions, changed),
+            Err(_) => nothing(0),
+        };
+        let mut by_slot = vec![0.0; n];
+        let (mut known, mut columns) = (BTreeMap::<Slot, usize>::new(), Vec::<f64>::new());
+        // A unit force along each component of a pair serves every wrench between its markers.
+        let mut units: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
+        let mut responses = DMatrix::zeros(n, asked.len());
+        let mut open: Vec<usize> = Vec::new();
+        for (at, (k, direction)) in asked.iter().zip(directions).enumerate() {
+            let mut dg = responses.column_mut(at);
+            if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
+                for (axis, size) in wrenches[case].iter().enumerate() {
+                    if *size == 0.0 {
+                        continue;
+                    }
+                    let unit = units.entry((pair.0.0, pair.1.0, axis)).or_insert_with(|| {
+                        let wrench = admire_solver::mechanics::Vec6::ith(axis, 1.0);
+                        let mut dg =
+                            system.unit_wrench_column(theta, state, scratch, *pair, &wrench);
+                        tangent.respond(&mut dg);
+                        dg
+                    });
+                    for (sum, value) in dg.iter_mut().zip(unit.iter()) {
+                        *sum += size * value;
+                    }
+                }
+                continue;
+            }
+            for (slot, weight) in direction.in_case(case).filter(|(_, weight)| *weight != 0.0) {
+                let from = *known.entry(slot).or_insert_with(|| {
+                    let done = system.residual_by_slot(theta, state, scratch, slot, &mut by_slot);
+                    if done.is_err() {
+                        by_slot.fill(0.0);
+                    }
+                    columns.extend_from_slice(&by_slot);
+                    columns.len() - n
+                });
+                for (sum, value) in dg.iter_mut().zip(&columns[from..]) {
+                    *sum += weight * value;
+                }
+            }
+            open.push(at);
+        }
+        let mut changes = responses.select_columns(&open);
+        tangent.respond_to_all(changes.as_mut_slice());
+        for (at, response) in open.into_iter().zip(changes.column_iter()) {
+            responses.set_column(at, &response);
+        }
+        let along = (directions, &responses);
+        match channel_changes(channels, system, (theta, case), state, scratch, along) {
+            Ok(changed) => [(responses, changed), free],
+            Err(_) => [nothing(asked.len()), free],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::causes::{bushing_coupling, dry_friction};
+    use crate::fit::{Fitted, fit, unguessed};
+    use crate::hypothesis::{BY_DIRECTION, Hypothesis};
+    use crate::scan::Catalogue;
+    use crate::sought::tests::{of_the_axle, shipped_axle};
+    use crate::subject::{Data, Subject};
+
+    /// Holds the columns of the last cause of a fit against the derivatives of the deck that has it.
+    fn compare(subject: &Subject<'_>, fitted: &Fitted) {
+        let at = fitted.chosen.len() - 1;
+        let own = &fitted.chosen[at];
+        let survey = Survey::new(subject, fitted);
+        let here = match own.part {
+            BY_DIRECTION => own.clone(),
+            _ => bushing_coupling::growth(&survey, own).expect("it is deflected"),
+        };
+        let columns = survey.columns(&here.numbers.iter().collect::<Vec<_>>());
+        for (k, column) in columns.column_iter().enumerate() {
+            let scale = here.numbers[k].sd / own.numbers[k].sd;
+            let exact = fitted.jacobian.column(fitted.places[at][k]) * scale;
+            let off = (&exact - column).norm() / exact.norm();
+            // The derivatives are those of the last step but one.
+            assert!(off < 1e-3, "{own} {}: {off:e}", own.numbers[k].name);
+        }
+    }
+
+    /// What a further part of a law does to first order is what its numbers in the extended deck do.
+    #[test]
+    fn a_further_part_does_what_its_numbers_in_the_deck_do() {
+        let loaded = shipped_axle();
+        let problem = loaded.problem();
+        let (subject, none) = of_the_axle(&problem);
+        let with = |base: &Fitted, h: &Hypothesis| {
+            let mut chosen = unguessed(base);
+            chosen.push((h.clone(), vec![0.05; h.numbers.len()]));
+            fit(&subject, &chosen, Some((base, &base.x)), Data::All)
+        };
+        let catalogue = Catalogue::new(&subject, &none);
+        let growing = catalogue.hypotheses.iter().filter(|h| h.with.is_some());
+        // Each is a fit. With some of them there is no equilibrium on the way.
+        let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
+        let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();
+        assert!(compared > 4, "{compared}");
+        let friction = |h: &&Hypothesis| h.memory.is_some() && h.address == "BUSHING/2.K.1";
+        let friction = catalogue.hypotheses.iter().find(friction).expect("a place");
+        let fitted = with(&none, friction).expect("it can be solved");
+        let parts = dry_friction::by_direction(&Survey::new(&subject, &fitted));
+        assert_eq!(parts.len(), 1);
+        let fitted = with(&fitted, &parts[0]).expect("it can be solved");
+        compare(&subject, &fitted);
+    }
+}

@@ -1,0 +1,83 @@
+//! The solver of a study beside the built-in one, at the same numbers.
+
+use super::diagnose::Outcome;
+use super::solver_difference::SolverDifference;
+use admire_session::backend::{Backend, BackendError, NativeBackend};
+use admire_solver::mechanics::Vec3;
+
+impl Outcome<'_> {
+    /// Solves the deck with the stiffnesses of the fit without causes by another solver and by the built-in one, and takes note of the
+    /// difference.
+    ///
+    /// # Errors
+    /// [`BackendError`] when one of them could not solve anything.
+    pub fn compare(&mut self, other: &mut dyn Backend) -> Result<(), BackendError> {
+        let problem = &self.subject.problem;
+        let values: Vec<f64> = (0..problem.unknowns.len())
+            .map(|k| self.baseline.stiffness(k).0)
+            .collect();
+        let sweeps = [
+            problem.sweep(&mut NativeBackend::new(), &values)?,
+            problem.sweep(other, &values)?,
+        ];
+        let measurement = problem.measurement;
+        let mut unsolved = Vec::new();
+        let mut most: (f64, Option<String>) = (0.0, None);
+        let (mut squares, mut count) = (0.0, 0.0);
+        // Sums of squares of reading minus prediction by each solver, and coordinates: of all cases, of those held out.
+        let mut residuals = [[0.0; 3]; 2];
+        for (k, case) in measurement.cases.iter().enumerate() {
+            let [Some(own), Some(foreign)] = sweeps.each_ref().map(|sweep| sweep.equilibrium(k))
+            else {
+                let solved = sweeps.iter().any(|sweep| sweep.equilibrium(k).is_some());
+                if solved {
+                    unsolved.push(case.label.clone());
+                }
+                continue;
+            };
+            let mut places: Vec<[Vec3; 2]> = Vec::new();
+            for (reading, read) in case.marks.iter().enumerate() {
+                let part = &measurement.parts[read.part];
+                let place = part.marks[read.mark].p;
+                let both = [own, foreign].map(|at| at.poses[part.part.0].point(&place));
+                if !self.subject.noise.is_wrong(k, reading, read) {
+                    for (held, sums) in residuals.iter_mut().enumerate() {
+                        if held == 0 || self.subject.is_held_out(k) {
+                            for (sum, at) in sums.iter_mut().zip(&both) {
+                                *sum += (read.x - at).norm_squared();
+                            }
+                            sums[2] += 3.0;
+                        }
+                    }
+                }
+                places.push(both);
+            }
+            if places.is_empty() {
+                let pairs = own.poses.iter().zip(&foreign.poses);
+                places.extend(pairs.map(|(a, b)| [a.p, b.p]));
+            }
+            for [a, b] in places {
+                let apart = (a - b).norm();
+                squares += apart * apart;
+                count += 3.0;
+                if apart >= most.0 {
+                    most = (apart, Some(case.label.clone()));
+                }
+            }
+        }
+        let rms = |sums: [f64; 3]| {
+            (sums[2] > 0.0).then(|| [(sums[0] / sums[2]).sqrt(), (sums[1] / sums[2]).sqrt()])
+        };
+        self.diagnosis.solver = Some(SolverDifference {
+            solver: other.name(),
+            rms: (squares / f64::max(count, 1.0)).sqrt(),
+            most: most.0,
+            case: most.1,
+            unsolved,
+            residual_rms: rms(residuals[0]),
+            held_out_rms: rms(residuals[1]),
+            refitted_rms: None,
+        });
+        Ok(())
+    }
+}

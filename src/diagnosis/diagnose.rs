@@ -1,0 +1,392 @@
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::averaged::averaged;
+use super::cross_validation::Folds;
+use super::diagnosis::{
+    BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
+};
+use super::findings::{faults_of_marks, findings, rival_fit, without};
+use super::fit::{Fitted, Plain, fit, unguessed};
+use super::folds::{Blind, HeldOutTest};
+use super::frame::motions;
+use super::gain_check::GainCheck;
+use super::hypothesis::Hypothesis;
+use super::limits::{cause_limits, detection_limits};
+use super::progress::Progress;
+use super::remainder::{predicted, remainder};
+use super::searched::Searched;
+use super::sought::{Sought, none_of_these};
+use super::stiffness::{CorrectedStiffness, corrected};
+use super::structure::{StructureTest, is_significant, is_structured, least, structure};
+use super::subject::{Data, Subject};
+use super::unseen::Unseen;
+use admire_identify::tolerance::{Group, Scale};
+use admire_identify::{IdentifyError, Problem};
+use admire_study::{Measurement, Study};
+
+/// Held-out readings less probable than this under the extended model speak against its causes.
+const SURPRISED: f64 = 0.002;
+
+/// A diagnosis with the fits behind it.
+#[derive(Debug)]
+pub struct Outcome<'a> {
+    /// The answer.
+    pub diagnosis: Diagnosis,
+    /// The study under diagnosis.
+    pub subject: Subject<'a>,
+    /// The model as it was, fitted to all cases.
+    pub baseline: Arc<Fitted>,
+    /// The extended model, fitted to all cases.
+    pub extended: Arc<Fitted>,
+    /// The extended model as it is written for others.
+    pub plain: Plain,
+    /// Tests of structure before and after.
+    pub structure: [Vec<StructureTest>; 2],
+    /// The cases held out as models predict them that were neither chosen nor fitted with them; `None` without such cases or findings.
+    pub unseen: Option<Unseen>,
+    /// Stiffnesses before and after.
+    pub stiffnesses: Vec<CorrectedStiffness>,
+    /// Models that hold another cause in place of a finding, in the order of the findings.
+    pub rivals: Vec<Rival>,
+    /// How many hypotheses were tried.
+    pub places: usize,
+    /// The search had spent its budget before it came to its end.
+    pub cut_short: bool,
+}
+
+/// A model that explains the readings with another cause in place of a finding.
+#[derive(Debug)]
+pub struct Rival {
+    /// The cause that was found.
+    pub finding: Hypothesis,
+    /// The other model, fitted to all cases.
+    pub fitted: Arc<Fitted>,
+    /// The cause it holds instead.
+    pub instead: Hypothesis,
+}
+
+/// The cases no fit sees: those the study names, else every fourth.
+pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
+    match study.hold_out {
+        Some(_) => measurement.cases.iter().map(|case| case.held_out).collect(),
+        None => (0..measurement.cases.len()).map(|k| k % 4 == 3).collect(),
+    }
+}
+
+/// Finds what the model of a study gets wrong after its best fit.
+///
+/// # Errors
+/// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
+pub fn diagnose<'a>(
+    problem: &Problem<'a>,
+    held_out: Vec<bool>,
+) -> Result<Outcome<'a>, IdentifyError> {
+    diagnose_watched(
+        problem,
+        held_out,
+        GainCheck::default(),
+        &Progress::default(),
+    )
+}
+
+/// The same, telling how far it is, with the gain checked as stated.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_watched<'a>(
+    problem: &Problem<'a>,
+    held_out: Vec<bool>,
+    check: GainCheck,
+    progress: &Progress,
+) -> Result<Outcome<'a>, IdentifyError> {
+    let no_cases = || IdentifyError::NoCases(None);
+    let is_blind = check != GainCheck::Quick;
+    let mut unfitted = Subject::new(problem, held_out);
+    unfitted.watched_by(progress);
+    let searched = Searched::to_the_end(unfitted, is_blind, progress);
+    let (unfitted, searched) = searched.ok_or_else(no_cases)?;
+    let Searched {
+        subject,
+        sought,
+        tested,
+        mut unseen,
+    } = searched;
+    let Sought { found, leading } = sought;
+    let none = Arc::clone(&found.none);
+    let before = if Arc::ptr_eq(&none, &leading) {
+        tested.clone()
+    } else {
+        structure(&subject, &none)
+    };
+    let structures = [before, tested];
+    let test = |fitted: &Fitted| Blind::new(&subject, fitted)?.test(&subject, fitted);
+    let tests = [test(&none), test(&leading)];
+    let folds = Folds::new(&subject);
+    let (mut findings, order, is_nameless) = findings(
+        &subject,
+        &found,
+        &leading,
+        folds.as_ref(),
+        tests[1].as_ref(),
+    );
+    let rivals = order.iter().filter_map(|k| {
+        let (fitted, instead) = rival_fit(&found, &leading, *k)?;
+        Some(Rival {
+            finding: leading.chosen[*k].clone(),
+            fitted,
+            instead,
+        })
+    });
+    let rivals: Vec<Rival> = rivals.collect();
+    let mut unexplained = unexplained(&structures[1]);
+    let matters = findings.iter().any(|finding| !finding.minor);
+    if let (true, Some(after)) = (matters, &tests[1]) {
+        surprised(after, &mut unexplained);
+    }
+    stacked(&findings, &mut unexplained);
+    if is_nameless {
+        unexplained.structured = true;
+        let acts = 100.0 * (1.0 - none_of_these(&found));
+        unexplained.places.push(format!(
+            "some cause acts with a probability of {acts:.0} percent, but none that is more probable than not and predicts other cases"
+        ));
+    }
+    let stand_in = leading.chosen.iter().position(|h| !h.is_named());
+    if let Some(at) = stand_in {
+        unexplained.structured = true;
+        unexplained.places.push(format!(
+            "{}, where one force of an unknown law explains more than several causes together",
+            leading.chosen[at].address
+        ));
+    }
+    let verdict = if unexplained.structured {
+        Verdict::Unexplained
+    } else if matters {
+        Verdict::Discrepancy
+    } else {
+        Verdict::Consistent
+    };
+    if unexplained.structured {
+        let before = stand_in.map(|at| without(&found, &leading, at));
+        unexplained.remainder = remainder(
+            &subject,
+            before.as_ref().unwrap_or(&leading),
+            &leading.sizes,
+        );
+    }
+    let mut cross_validation = None;
+    if findings.is_empty() {
+        unseen = None;
+    } else {
+        if unseen.is_none() {
+            unseen = Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)]);
+        }
+        let searched = folds
+            .as_ref()
+            .filter(|_| check == GainCheck::Folds)
+            .and_then(|folds| folds.search(&unfitted, progress));
+        let folds = folds.as_ref().filter(|_| !progress.is_stopped());
+        cross_validation = searched.or_else(|| folds?.validate(&none, &found.models));
+    }
+    if let Some(remainder) = &mut unexplained.remainder
+        && subject.holds_out()
+    {
+        let own = unseen.as_ref().and_then(Unseen::own_choice).cloned();
+        let own = own.unwrap_or_else(|| Arc::clone(&leading));
+        let mut causes = unguessed(&own);
+        causes.retain(|(h, _)| h.is_named());
+        let blind = fit(&subject, &causes, Some((&own, &own.x)), Data::Fitted);
+        remainder.held_out = blind.and_then(|blind| {
+            let sizes = if stand_in.is_some() {
+                &leading.sizes
+            } else {
+                &blind.sizes
+            };
+            predicted(&subject, &blind, sizes)
+        });
+    }
+    let cut_short = found.cut_short || unseen.as_ref().is_some_and(Unseen::is_cut_short);
+    let mut listed = faults_of_marks(&subject);
+    listed.append(&mut findings);
+    let baseline_rms = match &unseen {
+        Some(unseen) => unseen.tests[0].marks_rms,
+        None => tests[0].and_then(|before| before.marks_rms),
+    };
+    Ok(Outcome {
+        diagnosis: Diagnosis {
+            verdict,
+            solver: None,
+            baseline: BaselineFit {
+                chi2_per_dof: none.posterior.chi_square_per_dof(),
+                held_out_rms: baseline_rms,
+            },
+            findings: listed,
+            none_of_these: none_of_these(&found),
+            parameters: averaged(&subject, &found.models),
+            tolerances: tolerances(&subject, &leading),
+            detection_limits: detection_limits(&subject, &leading),
+            cause_limits: cause_limits(&subject, &leading),
+            noise: NoiseFound {
+                declared: subject.noise.declared,
+                estimated: subject.noise.estimated,
+                dof: subject.tails.map(|tails| tails.nu),
+            },
+            cross_validation,
+            hold_out: unseen.as_ref().and_then(|unseen| unseen.hold_out(&subject)),
+            unexplained,
+            next_measurement: None,
+            interrupted: cut_short,
+        },
+        rivals,
+        structure: structures,
+        unseen,
+        stiffnesses: corrected(problem, &none, &leading),
+        places: found.places,
+        cut_short,
+        plain: Plain::new(&subject, &leading).ok_or_else(no_cases)?,
+        baseline: none,
+        extended: leading,
+        subject,
+    })
+}
+
+/// Sizes of tolerances as the report states them.
+pub(super) fn tolerances(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+) -> BTreeMap<String, ToleranceFound> {
+    let mut out = BTreeMap::new();
+    let sizes = &fitted.sizes;
+    let length = subject.millimetre();
+    let present = |group: Group| {
+        group == Group::Marks && fitted.layout.marks.is_some()
+            || matches!(group, Group::FrameShifts | Group::FrameTurns)
+                && fitted.layout.frames.is_some()
+            || motions(subject, &[]).iter().any(|(of, _)| *of == group)
+            || subject
+                .layer
+                .members
+                .iter()
+                .any(|member| member.group == group)
+    };
+    for (k, (group, size)) in sizes.groups.iter().enumerate() {
+        if !present(*group) {
+            continue;
+        }
+        let (scale, unit) = match group {
+            Group::Axes | Group::LoadDirections | Group::FrameTurns => (1f64.to_degrees(), "deg"),
+            Group::LoadGains
+            | Group::LoadRepeatability
+            | Group::IdleLoads
+            | Group::Preloads
+            | Group::SpringRates
+            | Group::KnownStiffnesses => (1.0, "fraction"),
+            _ => (1.0 / length, "mm"),
+        };
+        out.insert(
+            group.as_str().to_string(),
+            ToleranceFound {
+                sd: libm::exp(sizes.ln[k]) * scale,
+                usual: size.usual * scale,
+                unit,
+                strained: size.is_strained(sizes.ln[k]),
+            },
+        );
+    }
+    for (scale, factor, unit) in [
+        (Scale::PoseShift, 1.0 / length, "mm"),
+        (Scale::PoseTurn, 1f64.to_degrees(), "deg"),
+    ] {
+        if let (Some(at), false) = (
+            sizes.scale(scale),
+            subject.problem.measurement.parts.is_empty(),
+        ) {
+            let size = &sizes.scales[at - sizes.groups.len()].1;
+            // A whole part read with a larger error than one of its marks is not noise of the marks.
+            let coarse =
+                scale == Scale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
+            out.insert(
+                scale.as_str().to_string(),
+                ToleranceFound {
+                    sd: libm::exp(sizes.ln[at]) * factor,
+                    usual: size.usual * factor,
+                    unit,
+                    strained: coarse || size.is_strained(sizes.ln[at]),
+                },
+            );
+        }
+    }
+    // Noises over what is declared are told where they are more than that.
+    for (scale, size) in &sizes.scales {
+        let name = match scale {
+            Scale::PoseShift | Scale::PoseTurn => continue,
+            Scale::Marks => "noise of marks".to_string(),
+            Scale::WheelPosition => "noise of the wheel's place".to_string(),
+            Scale::WheelAngles => "noise of the wheel's angles".to_string(),
+            Scale::Channel(k) => {
+                let channels = &subject.problem.measurement.channels;
+                format!("noise of {}", channels[*k].name)
+            }
+        };
+        let ln = sizes.scale(*scale).map_or(0.0, |at| sizes.ln[at]);
+        if size.is_strained(ln) {
+            let found = ToleranceFound {
+                sd: libm::exp(ln),
+                usual: size.usual,
+                unit: "times as stated",
+                strained: true,
+            };
+            out.insert(name, found);
+        }
+    }
+    out
+}
+
+fn unexplained(after: &[StructureTest]) -> Unexplained {
+    let worst = least(after);
+    let significant = after
+        .iter()
+        .filter(|test| is_significant(test, after.len()));
+    Unexplained {
+        structured: is_structured(after),
+        p_value: worst,
+        places: significant
+            .map(|test| format!("{} (p = {:.1e})", test.what, test.p_value))
+            .collect(),
+        remainder: None,
+    }
+}
+
+/// A name that does not predict the cases held out is not to be trusted: what they show beyond it remains unexplained.
+fn surprised(test: &HeldOutTest, unexplained: &mut Unexplained) {
+    if test.p_value < SURPRISED {
+        unexplained.structured = true;
+        unexplained.p_value = unexplained.p_value.min(test.p_value);
+        unexplained.places.push(format!(
+            "the cases held out, which the extended model does not predict to their noise (p = {:.1e})",
+            test.p_value
+        ));
+    }
+}
+
+/// Two laws at once in one component: their sum follows the readings, but neither is what that component does.
+fn stacked(findings: &[Finding], unexplained: &mut Unexplained) {
+    for (k, finding) in findings.iter().enumerate() {
+        let of_the_model = |f: &&Finding| !f.minor && !f.cause.of_the_measurement();
+        let other = findings[..k]
+            .iter()
+            .filter(of_the_model)
+            .find(|other| other.address == finding.address);
+        let Some(other) = other.filter(|_| of_the_model(&finding)) else {
+            continue;
+        };
+        if finding.cause.has_rough_law() || other.cause.has_rough_law() {
+            unexplained.structured = true;
+            unexplained.places.push(format!(
+                "{}, where it takes {} and {} together to follow the readings: its law is another one",
+                finding.address, other.cause, finding.cause
+            ));
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! The extended model as files: the user's own deck with edits, and a command file that replays the measured loads.
+
+use std::fmt::Write as _;
+
+use super::diagnose::Outcome;
+use super::fit::{Fitted, Plain};
+use super::subject::Subject;
+use admire_identify::global::Meaning;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{MarkerIx, Model};
+use admire_solver::system::{Parameters, Slot};
+use admire_syntax::text::Edit;
+use admire_syntax::{Address, Dataset};
+
+impl Outcome<'_> {
+    /// The deck with the causes found and the stiffnesses; small errors of everything else are not written into it.
+    pub fn extended_deck(&self) -> Vec<u8> {
+        deck(
+            &self.extended,
+            &self.plain,
+            &driven(&self.subject, &self.extended),
+        )
+    }
+
+    /// Replays the load cases in their order on the extended deck.
+    pub fn extended_commands(&self) -> String {
+        let programme = &self.subject.problem.programme;
+        let fitted = &self.extended;
+        let catalogue = fitted.deck.prepared.system.catalogue();
+        let mut targets: Vec<(Address, Slot)> = Vec::new();
+        let loads = programme.loads.iter().map(|load| load.target.clone());
+        let others = per_case(fitted)
+            .into_iter()
+            .map(|slot| catalogue.info(slot).address);
+        for address in loads.chain(others) {
+            let Some(slot) = catalogue.slot(&address) else {
+                continue;
+            };
+            // A redefinition replaces the whole list.
+            let same_list = |(known, at): &(Address, Slot)| {
+                let whole = |address: &Address| Address {
+                    index: None,
+                    ..address.clone()
+                };
+                *at == slot || (known.index.is_some() && whole(known) == whole(&address))
+            };
+            if !targets.iter().any(same_list) {
+                targets.push((address, slot));
+            }
+        }
+        let mut text = String::from("extended.adm\nextended\n");
+        text.push_str("EQUILIBRIUM/ERROR=1.0E-09, IMBALANCE=1.0E-05, MAXIT=100\n");
+        if !fitted.chosen.is_empty() {
+            let names: Vec<String> = fitted
+                .chosen
+                .iter()
+                .map(|h| format!("{} at {}", h.cause, h.address))
+                .collect();
+            let _ = writeln!(text, "! {}", names.join(", "));
+        }
+        if fitted.chosen.iter().any(|h| h.memory.is_some()) {
+            text.push_str(
+                "! Friction and flow have memory: where their springs are unstretched holds for this sequence of loads only.\n",
+            );
+        }
+        for (case, load) in programme.cases.iter().enumerate() {
+            let _ = writeln!(text, "! case {}", load.label);
+            for (address, slot) in &targets {
+                let value = self.plain.thetas[case].get(*slot);
+                if let Some(command) = redefine(address, value, |other| {
+                    catalogue
+                        .slot(other)
+                        .map(|slot| self.plain.thetas[case].get(slot))
+                }) {
+                    text.push_str(&command);
+                }
+            }
+            text.push_str("SIMULATE/STATICS\n");
+        }
+        text.push_str("STOP\n");
+        text
+    }
+}
+
+/// Slots that change from case to case: those of the loads first.
+pub(super) fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
+    let catalogue = fitted.deck.prepared.system.catalogue();
+    let loads = &subject.problem.programme.loads;
+    let mut slots: Vec<Slot> = loads
+        .iter()
+        .filter_map(|load| catalogue.slot(&load.target))
+        .collect();
+    for slot in per_case(fitted) {
+        if !slots.contains(&slot) {
+            slots.push(slot);
+        }
+    }
+    slots
+}
+
+/// Slots of a fit that change from case to case besides the loads.
+fn per_case(fitted: &Fitted) -> Vec<Slot> {
+    let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
+    for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
+        if let (Meaning::PerCase(slots), true) = (&unknown.meaning, fitted.is_of_the_model(k)) {
+            out.extend(slots.iter().map(|(slot, _)| *slot));
+        }
+    }
+    out
+}
+
+/// A command that sets a number: the whole FUNCTION, or an argument with all its values.
+fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>) -> Option<String> {
+    let id = address.id?;
+    let kind = &address.kind;
+    let Some(argument) = &address.argument else {
+        return Some(format!("{kind}/{id}, FUNCTION={value:.10E}\n"));
+    };
+    let Some(_) = address.index else {
+        return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
+    };
+    // A number inside of a function, of which there is no other.
+    if matches!(kind.as_str(), "GFORCE" | "SFORCE" | "VARIABLE") {
+        return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
+    }
+    let values: Vec<String> = (1..=3)
+        .map_while(|index| {
+            let other = Address {
+                index: Some(index),
+                ..address.clone()
+            };
+            of(&other).map(|value| format!("{value:.10E}"))
+        })
+        .collect();
+    Some(format!("{kind}/{id}, {argument}={}\n", values.join(",")))
+}
+
+/// A fit's numbers written into its deck, those that change from case to case left as they are.
+fn deck(fitted: &Fitted, plain: &Plain, driven: &[Slot]) -> Vec<u8> {
+    let system = &fitted.deck.prepared.system;
+    let catalogue = system.catalogue();
+    let (before, after) = (system.parameters(), &plain.thetas[0]);
+    let mut dataset: Dataset = fitted.deck.dataset.clone();
+    for slot in catalogue.slots() {
+        let (old, new) = (before.get(slot), after.get(slot));
+        if driven.contains(&slot) || old.to_bits() == new.to_bits() || !new.is_finite() {
+            continue;
+        }
+        let address = catalogue.info(slot).address;
+        let edits = dataset.set(&address, new).or_else(|refused| {
+            // The sign of a number inside of a function is an operator, so a negative one goes into parentheses.
+            let number = dataset.number_at(&address).filter(|_| new < 0.0);
+            let number = number.ok_or(refused)?;
+            let text = format!("({})", admire_syntax::spell_like(new, b"1.0"));
+            Ok::<_, admire_syntax::diagnostic::Diagnostic>(vec![Edit::new(number.span, text)])
+        });
+        if let Some(edited) = edits.ok().and_then(|edits| dataset.edited(&edits).ok()) {
+            dataset = edited.value;
+        }
+    }
+    turn_points(&mut dataset, &fitted.deck.prepared.model, (&before, after));
+    dataset.bytes().to_vec()
+}
+
+/// Turns the points ZP and XP of the markers that a cause turns about their origins. A marker that has one of them only gets the other.
+fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Parameters, &Parameters)) {
+    for (k, marker) in model.markers.iter().enumerate() {
+        let (Some(old), Some(new)) = [before, after]
+            .map(|all| all.axes_by_points(MarkerIx(k)))
+            .into()
+        else {
+            continue;
+        };
+        if old == new {
+            continue;
+        }
+        let address = |name: &str| Address {
+            kind: "MARKER".to_string(),
+            id: Some(marker.header.id),
+            argument: Some(name.to_string()),
+            index: None,
+        };
+        let place = |name: &str| {
+            let component = |k| {
+                dataset.value_at(&Address {
+                    index: Some(k),
+                    ..address(name)
+                })
+            };
+            Some(Vec3::new(component(1)?, component(2)?, component(3)?))
+        };
+        let origin = place("QP").unwrap_or_default();
+        let points = ["ZP", "XP"].map(place);
+        let arms = points.map(|point| point.map(|point| point - origin));
+        let length = arms
+            .iter()
+            .flatten()
+            .map(|arm| arm.norm())
+            .fold(0.0, f64::max);
+        let own = [Vec3::z(), Vec3::x()];
+        let mut edits = Vec::new();
+        for (name, (arm, own)) in ["ZP", "XP"].into_iter().zip(arms.into_iter().zip(own)) {
+            let arm = arm.map_or(new * own * length, |arm| new * old.transpose() * arm);
+            let texts = (origin + arm).map(|x| admire_syntax::spell_like(x, b"1.0"));
+            let text = texts.as_slice().join(", ");
+            edits.extend(dataset.set_text(&address(name), &text).unwrap_or_default());
+        }
+        if let Ok(edited) = dataset.edited(&edits) {
+            *dataset = edited.value;
+        }
+    }
+}

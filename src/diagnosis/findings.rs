@@ -1,0 +1,284 @@
+//! Findings of a search: each cause of the leading model with its rivals and what it gains.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::cause::Cause;
+use super::cross_validation::Folds;
+use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
+use super::fit::{Estimate, Fitted};
+use super::folds::{Blind, HeldOutTest, moved};
+use super::hypothesis::{BY_DIRECTION, Hypothesis};
+use super::remainder::is_at_element_of;
+use super::sought::{NAMED, none_of_these, of_place, probability};
+use super::subject::Subject;
+use super::visited::{Found, Visited};
+use admire_study::orientation::chi_square_p_value;
+
+/// A finding matters when, all else held, it moves marks by this part of their noise, rms,
+const MATTERS_MARKS: f64 = 0.2;
+/// or the wheel by so many degrees.
+const MATTERS_WHEEL_DEG: f64 = 0.01;
+/// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison. A member
+/// of a group of tolerances is taken up by the group where it is no cause, and both predict nearly alike: then by so many.
+const WORSE: (f64, f64) = (0.5, 3.0);
+/// Rivals are no further behind than so many units of twice the logarithm of probability.
+const RIVAL: f64 = 6.0;
+
+/// A fitted model with another cause in the place of one.
+pub(super) fn rival_fit(
+    found: &Found,
+    leading: &Fitted,
+    at: usize,
+) -> Option<(Arc<Fitted>, Hypothesis)> {
+    found.models.iter().find_map(|(model, _)| {
+        let rival = instead(model, leading, at)?;
+        Some((Arc::clone(model.fitted.as_ref()?), rival.clone()))
+    })
+}
+
+/// What a model holds instead of one cause, all others being the same places.
+fn instead<'m>(model: &'m Visited, leading: &Fitted, at: usize) -> Option<&'m Hypothesis> {
+    let own = &leading.chosen[at];
+    let others = Hypothesis::causes(&leading.chosen).filter(|h| !h.same_place(own));
+    let mut rest: Vec<&Hypothesis> = Hypothesis::causes(&model.causes).collect();
+    if rest.len() != Hypothesis::causes(&leading.chosen).count() {
+        return None;
+    }
+    for other in others {
+        let place = rest.iter().position(|h| h.same_place(other))?;
+        rest.remove(place);
+    }
+    rest.pop().filter(|h| !h.same_place(own))
+}
+
+/// Findings of the leading model, the most important first; which of its causes each is; and whether some cause acts and matters though no
+/// such finding is one.
+pub(super) fn findings(
+    subject: &Subject<'_>,
+    found: &Found,
+    leading: &Arc<Fitted>,
+    folds: Option<&Folds<'_>>,
+    after: Option<&HeldOutTest>,
+) -> (Vec<Finding>, Vec<usize>, bool) {
+    let own = leading.ln_posterior();
+    let of = |k: usize| {
+        let h = &leading.chosen[k];
+        let mut rivals: Vec<Indistinguishable> = Vec::new();
+        for (model, _) in &found.models {
+            let Some(rival) = instead(model, leading, k) else {
+                continue;
+            };
+            let behind = 2.0 * (own - model.ln_posterior);
+            let known = rivals
+                .iter()
+                .any(|r| (r.cause, r.address.as_str()) == (rival.cause, rival.address.as_str()));
+            if behind <= RIVAL && !known {
+                let is_rival = |h: &Hypothesis| is_at(h, rival.cause, &rival.address);
+                rivals.push(Indistinguishable {
+                    cause: rival.cause,
+                    address: rival.address.clone(),
+                    probability: probability(found, |causes| causes.iter().any(is_rival)),
+                    bic_behind: behind.max(0.0),
+                });
+            }
+        }
+        let in_group = |other: &Hypothesis| {
+            let mut rivals = rivals.iter();
+            other.same_place(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
+        };
+        let group = probability(found, |causes| causes.iter().any(in_group));
+        let without = without(found, leading, k);
+        let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
+        let before = Blind::new(subject, &without);
+        // By its own effect alone: what refitting would take up of it is wrong elsewhere then.
+        let moves = leading
+            .effect(subject, k)
+            .map(|effect| moved(subject, &effect));
+        let advantage = folds
+            .filter(|_| h.only_case(&subject.rows).is_none())
+            .and_then(|folds| folds.advantage(leading, &without));
+        let mut numbers = leading.estimates(k);
+        let further = leading.chosen.iter().enumerate();
+        let mut left = None;
+        for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_place(h)) {
+            let own = leading.estimates(at).into_iter();
+            if other.is_left_by_law() {
+                left = Some(own.map(|n| n.value * n.value).sum::<f64>().sqrt());
+                continue;
+            }
+            let named = |name: String| match other.part {
+                BY_DIRECTION => name,
+                part => format!("{name}_{}", part + 1),
+            };
+            numbers.extend(own.map(|n| Estimate {
+                name: named(n.name),
+                ..n
+            }));
+        }
+        let count = numbers.len();
+        let finding = Finding {
+            cause: h.cause,
+            address: h.address.clone(),
+            form: (!h.side.is_empty()).then(|| h.side.to_string()),
+            members: h.members.clone(),
+            probability: of_place(found, h),
+            group_probability: group,
+            parameters: numbers
+                .iter()
+                .map(|n| (n.name.clone(), n.value))
+                .chain(left.map(|force| (LAW_MISFIT.to_string(), force)))
+                .collect(),
+            std_error: numbers
+                .iter()
+                .map(|n| (n.name.clone(), n.std_error))
+                .collect(),
+            minor: moves
+                .is_some_and(|(marks, wheel)| marks < MATTERS_MARKS && wheel < MATTERS_WHEEL_DEG),
+            evidence: Evidence {
+                statistic: "evidence",
+                value: evidence,
+                p_value: (chi_square_p_value(evidence.max(0.0), count) * found.places as f64)
+                    .min(1.0),
+                bic_gain: evidence + 2.0 * (leading.ln_prior() - without.ln_prior()),
+            },
+            indistinguishable_from: rivals,
+            gain: Gain {
+                chi2_per_dof_before: without.posterior.chi_square_per_dof(),
+                chi2_per_dof_after: leading.posterior.chi_square_per_dof(),
+                held_out_rms_before: before.and_then(|blind| blind.marks_rms(subject)),
+                held_out_rms_after: after.and_then(|test| test.marks_rms),
+                held_out_p_value: after.map(|test| test.p_value),
+                cross_validated_nats: advantage,
+            },
+        };
+        (finding, k)
+    };
+    // Beside a force of an unknown law, cases in which it is met badly look like faults of theirs, and what it does beyond the first
+    // order looks like a second cause at its own element.
+    let stands_in = leading.chosen.iter().find(|h| !h.is_named());
+    let of_a_case = |h: &Hypothesis| h.only_case(&subject.rows).is_some();
+    let faults = leading.chosen.iter().filter(|h| of_a_case(h)).count();
+    let is_told = |k: &usize| {
+        let h = &leading.chosen[*k];
+        h.part == 0
+            && stands_in.is_none_or(|force| {
+                h.is_named()
+                    && !(faults > 1 && of_a_case(h))
+                    && !is_at_element_of(subject.problem.model, h, force)
+            })
+    };
+    let told = (0..leading.chosen.len()).filter(is_told);
+    let out: Vec<(Finding, usize)> = told.map(of).collect();
+    // What makes the prediction of other cases worse is no cause.
+    let predicts = |(finding, k): &(Finding, usize)| {
+        let worse = if leading.chosen[*k].is_slab() {
+            WORSE.1
+        } else {
+            WORSE.0
+        };
+        let nats = finding.gain.cross_validated_nats;
+        finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)
+    };
+    let matters = |(finding, _): &(Finding, usize)| !finding.minor;
+    let (mut out, others): (Vec<_>, Vec<_>) = out.into_iter().partition(predicts);
+    let is_nameless =
+        none_of_these(found) < NAMED && !out.iter().any(matters) && others.iter().any(matters);
+    out.sort_by(|(a, ..), (b, ..)| {
+        a.minor
+            .cmp(&b.minor)
+            .then(b.evidence.value.total_cmp(&a.evidence.value))
+    });
+    let (findings, order) = out.into_iter().unzip();
+    (findings, order, is_nameless)
+}
+
+fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {
+    h.cause == cause && h.address == address
+}
+
+/// The best fitted model without one cause and what refines it; the one without any where there is none.
+pub(super) fn without(found: &Found, leading: &Fitted, at: usize) -> Arc<Fitted> {
+    let is_rest = |model: &Visited| {
+        let own = &leading.chosen[at];
+        let mut rest = leading.chosen.iter().filter(|h| !h.same_place(own));
+        model.causes.len() == rest.clone().count()
+            && rest.all(|h| model.causes.iter().any(|other| other.same(h)))
+    };
+    let mut models = found.models.iter().map(|(model, _)| model);
+    let fitted = models.find_map(|model| model.fitted.as_ref().filter(|_| is_rest(model)));
+    Arc::clone(fitted.unwrap_or(&found.none))
+}
+
+/// What the marks alone say: their noise, and readings that are plainly wrong.
+pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
+    let mut out = Vec::new();
+    let measurement = subject.problem.measurement;
+    let fault = |cause, address: String, numbers: [BTreeMap<String, f64>; 2], value: f64| Finding {
+        cause,
+        address,
+        form: None,
+        members: Vec::new(),
+        probability: 1.0,
+        group_probability: 1.0,
+        parameters: numbers[0].clone(),
+        std_error: numbers[1].clone(),
+        minor: true,
+        evidence: Evidence {
+            statistic: "marks of rigid parts",
+            value,
+            p_value: chi_square_p_value(value, 1),
+            bic_gain: value,
+        },
+        indistinguishable_from: Vec::new(),
+        gain: Gain::default(),
+    };
+    let noise = &subject.noise;
+    if let (true, Some(declared), Some(estimated)) =
+        (subject.contradicts_noise(), noise.declared, noise.estimated)
+    {
+        let one = |value: f64| BTreeMap::from([("sigma".to_string(), value)]);
+        let z = libm::log(estimated / declared) / noise.ln_sd;
+        out.push(fault(
+            Cause::NoiseLevel,
+            "marks".to_string(),
+            [one(estimated), one(estimated * noise.ln_sd)],
+            z * z,
+        ));
+    }
+    let sigma = subject.mark_sigma();
+    let named = |values: [f64; 3]| {
+        let pairs = ["x", "y", "z"].into_iter().zip(values);
+        pairs
+            .map(|(name, value)| (name.to_string(), value))
+            .collect()
+    };
+    for misplaced in &noise.misplaced {
+        let part = &measurement.parts[misplaced.part];
+        let mut found = fault(
+            Cause::MarkPlace,
+            format!("{} {}", part.name, part.marks[misplaced.mark].label),
+            [named(misplaced.error.into()), named([misplaced.sd; 3])],
+            misplaced.error.norm_squared() / (misplaced.sd * misplaced.sd),
+        );
+        let form = if misplaced.is_loose() {
+            "loose"
+        } else {
+            "listed"
+        };
+        found.form = Some(form.to_string());
+        out.push(found);
+    }
+    for outlier in &noise.outliers {
+        let read = measurement.cases[outlier.case].marks[outlier.reading];
+        let part = &measurement.parts[read.part];
+        let label = &measurement.cases[outlier.case].label;
+        out.push(fault(
+            Cause::MarkOutlier,
+            format!("case {label} {} {}", part.name, part.marks[read.mark].label),
+            [named(outlier.error.into()), named([sigma; 3])],
+            outlier.error.norm_squared() / (sigma * sigma),
+        ));
+    }
+    out
+}

@@ -1,0 +1,76 @@
+//! Readings as a model foresees them that has not seen them: whitened rows whose covariance is `I + J C J'`.
+
+use nalgebra::{DMatrix, DVector};
+
+use admire_identify::tolerance::transposed;
+
+/// The covariance of foreseen rows, by what acts on them.
+pub(super) struct Foreseen {
+    /// Derivatives of the whitened rows by all that is uncertain.
+    J: DMatrix<f64>,
+    /// `J C` with the covariance `C` of that.
+    JC: DMatrix<f64>,
+}
+
+impl Foreseen {
+    /// Rows with these derivatives by unknowns of this covariance.
+    pub(super) fn new(J: DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
+        Self {
+            JC: &J * covariance,
+            J,
+        }
+    }
+
+    /// The same rows, on which other unknowns act besides, independent of the first.
+    pub(super) fn with(self, J: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
+        let beside = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
+            let mut both = a.clone().resize_horizontally(a.ncols() + b.ncols(), 0.0);
+            both.columns_mut(a.ncols(), b.ncols()).copy_from(b);
+            both
+        };
+        Self {
+            JC: beside(&self.JC, &(J * covariance)),
+            J: beside(&self.J, J),
+        }
+    }
+
+    /// Variance of a row.
+    pub(super) fn variance(&self, row: usize) -> f64 {
+        1.0 + self.J.row(row).dot(&self.JC.row(row))
+    }
+
+    /// `r' (I + J C J')^-1 r = r'r - r'J (I + C J'J)^-1 C J'r` (Woodbury's formula), whose cost is linear in the count of rows.
+    pub(super) fn chi_square(&self, r: &DVector<f64>) -> Option<f64> {
+        let k = self.J.ncols();
+        let M = transposed(&self.JC, &self.J) + DMatrix::identity(k, k);
+        let step = M.lu().solve(&self.JC.tr_mul(r))?;
+        Some(r.norm_squared() - self.J.tr_mul(r).dot(&step))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use admire_study::noise::Noise;
+
+    /// Against the inverse of the whole covariance.
+    #[test]
+    fn chi_square_and_variances_are_those_of_the_whole_covariance() {
+        let mut noise = Noise::new(7, "foreseen");
+        let mut drawn = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| noise.normal());
+        let (J, R) = (drawn(40, 6), drawn(40, 3));
+        let (root, other) = (drawn(6, 6), drawn(3, 1));
+        let r = drawn(40, 1).column(0).into_owned();
+        // The second covariance is singular.
+        let (C, D) = (&root * root.transpose(), &other * other.transpose());
+        let S =
+            &J * &C * J.transpose() + &R * &D * R.transpose() + DMatrix::<f64>::identity(40, 40);
+        let found = Foreseen::new(J, &C).with(&R, &D);
+        for k in 0..40 {
+            assert!((found.variance(k) - S[(k, k)]).abs() < 1e-12 * S[(k, k)]);
+        }
+        let expected = r.dot(&(S.try_inverse().unwrap() * &r));
+        let chi_square = found.chi_square(&r).unwrap();
+        assert!((chi_square - expected).abs() < 1e-10 * expected);
+    }
+}

@@ -1,0 +1,165 @@
+//! The measuring frame: what a shift and a turn of it do to the readings of marks, and how it moves through the cases.
+
+use std::f64::consts::PI;
+
+use super::subject::Subject;
+use admire_identify::global::gauss_newton::LeastSquares;
+use admire_identify::global::{Observations, Prepared, Row, fit_unknowns, global_problem};
+use admire_identify::tolerance::Group;
+use admire_session::backend::LoadProgramme;
+use admire_solver::mechanics::Vec3;
+use admire_study::{Case, FramePlace};
+
+/// Rows of marks by a shift of the frame of case `of` along each axis and a turn about each, through the centroid of the marks; `places` are
+/// those of its readings. One unit of a row is `unit` long, one of a turn is `turn` radians.
+pub fn by_frame(
+    rows: &[Row],
+    of: usize,
+    places: &[Vec3],
+    (unit, turn): (f64, f64),
+) -> [Vec<(usize, f64)>; 6] {
+    let mut columns: [Vec<(usize, f64)>; 6] = Default::default();
+    let centre = centroid(places);
+    for (at, row) in rows.iter().enumerate() {
+        let Row::Mark {
+            case,
+            reading,
+            axis,
+        } = *row
+        else {
+            continue;
+        };
+        if case != of {
+            continue;
+        }
+        let by = at_point(&(places[reading] - centre), turn);
+        for (k, column) in columns.iter_mut().enumerate() {
+            if by[k][axis] != 0.0 {
+                column.push((at, by[k][axis] / unit));
+            }
+        }
+    }
+    columns
+}
+
+/// What three shifts and three turns, of `turn` radians, do at a point, `lever` away from the centre of the turns.
+pub fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
+    std::array::from_fn(|k| match k.checked_sub(3) {
+        None => Vec3::ith(k, 1.0),
+        Some(k) => Vec3::ith(k, turn).cross(lever),
+    })
+}
+
+/// The mean; zero of none.
+pub fn centroid(places: &[Vec3]) -> Vec3 {
+    places.iter().sum::<Vec3>() / places.len().max(1) as f64
+}
+
+/// True if the marks sit all alike far from where the model has them at the start values, in the cases that are not held out: they are told in
+/// another frame than the deck's.
+pub(super) fn is_another(subject: &Subject<'_>) -> bool {
+    let length = subject.problem.model.units.length.si;
+    place_at_start(subject).is_some_and(|place| place.is_another(length))
+}
+
+/// `None` where there are no marks, or where the start values have no equilibrium.
+fn place_at_start(subject: &Subject<'_>) -> Option<FramePlace> {
+    if !subject.compares_marks() {
+        return None;
+    }
+    let problem = &subject.problem;
+    let prepared = Prepared::new(problem).ok()?;
+    let cases: Vec<usize> = subject.cases_fitted().collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let unknowns = fit_unknowns(problem, &prepared.system, None);
+    let observed = observations.observed.clone();
+    let predictor = prepared.native(problem, observed).ok()?;
+    let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
+    let start = global.start();
+    let residual = global.evaluate(&start, false)?.residual;
+    subject.spend(1);
+    let predicted = global.observations.predicted(&residual);
+    let of = |all: &[Case]| -> Vec<Vec3> {
+        let marks = cases.iter().flat_map(|case| &all[*case].marks);
+        marks.map(|mark| mark.x).collect()
+    };
+    FramePlace::of(&of(&predicted), &of(&problem.measurement.cases))
+}
+
+/// A motion of the frame through the cases: its group, and its factor in each of them.
+pub(super) type Motion = (Group, Vec<f64>);
+
+/// The motions that are among the tolerances of a study, through its cases and then through further ones with these loads.
+pub fn motions(subject: &Subject<'_>, further: &[&[f64]]) -> Vec<Motion> {
+    let has = |group: Group| subject.compares_marks() && subject.sizes.group(group).is_some();
+    let programme = subject.problem.programme;
+    let count = programme.cases.len();
+    let mut out = Vec::new();
+    if has(Group::FrameAlignment) {
+        out.push((Group::FrameAlignment, vec![1.0; count + further.len()]));
+    }
+    if has(Group::FrameDrifts) {
+        // Where the frame will have gone in a further case nobody knows.
+        let of = |case: usize| {
+            if case < count {
+                drifts(case, count)
+            } else {
+                [0.0; DRIFTS]
+            }
+        };
+        let all: Vec<[f64; DRIFTS]> = (0..count + further.len()).map(of).collect();
+        let one = |k: usize| all.iter().map(|of| of[k]).collect();
+        out.extend((0..DRIFTS).map(|k| (Group::FrameDrifts, one(k))));
+    }
+    if has(Group::MountYield) {
+        for (load, largest) in varying(programme) {
+            let known = programme.cases.iter().map(|case| case.values[load]);
+            let values = known.chain(further.iter().map(|values| values[load]));
+            out.push((
+                Group::MountYield,
+                values.map(|value| value / largest).collect(),
+            ));
+        }
+    }
+    out
+}
+
+/// Loads that differ between cases, with the largest value of each.
+pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
+    let of = |load: usize| {
+        let values = || programme.cases.iter().map(|case| case.values[load]);
+        let largest = values().map(f64::abs).fold(0.0, f64::max);
+        let first = values().next()?;
+        values()
+            .any(|value| value != first)
+            .then_some((load, largest))
+    };
+    (0..programme.loads.len()).filter_map(of).collect()
+}
+
+/// A frame that goes on from case to case is followed by so many functions of their order.
+const DRIFTS: usize = 6;
+
+/// The leading functions of a random walk over `count` cases whose steps have a variance of one, in case `of`: Karhunen and Loeve's
+/// `sqrt(2 n) sin(w t / n) / w`, `w = (k - 1/2) pi`.
+fn drifts(of: usize, count: usize) -> [f64; DRIFTS] {
+    let n = count as f64;
+    std::array::from_fn(|k| {
+        let w = (k as f64 + 0.5) * PI;
+        (2.0 * n).sqrt() * libm::sin(w * (of + 1) as f64 / n) / w
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_functions_have_the_variance_of_a_random_walk() {
+        for (case, least) in [(5, 0.8), (15, 0.9), (30, 0.95)] {
+            let sum: f64 = drifts(case, 31).iter().map(|value| value * value).sum();
+            let variance = (case + 1) as f64;
+            assert!(sum > least * variance && sum < variance, "{case}: {sum}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! A force that is a smooth function of one coordinate of the cases: a Gaussian process with a squared exponential covariance.
+//!
+//! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use admire_solver::mechanics::eigen::symmetric_eigen;
+
+/// Lengths of the covariance as parts of the range of the coordinate.
+const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
+/// The same of what a law leaves, which jumps where the motion turns; the first is no length at all: each value by itself.
+const SHORT_LENGTHS: [f64; 4] = [1e-3, 0.02, 0.06, 0.15];
+/// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
+const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
+/// How many lengths and sizes are tried.
+pub(super) const LAWS: usize = LENGTHS.len() * SIZES.len();
+/// Directions of the covariance below this part of the largest are left out.
+const LEAST: f64 = 1e-6;
+/// What a covariance may be off by, of a diagonal of ones.
+const NONE_LEFT: f64 = 1e-9;
+
+/// How far a force that a Gaussian process describes reaches along its coordinate.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Reach {
+    /// A smooth force.
+    Smooth,
+    /// One that may change from one case to the next.
+    Short,
+}
+
+/// The force in all cases at the length and size that do best.
+pub(super) struct Law {
+    /// Evidence gained.
+    pub nats: f64,
+    /// What of chi-square it takes up.
+    pub taken: f64,
+    /// The force in each case,
+    pub mean: DVector<f64>,
+    /// and its covariance.
+    pub covariance: DMatrix<f64>,
+    /// The covariance before the readings were known is this times its transpose.
+    pub root: DMatrix<f64>,
+    /// The mean is that times these.
+    pub weights: DVector<f64>,
+}
+
+impl Law {
+    /// Evidence gained, chi-square taken up, mean and covariance of the force in all cases, at the length and size that do best.
+    /// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated; `force` is a usual one. The
+    /// law has no part that is constant or a straight line if it is to be `beyond_a_line`. `None` where the coordinate does not change.
+    pub(super) fn best(
+        coordinate: &[f64],
+        (reach, beyond_a_line): (Reach, bool),
+        (information, gradient): (&DMatrix<f64>, &DVector<f64>),
+        force: f64,
+    ) -> Option<Self> {
+        let n = coordinate.len();
+        let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = coordinate.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let range = high - low;
+        if !(range > 0.0) {
+            return None;
+        }
+        let mut out: Option<Self> = None;
+        let lengths = match reach {
+            Reach::Smooth => LENGTHS,
+            Reach::Short => SHORT_LENGTHS,
+        };
+        for length in lengths {
+            let alike = |a: usize, b: usize| {
+                let apart = (coordinate[a] - coordinate[b]) / (length * range);
+                libm::exp(-0.5 * apart * apart)
+            };
+            let mut root = root_of(n, alike);
+            if beyond_a_line {
+                root = off_a_line(coordinate, (low, range), root);
+            }
+            let eigen = symmetric_eigen(root.transpose() * &root);
+            let least = LEAST * eigen.eigenvalues.max();
+            let kept: Vec<usize> = (0..root.ncols())
+                .filter(|k| eigen.eigenvalues[*k] > least)
+                .collect();
+            root *= eigen.eigenvectors.select_columns(&kept);
+            let transposed = root.transpose();
+            let (M, g) = (&transposed * (information * &root), &transposed * gradient);
+            let mut best: Option<(f64, f64, DVector<f64>, Cholesky<f64, Dyn>)> = None;
+            for size in SIZES {
+                let s = size * force;
+                let Some(factor) =
+                    Cholesky::new(&M * (s * s) + DMatrix::identity(kept.len(), kept.len()))
+                else {
+                    continue;
+                };
+                let z = factor.solve(&(&g * s));
+                let logs: f64 = factor
+                    .l_dirty()
+                    .diagonal()
+                    .iter()
+                    .map(|d| libm::log(*d))
+                    .sum();
+                let nats = 0.5 * s * g.dot(&z) - logs;
+                if nats.is_finite() && best.as_ref().is_none_or(|(most, ..)| nats > *most) {
+                    best = Some((nats, s, z, factor));
+                }
+            }
+            let better =
+                |(nats, ..): &(f64, _, _, _)| out.as_ref().is_none_or(|law| *nats > law.nats);
+            if let Some((nats, s, z, factor)) = best.filter(better) {
+                out = Some(Self {
+                    nats,
+                    taken: 2.0 * s * g.dot(&z) - s * s * z.dot(&(&M * &z)),
+                    covariance: &root * factor.inverse() * &transposed * (s * s),
+                    mean: &root * &z * s,
+                    root: root * s,
+                    weights: z,
+                });
+            }
+        }
+        out
+    }
+}
+
+/// A matrix of few columns whose product with its transpose is a smooth covariance with ones on its diagonal: Cholesky's factor, the
+/// largest variance that is left taken first, until none is. Source: Harbrecht, Peters and Schneider, Applied Numerical Mathematics 62
+/// (2012) 428.
+fn root_of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
+    let mut left = vec![1.0; n];
+    let mut columns: Vec<DVector<f64>> = Vec::new();
+    while columns.len() < n {
+        let pivot = (0..n).fold(0, |most, k| if left[k] > left[most] { k } else { most });
+        if left[pivot] <= NONE_LEFT {
+            break;
+        }
+        let mut column = DVector::from_fn(n, |row, _| covariance(row, pivot));
+        for known in &columns {
+            column.axpy(-known[pivot], known, 1.0);
+        }
+        column /= left[pivot].sqrt();
+        for (left, value) in left.iter_mut().zip(&column) {
+            *left -= value * value;
+        }
+        columns.push(column);
+    }
+    DMatrix::from_columns(&columns)
+}
+
+/// Takes constant and straight line of a coordinate off each column.
+fn off_a_line(coordinate: &[f64], (low, range): (f64, f64), columns: DMatrix<f64>) -> DMatrix<f64> {
+    let X = DMatrix::from_fn(coordinate.len(), 2, |row, column| match column {
+        0 => 1.0,
+        _ => (coordinate[row] - low) / range - 0.5,
+    });
+    let along = X.transpose() * &columns;
+    match Cholesky::new(X.tr_mul(&X)) {
+        Some(factor) => columns - X * factor.solve(&along),
+        None => columns,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forces in thirty cases, each read with an error of one: a wave over the deflection is found, its band holds it, and a line is none.
+    #[test]
+    fn a_wave_is_found_and_a_line_is_not() {
+        let n = 30_u8;
+        let u: Vec<f64> = (0..n).map(|k| f64::from(k) * 0.1).collect();
+        let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
+        let information = DMatrix::identity(usize::from(n), usize::from(n));
+        // Reading equals force here: the gradient is the reading itself.
+        let found = Law::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
+        let Law {
+            nats,
+            taken,
+            mean,
+            covariance,
+            root,
+            ..
+        } = found.unwrap();
+        assert!(nats > 100.0, "{nats}");
+        assert!(taken > 0.0);
+        assert_eq!(root.nrows(), usize::from(n));
+        let beyond = off_a_line(
+            &u,
+            (0.0, 2.9),
+            DMatrix::from_columns(std::slice::from_ref(&wave)),
+        );
+        for k in 0..usize::from(n) {
+            assert!(
+                (mean[k] - beyond[k]).abs() < 4.0 * covariance[(k, k)].sqrt(),
+                "{k}"
+            );
+        }
+        let covariance = |a: usize, b: usize| (-2.0 * (u[a] - u[b]).powi(2)).exp();
+        let factor = root_of(usize::from(n), covariance);
+        assert!(factor.ncols() < 20, "{}", factor.ncols());
+        let off = &factor * factor.transpose()
+            - DMatrix::from_fn(usize::from(n), usize::from(n), covariance);
+        assert!(off.amax() < 1e-8, "{:e}", off.amax());
+        let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
+        let found = Law::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
+        assert!(found.unwrap().nats < 1.0);
+    }
+}

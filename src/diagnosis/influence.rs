@@ -1,0 +1,280 @@
+//! What a fit leaves in its residuals: contrasts of them.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::fit::Fitted;
+use admire_identify::tolerance::{Factor, transposed};
+use admire_solver::mechanics::eigen::symmetric_eigen;
+use admire_study::orientation::chi_square_p_value;
+
+/// A column of a contrast: rows and their weights.
+pub(super) type Contrast = Vec<(usize, f64)>;
+
+/// Contrasts that the fit has absorbed up to so little are none: there a fit that stopped a little short of its minimum shows.
+const ABSORBED: f64 = 0.01;
+
+/// Whitened residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
+/// posterior covariance. Source: the marginal likelihood of a linear model with Gaussian priors.
+pub(super) struct Influence<'a> {
+    fitted: &'a Fitted,
+    weights: DVector<f64>,
+    /// Reading minus prediction, whitened.
+    pub residual: DVector<f64>,
+    /// `Q^T`: one column for each row of the residual.
+    Q: DMatrix<f64>,
+}
+
+/// A chi-square statistic.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Statistic {
+    /// Its value.
+    pub value: f64,
+    /// Degrees of freedom.
+    pub dof: usize,
+}
+
+impl Statistic {
+    /// Its p-value.
+    pub(super) fn p_value(self) -> f64 {
+        chi_square_p_value(self.value, self.dof)
+    }
+}
+
+impl<'a> Influence<'a> {
+    /// Of a fit. Rows it has not seen take no part.
+    pub(super) fn new(fitted: &'a Fitted) -> Self {
+        let (residual, J) = fitted.whitened();
+        let (covariance, step) = with_wide_priors(fitted);
+        Self {
+            weights: fitted.whitening.weights(&fitted.sizes.ln),
+            residual: residual - &J * step,
+            Q: (J * root(&covariance)).transpose(),
+            fitted,
+        }
+    }
+
+    /// Chi-square of whitened rows with the covariance that the fit leaves them.
+    pub(super) fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
+        let rows: Vec<usize> = rows
+            .iter()
+            .copied()
+            .filter(|row| self.weights[*row] > 0.0)
+            .collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let Q = self.Q.select_columns(&rows);
+        scatter(&Q, &self.residual.select_rows(&rows))
+    }
+
+    /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
+    /// noise and tolerances do not explain.
+    pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
+        self.along(contrasts).statistic()
+    }
+
+    /// What the residuals have along these contrasts.
+    fn along(&self, contrasts: &[Contrast]) -> Along {
+        let k = contrasts.len();
+        let mut s = DVector::zeros(k);
+        let mut QX = DMatrix::zeros(self.Q.nrows(), k);
+        let mut dense: Vec<std::collections::BTreeMap<usize, f64>> = Vec::with_capacity(k);
+        for (c, contrast) in contrasts.iter().enumerate() {
+            let mut own = self.fitted.whitening.apply_sparse(contrast);
+            own.retain(|row, weight| {
+                *weight *= self.weights[*row];
+                *weight != 0.0
+            });
+            for (row, weight) in &own {
+                s[c] += weight * self.residual[*row];
+                QX.column_mut(c).axpy(*weight, &self.Q.column(*row), 1.0);
+            }
+            dense.push(own);
+        }
+        let mut own = DMatrix::zeros(k, k);
+        for a in 0..k {
+            for b in 0..=a {
+                let (small, large) = if dense[a].len() < dense[b].len() {
+                    (&dense[a], &dense[b])
+                } else {
+                    (&dense[b], &dense[a])
+                };
+                let sum: f64 = small
+                    .iter()
+                    .filter_map(|(row, w)| Some(w * large.get(row)?))
+                    .sum();
+                own[(a, b)] = sum;
+                own[(b, a)] = sum;
+            }
+        }
+        Along { s, QX, own }
+    }
+
+    /// Contrasts of each case by itself, to be added up with weights.
+    pub(super) fn by_case(&self, cases: &[Vec<Contrast>]) -> ByCase {
+        ByCase(cases.iter().map(|case| self.along(case)).collect())
+    }
+}
+
+/// Residuals and the fit's share along contrasts `X` of whitened rows: `X'r`, `Q'X` and `X'X`.
+struct Along {
+    s: DVector<f64>,
+    QX: DMatrix<f64>,
+    own: DMatrix<f64>,
+}
+
+impl Along {
+    /// Score test of the contrasts that reach a row which is used.
+    fn statistic(&self) -> Option<Statistic> {
+        let used: Vec<usize> = (0..self.s.len())
+            .filter(|c| self.own[(*c, *c)] > 0.0)
+            .collect();
+        if used.is_empty() {
+            return None;
+        }
+        let QX = self.QX.select_columns(&used);
+        let mut A = self.own.select_rows(&used).select_columns(&used) - transposed(&QX, &QX);
+        let mut s = self.s.select_rows(&used);
+        // Columns to one scale, so that what is absorbed can be told.
+        for (c, at) in used.iter().enumerate() {
+            let norm = self.own[(*at, *at)].sqrt();
+            s[c] /= norm;
+            A.column_mut(c).scale_mut(1.0 / norm);
+            A.row_mut(c).scale_mut(1.0 / norm);
+        }
+        statistic(A, &s)
+    }
+}
+
+/// The same contrasts in every case. Rows of different cases are independent, so that weighted sums of them take no look at the rows.
+pub(super) struct ByCase(Vec<Along>);
+
+impl ByCase {
+    /// Score test of their sums, weighted by a number of each case.
+    pub(super) fn test(&self, weights: &[f64]) -> Option<Statistic> {
+        let first = self.0.first()?;
+        let mut sum = Along {
+            s: DVector::zeros(first.s.len()),
+            QX: DMatrix::zeros(first.QX.nrows(), first.s.len()),
+            own: DMatrix::zeros(first.s.len(), first.s.len()),
+        };
+        for (case, weight) in self.0.iter().zip(weights) {
+            sum.s.axpy(*weight, &case.s, 1.0);
+            for (to, from) in [
+                (&mut sum.QX, (&case.QX, *weight)),
+                (&mut sum.own, (&case.own, weight * weight)),
+            ] {
+                let (values, weight) = from;
+                for (to, value) in to.iter_mut().zip(values.iter()) {
+                    *to += weight * value;
+                }
+            }
+        }
+        sum.statistic()
+    }
+}
+
+/// Chi-square `r'(c - Q'Q)^-1 r` of rows of which a fit took the share `Q`; `c` is a little more than one. Of more rows than unknowns by
+/// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`: it takes a factor of the smaller number.
+fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
+    let c = 1.0 + ABSORBED;
+    let rest = |squares: DMatrix<f64>| {
+        let n = squares.nrows();
+        Factor::new(DMatrix::identity(n, n) * c - squares)
+    };
+    let count = r.len() as f64;
+    let (value, trace) = if r.len() < Q.nrows() {
+        let factor = rest(transposed(Q, Q))?;
+        (r.dot(&factor.solve(r)), factor.inverse_trace())
+    } else {
+        let factor = rest(Q * Q.transpose())?;
+        let along = Q * r;
+        let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
+        // `QQ' = c - rest`.
+        let solved = c * factor.inverse_trace() - Q.nrows() as f64;
+        (value, (count + solved) / c)
+    };
+    let dof = (count - ABSORBED * trace).round();
+    (dof > 0.0 && value.is_finite()).then_some(Statistic {
+        value,
+        dof: dof as usize,
+    })
+}
+
+/// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED`] is left do not count.
+fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
+    let k = s.len();
+    let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED)?.inverse();
+    let value = s.dot(&(&inverse * s));
+    let dof = (k as f64 - ABSORBED * inverse.trace()).round();
+    (dof > 0.0 && value.is_finite()).then_some(Statistic {
+        value,
+        dof: dof as usize,
+    })
+}
+
+/// The covariance of a fit's unknowns, and the step to their maximum, with priors of the numbers of causes as wide as these came out: a
+/// cause that is larger than usual would look like structure along what it does itself. One prior after the other, by the formula of
+/// Sherman and Morrison.
+fn with_wide_priors(fitted: &Fitted) -> (DMatrix<f64>, DVector<f64>) {
+    let mut covariance = fitted.posterior.covariance.clone();
+    let mut step = DVector::zeros(covariance.nrows());
+    for at in fitted.places.iter().flatten() {
+        let prior = &fitted.priors[*at];
+        let off: f64 = fitted.x[*at] + fitted.posterior.step[*at] + step[*at] - prior.mean;
+        let precision = prior.prior_sd(&fitted.sizes).powi(-2);
+        let less = precision - off.powi(-2);
+        if less > 0.0 && less.is_finite() {
+            let column = covariance.column(*at).clone_owned();
+            let scale = less / (1.0 - less * column[*at]);
+            covariance.ger(scale, &column, &column, 1.0);
+            step.axpy(scale * off, &column, 1.0);
+        }
+    }
+    (covariance, step)
+}
+
+/// `L` with `L L^T = C`, by Cholesky where it is definite.
+fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
+    if let Some(factor) = Cholesky::new(C.clone()) {
+        return factor.l();
+    }
+    if C.is_empty() {
+        return C.clone();
+    }
+    let eigen = symmetric_eigen(C.clone());
+    let mut L = eigen.eigenvectors;
+    for (mut column, lambda) in L.column_iter_mut().zip(eigen.eigenvalues.iter()) {
+        column *= lambda.max(0.0).sqrt();
+    }
+    L
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use admire_solver::mechanics::eigen::singular_values;
+    use admire_study::noise::Noise;
+
+    /// Of more rows than unknowns and of fewer, against the inverse of the whole covariance.
+    #[test]
+    fn scatter_is_that_by_the_inverse_of_the_covariance() {
+        for (unknowns, rows) in [(4, 9), (9, 4)] {
+            let mut noise = Noise::new(7, "scatter");
+            let r = DVector::from_fn(rows, |_, _| noise.normal());
+            let mut Q = DMatrix::from_fn(unknowns, rows, |_, _| noise.normal());
+            let values = singular_values(Q.clone(), false, false).unwrap();
+            Q *= 0.99 / values.singular_values.max();
+            let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED) - Q.tr_mul(&Q);
+            let inverse = covariance.try_inverse().unwrap();
+            let found = scatter(&Q, &r).unwrap();
+            let value = r.dot(&(&inverse * &r));
+            assert!(
+                (found.value / value - 1.0).abs() < 1e-9,
+                "{found:?} {value}"
+            );
+            let dof = rows as f64 - ABSORBED * inverse.trace();
+            assert_eq!(found.dof, dof.round() as usize);
+        }
+    }
+}

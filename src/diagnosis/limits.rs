@@ -1,0 +1,162 @@
+//! How far off something has to be before it is named: what the readings cannot see is said.
+
+use super::cause::Cause;
+use super::diagnosis::{CauseLimit, DetectionLimit};
+use super::fit::Fitted;
+use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::scan::{Catalogue, first_member};
+use super::subject::Subject;
+use admire_identify::tolerance::Group;
+
+/// Millimetres a point may well be off, as the hypothesis has it.
+const SD: f64 = 3.0;
+/// Limits beyond so many millimetres are none,
+const FAR: f64 = 50.0;
+/// and of other causes those beyond so many times the size they may well have.
+const BEYOND: f64 = 20.0;
+
+/// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group.
+pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<DetectionLimit> {
+    let Some(tau) = fitted.sizes.of(Group::Hardpoints) else {
+        return Vec::new();
+    };
+    let millimetre = subject.millimetre();
+    let slab = SD * millimetre;
+    let points = &subject.layer.points;
+    // Each point in all directions and along each one alone.
+    let odds = super::causes::PRESENT / (4 * points.len()) as f64;
+    let mut out = Vec::new();
+    for point in points {
+        let name = |marker: &admire_solver::model::MarkerIx| {
+            format!(
+                "MARKER/{}",
+                subject.problem.model.markers[marker.0].header.id
+            )
+        };
+        let members: Vec<String> = point.markers.iter().map(name).collect();
+        let limit = |member: usize| {
+            let d = outstanding(fitted, member, (tau, slab), libm::log(odds))? / millimetre;
+            (d < FAR).then_some(d)
+        };
+        let axes = subject.layer.at(Group::Hardpoints, &members[0]);
+        let mm: Vec<Option<f64>> = axes.map(limit).collect();
+        if let [x, y, z] = mm[..] {
+            out.push(DetectionLimit {
+                address: members[0].clone(),
+                members,
+                mm: [x, y, z],
+            });
+        }
+    }
+    out
+}
+
+/// The error at which a member of the tolerance layer that may be larger by `slab` is as probable as not: with `F` the information of the
+/// readings on the error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`, `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
+fn outstanding(
+    fitted: &Fitted,
+    member: usize,
+    (tau, slab): (f64, f64),
+    ln_odds: f64,
+) -> Option<f64> {
+    let at = first_member(fitted) + member;
+    // What stands out has a prior of its own; its information is the same.
+    let prior = fitted.priors[at].prior_sd(&fitted.sizes).powi(2);
+    let information = 1.0 / fitted.posterior.covariance[(at, at)] - 1.0 / prior;
+    if information <= 1e-6 / prior {
+        return None;
+    }
+    let before = 1.0 / information + tau * tau;
+    let after = before + slab * slab;
+    let needed = libm::log(after / before) - 2.0 * ln_odds;
+    Some((needed / (1.0 / before - 1.0 / after)).sqrt())
+}
+
+/// For each number of every other cause the size at which the cause is as probable as not, all else being sound: with `F` the information
+/// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
+/// of one cause at one place the one that is seen worst, for any of them may act; of first guesses of one law the one that is seen best.
+/// Faults of readings of single cases are left out.
+pub fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
+    let catalogue = Catalogue::new(subject, fitted);
+    let information = catalogue.information(fitted, &fitted.sizes);
+    let mut out: Vec<CauseLimit> = Vec::new();
+    for (h, information) in catalogue.hypotheses.iter().zip(&information) {
+        let is_part = h.part > 0 || h.with.is_some();
+        if h.cause == Cause::HardpointError || is_part || h.only_case(&subject.rows).is_some() {
+            continue;
+        }
+        for (k, number) in h.numbers.iter().enumerate() {
+            let d = match number.unknown {
+                Unknown::Member(member) => {
+                    let group = fitted.priors[first_member(fitted) + member].group;
+                    let tau = group.and_then(|group| fitted.sizes.of(group));
+                    tau.and_then(|tau| outstanding(fitted, member, (tau, number.sd), h.ln_prior))
+                        .map(|d| d / number.sd)
+                }
+                Unknown::SlipLength { .. } | Unknown::Rate { .. } | Unknown::Offset { .. } => {
+                    continue;
+                }
+                _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
+            };
+            let d = d.filter(|d| *d < BEYOND);
+            take(&mut out, h, number, d);
+        }
+    }
+    out
+}
+
+/// The size in units of its prior at which a number with such information is as probable as not.
+fn alone(information: f64, ln_odds: f64) -> Option<f64> {
+    let evidence = libm::log1p(information) - 2.0 * ln_odds;
+    (information > 1e-6).then(|| (evidence * (1.0 + information)).sqrt() / information)
+}
+
+/// Adds a limit, or joins it to that of another form of the same.
+fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f64>) {
+    let size = d.map(|d| d * number.sd * number.unit);
+    let same = |l: &&mut CauseLimit| {
+        (l.cause, l.address.as_str(), l.number.as_str())
+            == (h.cause, h.address.as_str(), number.name.as_str())
+    };
+    if let Some(known) = out.iter_mut().find(same) {
+        known.size = if h.cause.has_rough_law() {
+            size.into_iter().chain(known.size).reduce(f64::min)
+        } else {
+            size.zip(known.size).map(|(a, b)| a.max(b))
+        };
+        return;
+    }
+    out.push(CauseLimit {
+        cause: h.cause,
+        address: h.address.clone(),
+        number: number.name.clone(),
+        size,
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Limits of two forms of a cause, in units of their numbers.
+    fn joined(cause: Cause, sizes: [Option<f64>; 2]) -> Option<f64> {
+        let mut out = Vec::new();
+        for size in sizes {
+            let number = Number::new("size", 2.0, Unknown::Linear);
+            let h = Hypothesis::plain(cause, "PART/6".to_string(), "", Vec::new());
+            take(&mut out, &h, &number, size);
+        }
+        assert_eq!(out.len(), 1);
+        out[0].size
+    }
+
+    #[test]
+    fn the_limit_is_that_of_the_form_seen_worst_but_for_first_guesses() {
+        let link = Cause::LinkCompliance;
+        assert_eq!(joined(link, [Some(1.0), Some(3.0)]), Some(6.0));
+        assert_eq!(joined(link, [Some(3.0), None]), None);
+        let friction = Cause::DryFriction;
+        assert_eq!(joined(friction, [Some(1.0), Some(3.0)]), Some(2.0));
+        assert_eq!(joined(friction, [None, Some(3.0)]), Some(6.0));
+    }
+}

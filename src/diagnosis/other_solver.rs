@@ -1,0 +1,283 @@
+//! The last fit by the solver of the study: its predictions, the derivatives of the built-in one.
+//!
+//! With m the misfit of the built-in solver where a fit ended, J its derivatives, s the step from there and d(s) how far the other solver's
+//! predictions are from the built-in one's at the same numbers (those that are written into a deck: small errors left out), the misfit is
+//! `m + J s + d(s)`. Each round solves for s with the d of the round before; d changes slowly, so that a few rounds are enough.
+
+use nalgebra::DVector;
+
+use super::diagnose::Outcome;
+use super::extension::driven;
+use super::fit::{Fitted, Plain};
+use super::hypothesis::Hypothesis;
+use super::stiffness::corrected;
+use super::subject::{Data, Subject};
+use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
+use admire_identify::meet_marks_of_all;
+use admire_session::backend::{
+    Backend, BackendError, Load, LoadCase, LoadProgramme, NativeBackend, SweepRequest,
+};
+use admire_solver::mechanics::Pose;
+use admire_solver::system::Scratch;
+use admire_syntax::Address;
+
+/// Rounds at most.
+const ROUNDS: usize = 5;
+/// No number of the model moves by more than this part of its standard deviation: done.
+const DONE: f64 = 0.02;
+/// The logarithm of a stiffness moves by so much at most in one round.
+const REACH: f64 = 0.8;
+
+/// Poses of every case; `None` where it was not solved.
+type Poses = Vec<Option<Vec<Pose>>>;
+
+impl Outcome<'_> {
+    /// Takes note of how far the solver of the study is from the built-in one, and fits the numbers to it. Says what could not be done.
+    pub fn by_the_study(&mut self, other: &mut dyn Backend) -> Option<String> {
+        if let Err(error) = self.compare(other) {
+            return Some(format!(
+                "the solver of the study is not compared with the built-in one, which made this diagnosis: {error}"
+            ));
+        }
+        let why = match self.refit(other) {
+            Ok(true) => return None,
+            Ok(false) => "the deck with the numbers fitted to it has no equilibrium".to_string(),
+            Err(error) => error.to_string(),
+        };
+        Some(format!(
+            "the numbers of this diagnosis are fitted to the built-in solver, not to that of the study: {why}"
+        ))
+    }
+
+    /// Fits the numbers of all models once more, to the predictions of another solver; the choice of causes stays. The deck that is
+    /// written, stiffnesses, numbers of findings and the gain on held-out cases are then that solver's. False, and nothing changed, where
+    /// the built-in solver finds no equilibrium with those numbers.
+    ///
+    /// # Errors
+    /// [`BackendError`] when the other solver could not solve anything; nothing is changed then.
+    pub fn refit(&mut self, other: &mut dyn Backend) -> Result<bool, BackendError> {
+        let subject = &self.subject;
+        let baseline = refitted(subject, &self.baseline, Data::All, other)?;
+        let extended = refitted(subject, &self.extended, Data::All, other)?;
+        let unseen = match &self.unseen {
+            Some(unseen) => Some(unseen.refitted(subject, |fitted| {
+                refitted(subject, fitted, Data::Fitted, other)
+            })?),
+            None => None,
+        };
+        let Some(plain) = Plain::new(subject, &extended) else {
+            return Ok(false);
+        };
+        let poses = solved(other, &extended, &plain, subject)?;
+        self.diagnosis.baseline.chi2_per_dof = baseline.posterior.chi_square_per_dof();
+        for (k, parameter) in self.diagnosis.parameters.iter_mut().enumerate() {
+            parameter.scale(libm::exp(extended.x[k] - self.extended.x[k]));
+        }
+        for finding in &mut self.diagnosis.findings {
+            let mut chosen = extended.chosen.iter();
+            let is_named = |h: &Hypothesis| {
+                let form = finding.form.as_deref().unwrap_or_default();
+                h.cause == finding.cause && h.address == finding.address && h.side == form
+            };
+            let Some(k) = chosen.position(is_named) else {
+                continue;
+            };
+            for number in extended.estimates(k) {
+                finding.parameters.insert(number.name.clone(), number.value);
+                finding.std_error.insert(number.name, number.std_error);
+            }
+        }
+        if let Some(unseen) = &unseen {
+            self.diagnosis.hold_out = unseen.hold_out(subject);
+            self.diagnosis.baseline.held_out_rms = unseen.tests[0].marks_rms;
+        }
+        self.stiffnesses = corrected(&subject.problem, &baseline, &extended);
+        if let Some(found) = &mut self.diagnosis.solver {
+            found.refitted_rms = missed(subject, &poses);
+        }
+        self.plain = plain;
+        self.baseline = baseline.into();
+        self.extended = extended.into();
+        self.unseen = unseen;
+        Ok(true)
+    }
+}
+
+/// A fit carried on to what another solver predicts.
+fn refitted(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    data: Data,
+    other: &mut dyn Backend,
+) -> Result<Fitted, BackendError> {
+    let whitening = subject.whitening(data);
+    let stiffnesses = subject.problem.unknowns.len();
+    let mut at = fitted.clone();
+    for _ in 0..ROUNDS {
+        let Some(plain) = Plain::new(subject, &at) else {
+            break;
+        };
+        let apart = apart(subject, &at, &plain, other)?;
+        let Some((_, posterior)) = fitted.linearly_off(&whitening, &apart) else {
+            break;
+        };
+        let mut most = 0.0_f64;
+        let mut next = at.x.clone();
+        for (k, next) in next.iter_mut().enumerate() {
+            let goal = fitted.x[k] + posterior.step[k];
+            *next = if k < stiffnesses {
+                at.x[k] + (goal - at.x[k]).clamp(-REACH, REACH)
+            } else {
+                goal
+            };
+            if fitted.is_of_the_model(k) {
+                let sd = posterior.covariance[(k, k)].max(0.0).sqrt();
+                most = most.max((*next - at.x[k]).abs() / sd.max(f64::MIN_POSITIVE));
+            }
+        }
+        // Where a step was shortened the misfit is that of the shorter one.
+        let step = DVector::from_column_slice(&next) - DVector::from_column_slice(&fitted.x);
+        at.misfit = &fitted.misfit + apart + &fitted.jacobian * step;
+        at.x = next;
+        at.posterior = posterior;
+        at.posterior.step.fill(0.0);
+        at.posterior.gain = 0.0;
+        if most < DONE {
+            break;
+        }
+    }
+    Ok(at)
+}
+
+/// Predictions of another solver minus those of the built-in one, row by row in units of the rows; zero where one has none, and for
+/// channels that the places of the parts do not tell.
+fn apart(
+    subject: &Subject<'_>,
+    fitted: &Fitted,
+    plain: &Plain,
+    other: &mut dyn Backend,
+) -> Result<DVector<f64>, BackendError> {
+    let own = solved(&mut NativeBackend::new(), fitted, plain, subject)?;
+    let mut foreign = solved(other, fitted, plain, subject)?;
+    let mut out = DVector::zeros(subject.rows.len());
+    for (foreign, own) in foreign.iter_mut().zip(&own) {
+        if own.is_none() || foreign.is_none() {
+            foreign.clone_from(own);
+        }
+    }
+    let at = (subject, fitted, plain);
+    if let Some([own, foreign]) = residuals(at, &own)
+        .zip(residuals(at, &foreign))
+        .map(<[_; 2]>::from)
+    {
+        out = foreign - own;
+    }
+    Ok(out)
+}
+
+/// Prediction minus reading of all rows at these poses; channels that these do not tell are taken to be zero.
+fn residuals(
+    (subject, fitted, plain): (&Subject<'_>, &Fitted, &Plain),
+    poses: &Poses,
+) -> Option<DVector<f64>> {
+    let measurement = subject.problem.measurement;
+    let cases: Vec<usize> = (0..measurement.cases.len()).collect();
+    let observations = Observations::new(measurement, &fitted.deck.model, &cases);
+    let prepared = &fitted.deck.prepared;
+    let mut scratch = Scratch::new(&prepared.system);
+    let prediction: Vec<Option<CasePrediction>> = poses
+        .iter()
+        .zip(&plain.thetas)
+        .map(|(poses, theta)| {
+            let poses = poses.clone()?;
+            let read = prepared.channels;
+            let channels = read.at(&prepared.system, theta, &poses, &mut scratch);
+            Some(CasePrediction {
+                poses,
+                channels: channels
+                    .into_iter()
+                    .map(Option::unwrap_or_default)
+                    .collect(),
+                by_unknown: CaseChanges::default(),
+                free: CaseChanges::default(),
+            })
+        })
+        .collect();
+    let found = observations.evaluate(&prediction, &NuisanceLayout::default(), &[], 0)?;
+    Some(found.residual)
+}
+
+/// Rms of a mark coordinate, reading minus prediction, outliers left out.
+fn missed(subject: &Subject<'_>, poses: &Poses) -> Option<f64> {
+    let measurement = subject.problem.measurement;
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (row, precision) in subject.rows.iter().zip(&subject.precision) {
+        let Row::Mark {
+            case,
+            reading,
+            axis,
+        } = *row
+        else {
+            continue;
+        };
+        let (Some(poses), true) = (&poses[case], *precision > 0.0) else {
+            continue;
+        };
+        let read = measurement.cases[case].marks[reading];
+        let part = &measurement.parts[read.part];
+        let place = poses[part.part.0].point(&part.marks[read.mark].p);
+        sum += (read.x[axis] - place[axis]).powi(2);
+        count += 1.0;
+    }
+    (count > 0.0).then(|| f64::sqrt(sum / count))
+}
+
+/// The deck of a fit as it is written for others, solved.
+fn solved(
+    by: &mut dyn Backend,
+    fitted: &Fitted,
+    plain: &Plain,
+    subject: &Subject<'_>,
+) -> Result<Poses, BackendError> {
+    let system = &fitted.deck.prepared.system;
+    let (catalogue, deck) = (system.catalogue(), system.parameters());
+    let driven = driven(subject, fitted);
+    let first = &plain.thetas[0];
+    let theta: Vec<(Address, f64)> = catalogue
+        .slots()
+        .filter(|slot| {
+            let (old, new) = (deck.get(*slot), first.get(*slot));
+            old.to_bits() != new.to_bits() && new.is_finite() && !driven.contains(slot)
+        })
+        .map(|slot| (catalogue.info(slot).address, first.get(slot)))
+        .collect();
+    let cases = subject.problem.programme.cases.iter().zip(&plain.thetas);
+    let programme = LoadProgramme {
+        loads: driven
+            .iter()
+            .map(|slot| {
+                let target = catalogue.info(*slot).address;
+                Load {
+                    name: target.to_string(),
+                    target,
+                }
+            })
+            .collect(),
+        cases: cases
+            .map(|(case, theta)| LoadCase {
+                label: case.label.clone(),
+                values: driven.iter().map(|slot| theta.get(*slot)).collect(),
+            })
+            .collect(),
+    };
+    let mut sweep = by.sweep(&SweepRequest {
+        dataset: &fitted.deck.dataset,
+        model: &fitted.deck.model,
+        theta: &theta,
+        programme: &programme,
+    })?;
+    let problem = &subject.problem;
+    meet_marks_of_all(problem.free, &mut sweep, problem.measurement);
+    let poses = |case| sweep.equilibrium(case).map(|found| found.poses.clone());
+    Ok((0..programme.cases.len()).map(poses).collect())
+}

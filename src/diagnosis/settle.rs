@@ -1,0 +1,570 @@
+//! Gauss and Newton's iteration of a fit, with the sizes of tolerances by their evidence.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::aim::{Aim, is_still};
+use super::progress::Progress;
+use super::unknowns::{RowColumn, Unknowns};
+use admire_identify::global::gauss_newton::{LeastSquares, approach};
+use admire_identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
+use admire_identify::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
+
+/// The longest step of the logarithm of a stiffness, at first and later.
+const REACH: [f64; 2] = [0.8, 1.2];
+/// A step that promises less than so many nats was the last one.
+pub(super) const ENOUGH: f64 = 0.05;
+/// Sizes of tolerances that are not free are held for so many steps of a fit, unless a step promises less than so many nats.
+const HELD: usize = 5;
+const NEAR: f64 = 30.0;
+/// A step that lowers the objective by less than this is a small one; after so many in a row a fit ends.
+const LITTLE: f64 = 0.2;
+const SLOW: usize = 3;
+/// Steps that led uphill are damped so often: at first by so much, then by so many times more; what led down is damped less by so
+/// many times, and below a limit no more.
+const TRIALS: usize = 8;
+const FIRST: f64 = 0.3;
+const HARDER: f64 = 6.0;
+const EASE: f64 = 6.0;
+const EASED: f64 = 0.3;
+/// A part of a whole step that led uphill is tried where more than so many nats are promised, and is no shorter than this.
+const WORTH: f64 = 10.0;
+const SHORTEST: f64 = 0.1;
+/// Derivatives by small errors stay as they are while a step lowers the objective by this part of what was promised.
+const FAITHFUL: f64 = 0.5;
+/// Promises in nats that differ by less than this part are alike. Derivatives by small errors that promised what exact ones do are held
+/// for exact until so many nats are gained.
+const ALIKE: f64 = 0.1;
+const TRUSTED: f64 = 10.0;
+/// A fit ends where a whole step leads uphill though it promises no more than so many nats: sliders that stick or slip in other cases
+/// make kinks. A step along them has to promise more.
+const KINKS: f64 = 0.5;
+/// Where a step leads uphill over a kink, so many steps along kinks are tried before shorter ones.
+const ALONG: usize = 2;
+
+/// Derivatives by all unknowns.
+struct Derivatives {
+    jacobian: DMatrix<f64>,
+    /// The same of turned rows.
+    turned: DMatrix<f64>,
+    /// Of those the rows of each class.
+    by_class: ByClass,
+}
+
+/// Residuals and derivatives at some values of the unknowns.
+pub(super) struct Point {
+    /// The unknowns.
+    pub x: Vec<f64>,
+    /// Prediction minus reading of all rows in units of the declared noise.
+    pub residual: DVector<f64>,
+    /// The linear model.
+    pub linear: Linear,
+    /// Derivatives here, or those of a point nearby that `own` replaces in part.
+    derivatives: Arc<Derivatives>,
+    /// Columns of derivatives, and of turned ones, and which.
+    own: Option<(Vec<usize>, [DMatrix<f64>; 2])>,
+    /// False where derivatives by small errors are those of a point nearby.
+    is_exact: bool,
+}
+
+impl Point {
+    /// The Gram matrix of the change of the whitened derivatives by some unknowns, from here to there.
+    fn bend(&self, there: &Self, places: &[usize], weights: &DVector<f64>) -> DMatrix<f64> {
+        let turned = |point: &Self| match &point.own {
+            Some((known, own)) if known == places => own[1].clone(),
+            _ => point.derivatives.turned.select_columns(places),
+        };
+        let mut change = turned(there) - turned(self);
+        for (mut row, weight) in change.row_iter_mut().zip(weights.iter()) {
+            row *= *weight;
+        }
+        change.tr_mul(&change)
+    }
+
+    /// Unknowns, residual, its derivatives and the linear model.
+    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, DMatrix<f64>, Linear) {
+        let mut jacobian = match Arc::try_unwrap(self.derivatives) {
+            Ok(own) => own.jacobian,
+            Err(shared) => shared.jacobian.clone(),
+        };
+        if let Some((places, [own, _])) = self.own {
+            for (k, place) in places.into_iter().enumerate() {
+                jacobian.set_column(place, &own.column(k));
+            }
+        }
+        (self.x, self.residual, jacobian, self.linear)
+    }
+}
+
+/// How a fit ended.
+pub(super) enum End {
+    /// Where it could go no further.
+    Own(Box<Settled>),
+    /// On the way to a known one.
+    Known,
+}
+
+impl End {
+    pub(super) fn own(&self) -> Option<&Settled> {
+        match self {
+            Self::Own(settled) => Some(settled),
+            Self::Known => None,
+        }
+    }
+}
+
+/// The end of a fit.
+pub(super) struct Settled {
+    /// Where.
+    pub point: Point,
+    /// Sizes of tolerances.
+    pub sizes: Sizes,
+    /// What the readings say there.
+    pub posterior: Posterior,
+}
+
+impl Settled {
+    /// The evidence there, without what is promised beyond.
+    pub(super) fn reached(&self) -> f64 {
+        self.posterior.ln_z - self.posterior.gain
+    }
+
+    fn end(point: Point, sizes: Sizes) -> Option<End> {
+        Some(End::Own(Box::new(Self {
+            posterior: point.linear.posterior(&sizes)?,
+            point,
+            sizes,
+        })))
+    }
+}
+
+/// Residuals as a function of the unknowns.
+pub(super) struct Sweep<'a> {
+    /// What is sought.
+    pub unknowns: &'a Unknowns,
+    /// What was read.
+    pub observations: Observations<'a>,
+    /// What solves.
+    pub predictor: NativePredictor<'a>,
+    /// What makes rows independent.
+    pub whitening: &'a Whitening,
+    /// How many unknowns are stiffnesses; they come first.
+    pub stiffnesses: usize,
+    /// Unknowns of the deck that are no small errors, in ascending order.
+    pub of_the_model: Vec<usize>,
+    /// What acts on rows directly, per unit, at the last evaluation.
+    pub on_rows: Vec<Vec<(usize, f64)>>,
+    /// Says when to stop.
+    pub progress: &'a Progress,
+}
+
+impl Sweep<'_> {
+    /// Everything at `x`.
+    pub(super) fn at(&mut self, x: Vec<f64>) -> Option<Point> {
+        let evaluation = self.evaluate(&x, None)?;
+        Some(self.linearised(x, evaluation, true))
+    }
+
+    /// At `x`, with the derivatives by small errors from the Jacobian of another model that has them too, and `theirs` unknowns of its
+    /// deck: they differ little.
+    pub(super) fn beside(
+        &mut self,
+        x: Vec<f64>,
+        (known, theirs): (&DMatrix<f64>, usize),
+    ) -> Option<Point> {
+        let (count, nuisances) = (self.unknowns.list.len(), self.unknowns.layout.sd.len());
+        let own = self.of_the_model.clone();
+        let mut evaluation = self.evaluate(&x, Some(&own))?;
+        let mut jacobian = DMatrix::zeros(known.nrows(), x.len());
+        for (k, place) in own.iter().enumerate() {
+            jacobian.set_column(*place, &evaluation.jacobian.column(k));
+        }
+        let errors = (0..count).filter(|k| own.binary_search(k).is_err());
+        let from = errors.map(|k| (k, k));
+        let from = from.chain((0..nuisances).map(|k| (count + k, theirs + k)));
+        for (own, other) in from {
+            jacobian.set_column(own, &known.column(other));
+        }
+        self.set_rows(&mut jacobian);
+        evaluation.jacobian = jacobian;
+        Some(self.linearised(x, evaluation, false))
+    }
+
+    fn linearised(&self, x: Vec<f64>, evaluation: Evaluation, is_exact: bool) -> Point {
+        let turned = self.whitening.apply(&evaluation.jacobian);
+        let by_class = ByClass::new(self.whitening, &turned);
+        let linear = Linear::new(
+            self.whitening,
+            &by_class,
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            self.unknowns.priors.clone(),
+            DVector::from_column_slice(&x),
+        );
+        let jacobian = evaluation.jacobian;
+        Point {
+            x,
+            residual: evaluation.residual,
+            linear,
+            derivatives: Arc::new(Derivatives {
+                jacobian,
+                turned,
+                by_class,
+            }),
+            own: None,
+            is_exact,
+        }
+    }
+
+    /// At `x`, with the derivatives by small errors of a point nearby.
+    fn near(&mut self, x: Vec<f64>, point: &Point) -> Option<Point> {
+        let own = self.of_the_model.clone();
+        let evaluation = self.evaluate(&x, Some(&own))?;
+        let jacobian = evaluation.jacobian;
+        let turned = self.whitening.apply(&jacobian);
+        let by_class = ByClass::new(self.whitening, &turned);
+        let linear = point.linear.moved(
+            self.whitening,
+            &point.derivatives.by_class,
+            (&own, &by_class),
+            &self.whitening.apply_vector(&-&evaluation.residual),
+            DVector::from_column_slice(&x),
+        );
+        Some(Point {
+            x,
+            residual: evaluation.residual,
+            linear,
+            derivatives: Arc::clone(&point.derivatives),
+            own: Some((own, [jacobian, turned])),
+            is_exact: false,
+        })
+    }
+
+    /// Solves all cases. Derivatives by these unknowns of the deck, in ascending order, side by side; else by all, each in its place.
+    fn evaluate(&mut self, x: &[f64], columns: Option<&[usize]>) -> Option<Evaluation> {
+        let own = &self.unknowns.list;
+        let count = own.len();
+        let numbers = own.numbers(&self.unknowns.deck, &x[..count]);
+        let mut directions = own.directions(&numbers.theta, &x[..count]);
+        if let Some(columns) = columns {
+            let mut at = 0..;
+            directions.retain(|_| at.next().is_some_and(|k| columns.binary_search(&k).is_ok()));
+        }
+        let prediction = self.predictor.predict(&numbers, Some(&directions));
+        let layout = &self.unknowns.layout;
+        let inner = count + layout.sd.len();
+        let rows = &self.unknowns.rows;
+        let width = columns.map_or(inner + rows.len(), <[usize]>::len);
+        let found = self
+            .observations
+            .evaluate(&prediction, layout, &x[..inner], width);
+        let mut out = found?;
+        let at_rows = |column: &RowColumn| match column {
+            RowColumn::Fixed(column) => column.clone(),
+            RowColumn::Gain(unit, readings) => {
+                let predicted = |&(row, reading): &(usize, f64)| (row, reading + out.residual[row]);
+                let each = readings.iter().map(predicted);
+                each.map(|(row, value)| (row, unit * value)).collect()
+            }
+        };
+        self.on_rows = rows.iter().map(at_rows).collect();
+        for (k, column) in rows.iter().enumerate() {
+            let RowColumn::Gain(unit, readings) = column else {
+                continue;
+            };
+            let factor = 1.0 + unit * x[inner + k];
+            for (row, _) in readings {
+                out.jacobian.row_mut(*row).scale_mut(factor);
+            }
+        }
+        for (k, column) in self.on_rows.iter().enumerate() {
+            for (row, value) in column {
+                out.residual[*row] += value * x[inner + k];
+            }
+        }
+        if columns.is_none() {
+            self.set_rows(&mut out.jacobian);
+        }
+        Some(out)
+    }
+
+    /// Derivatives by what acts on single rows, at the last evaluation.
+    fn set_rows(&self, jacobian: &mut DMatrix<f64>) {
+        let first = jacobian.ncols() - self.on_rows.len();
+        for (k, column) in self.on_rows.iter().enumerate() {
+            for (row, value) in column {
+                jacobian[(*row, first + k)] = *value;
+            }
+        }
+    }
+
+    /// Stiffnesses first, from the deck, as if all else were exact.
+    pub(super) fn stiffnesses_alone(&mut self, x: &mut [f64]) {
+        let count = self.stiffnesses;
+        if count == 0 {
+            return;
+        }
+        let priors = &self.unknowns.priors[..count];
+        let scale: Vec<f64> = priors.iter().map(|prior| prior.sd.min(1.0)).collect();
+        let start = x[..count].to_vec();
+        let mut alone = Alone {
+            sweep: self,
+            rest: x.to_vec(),
+        };
+        let held = vec![false; count];
+        x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
+    }
+
+    /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
+    fn stepped(
+        &mut self,
+        from: &Point,
+        reached: &Reached,
+        list: &FitUnknowns,
+        (reach, part): (f64, f64),
+    ) -> Option<Point> {
+        let count = list.len();
+        let (low, high) = list.limits(&vec![1.0; count], reach);
+        let limits = low.into_iter().zip(high).enumerate();
+        let limits = limits.filter(|(k, _)| self.unknowns.is_logarithm(*k));
+        let limits: Vec<(usize, (f64, f64))> = limits.collect();
+        // A fit without causes that followed its valley so closely was seen to end behind the one that does not.
+        let step = if self.unknowns.has_causes() {
+            reached.step_within(&limits)
+        } else {
+            reached.step_clamped(&limits)
+        };
+        let step = step * part;
+        let mut there = list.moved(&from.x, &step.rows(0, count).into_owned());
+        let rest = from.x.iter().zip(step.iter()).skip(count);
+        there.extend(rest.map(|(x, s)| x + s));
+        self.near(there, from)
+    }
+
+    /// Gauss-Newton over everything, the sizes by their evidence: at every step where they are `free`, as beside stiffnesses that were
+    /// fitted alone, or where no cause is new. Ends early where its aim says so. On the way derivatives by small errors stay as they
+    /// are; at the end, and where they lead nowhere, they are exact.
+    pub(super) fn settle(
+        &mut self,
+        start: Point,
+        first: &Sizes,
+        (steps, aim): (usize, Aim<'_>),
+        free: bool,
+    ) -> Option<End> {
+        let mut sizes = first.clone();
+        let mut here = start;
+        // Steps of stiffnesses are made in what the deflections are linear in.
+        let mut list = self.unknowns.list.clone();
+        list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
+        let (mut slow, mut damping) = (0, 0.0);
+        // The evidence of each step, without what is promised beyond.
+        let mut course: Vec<f64> = Vec::new();
+        // The objective where exact derivatives by small errors were found to promise what those of a point nearby did.
+        let mut confirmed: Option<f64> = None;
+        for step_number in 0.. {
+            if self.progress.is_stopped() {
+                return Settled::end(here, sizes);
+            }
+            // Far from the answer the sizes would take up what is not fitted yet.
+            let mut reached = here.linear.reached(&sizes, 0.0)?;
+            if free || step_number >= HELD || reached.gain < NEAR {
+                sizes = here.linear.sized(&sizes);
+                reached = here.linear.reached(&sizes, 0.0)?;
+            } else if step_number > 0 && aim.is_lost(&reached) {
+                let own = here.linear.sized(&sizes);
+                let granted = here.linear.reached(&own, 0.0)?;
+                if aim.is_lost(&granted) {
+                    return Settled::end(here, own);
+                }
+            }
+            let objective = here.linear.objective(&sizes);
+            // What the linear model promises counts for the fit here.
+            let is_beaten = aim.is_beaten(reached.ln_z, reached.gain);
+            let own = reached.ln_z - reached.gain;
+            course.push(own);
+            let hopeless = (step_number == 0 && aim.is_astray(own))
+                || (is_beaten && (step_number >= HELD || reached.gain < KINKS))
+                || aim.is_out_of_reach(&course, (HELD, steps));
+            if aim.is_known(&here.x, &reached) {
+                return Some(End::Known);
+            }
+            let is_over = step_number >= steps || slow == SLOW || is_still(&course);
+            if reached.gain < ENOUGH || is_over || hopeless {
+                if here.is_exact || hopeless {
+                    return Settled::end(here, sizes);
+                }
+                here = self.at(here.x)?;
+                let exact = here.linear.reached(&sizes, 0.0)?;
+                if is_alike(exact.gain, reached.gain) {
+                    return Settled::end(here, sizes);
+                }
+                slow = 0;
+                continue;
+            }
+            let is_sure =
+                here.is_exact || confirmed.is_some_and(|at| at - objective < 2.0 * TRUSTED);
+            let reach = REACH[step_number.min(1)];
+            let mut next = None;
+            // Where a whole step leads uphill a part of it comes first: what damping holds back most is not what bends most.
+            let (mut part, mut is_part) = (1.0, false);
+            // A slider that begins to slip makes a kink in the objective. Beyond it the linear model is wrong by the change of the Jacobian
+            // times the step. With the square of that added to the objective, a step goes along the kink instead of across it.
+            let along = if self.unknowns.memories.is_empty() {
+                0
+            } else {
+                ALONG
+            };
+            let (mut bend, mut bends): (Option<DMatrix<f64>>, usize) = (None, 0);
+            let mut held: Option<Reached> = None;
+            self.predictor.keep();
+            for trial in 0..TRIALS + along {
+                let other;
+                let damped = if damping == 0.0 {
+                    &reached
+                } else {
+                    other = here.linear.reached(&sizes, damping)?;
+                    &other
+                };
+                let held_here = held.take();
+                let step = held_here.as_ref().unwrap_or(damped);
+                let mut further = self.stepped(&here, step, &list, (reach, part));
+                let value = |point: &Point| point.linear.objective(&sizes);
+                let led = further.as_ref().map(value);
+                let mut beyond = None;
+                if damping == 0.0
+                    && !is_part
+                    && held_here.is_none()
+                    && let Some(uphill) = further.as_ref().filter(|f| value(f) > objective + ENOUGH)
+                {
+                    // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
+                    // Chamberlain, Powell, Lemarechal and Pedersen, Mathematical Programming Study 16 (1982) 1.
+                    let back = uphill.linear.reached(&sizes, 0.0);
+                    let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
+                    if let Some(back) = back {
+                        let returned = self.stepped(uphill, &back, &list, (reach, 1.0));
+                        beyond = std::mem::replace(&mut further, returned);
+                    }
+                }
+                let is_down = |point: &Point| value(point) <= objective + ENOUGH;
+                if let Some(further) = further.take_if(|further| is_down(further)) {
+                    // Where the model promised much more its derivatives have changed.
+                    let value = value(&further);
+                    let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
+                    let further = if is_less && !is_sure {
+                        let near = further.linear.reached(&sizes, 0.0)?.gain;
+                        let exact = self.at(further.x)?;
+                        let gain = exact.linear.reached(&sizes, 0.0)?.gain;
+                        confirmed = is_alike(gain, near).then_some(value);
+                        exact
+                    } else {
+                        further
+                    };
+                    let small = objective - value < LITTLE;
+                    slow = if small { slow + 1 } else { 0 };
+                    next = Some(further);
+                    // Where a step had to be damped more than the last one the next will need as much.
+                    if trial == 0 || held_here.is_some() {
+                        damping = if damping < EASED { 0.0 } else { damping / EASE };
+                    }
+                    break;
+                }
+                // The answers are those of the trial, and a further one would follow where it led.
+                self.predictor.go_back();
+                if bends < along
+                    && reached.gain > KINKS
+                    && let Some(beyond) = beyond.or(further)
+                {
+                    let weights = self.whitening.weights(&sizes.ln);
+                    let crossed = here.bend(&beyond, &self.of_the_model, &weights);
+                    let all = bend.map_or(crossed.clone(), |known| known + &crossed);
+                    let step = damped.held(&self.of_the_model, &all);
+                    held = step.filter(|step| step.gain > KINKS);
+                    (bend, bends) = (Some(all), bends + 1);
+                }
+                if held.is_some() {
+                    continue;
+                }
+                if !is_sure {
+                    break;
+                }
+                // Kinks keep what little is promised.
+                if reached.gain < KINKS {
+                    break;
+                }
+                if damping == 0.0
+                    && !is_part
+                    && self.unknowns.has_causes()
+                    && reached.gain > WORTH
+                    && let Some(led) = led
+                {
+                    // The lowest point of the parabola with the slope here that goes through what was found.
+                    let slope = 4.0 * reached.gain;
+                    let rise = led - objective + slope;
+                    (part, is_part) = ((0.5 * slope / rise).max(SHORTEST), true);
+                    continue;
+                }
+                part = 1.0;
+                damping = (damping * HARDER).max(FIRST);
+            }
+            if let Some(next) = next {
+                here = next;
+                continue;
+            }
+            if !here.is_exact {
+                here = self.at(here.x)?;
+            }
+            if is_sure {
+                return Settled::end(here, sizes);
+            }
+            let exact = here.linear.reached(&sizes, 0.0)?;
+            confirmed = is_alike(exact.gain, reached.gain).then_some(objective);
+            damping = 0.0;
+        }
+        None
+    }
+}
+
+/// True for promises in nats that differ little.
+fn is_alike(a: f64, b: f64) -> bool {
+    (a - b).abs() < ALIKE * b + ENOUGH
+}
+
+/// Stiffnesses alone, the rest where it is.
+struct Alone<'a, 'b> {
+    sweep: &'a mut Sweep<'b>,
+    rest: Vec<f64>,
+}
+
+impl LeastSquares for Alone<'_, '_> {
+    fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
+        if self.sweep.progress.is_stopped() {
+            return None;
+        }
+        let mut all = self.rest.clone();
+        all[..x.len()].copy_from_slice(x);
+        let active = if with_jacobian { x.len() } else { 0 };
+        let columns: Vec<usize> = (0..active).collect();
+        let out = self.sweep.evaluate(&all, Some(&columns))?;
+        Some(Evaluation {
+            residual: self.sweep.whitening.apply_vector(&out.residual),
+            jacobian: self.sweep.whitening.apply(&out.jacobian),
+            free: Vec::new(),
+        })
+    }
+
+    fn keep(&mut self) {
+        self.sweep.predictor.keep();
+    }
+
+    fn go_back(&mut self) {
+        self.sweep.predictor.go_back();
+    }
+
+    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.sweep.unknowns.list.moved(x, step)
+    }
+
+    fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
+        self.sweep.unknowns.list.limits(scale, reach)
+    }
+}

@@ -1,0 +1,376 @@
+//! Whether residuals still have structure, and where.
+
+use super::fit::Fitted;
+use super::influence::{ByCase, Contrast, Influence};
+use super::subject::Subject;
+use super::survey::Survey;
+use admire_identify::global::Row;
+use admire_solver::mechanics::Vec3;
+use admire_study::orientation::chi_square_p_value;
+
+/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this: of readings that are as the
+/// model says, one study in a thousand. What a wrong model leaves is mostly far beyond.
+const STRUCTURED: f64 = 0.001;
+
+/// What kind of structure a test looks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Aspect {
+    /// Whether all readings together scatter as they should.
+    All,
+    /// The same of a case, a part or a channel: one far reading makes it fail.
+    Scatter,
+    /// One reading of one mark.
+    Mark,
+    /// What goes through several readings.
+    Pattern,
+}
+
+/// One test of structure.
+#[derive(Clone, PartialEq, Debug)]
+pub struct StructureTest {
+    /// What it looks for.
+    pub aspect: Aspect,
+    /// What it looks at, as a person would say it.
+    pub what: String,
+    /// Chi-square.
+    pub value: f64,
+    /// Its degrees of freedom.
+    pub dof: usize,
+    /// Its p-value; for the worst of many, corrected for their number.
+    pub p_value: f64,
+}
+
+/// Tests of structure, smallest p first: chi-square over all rows, of every case, part, direction and channel; trends with each load,
+/// with the force in each element and with the order of application; loading against unloading; a rigid motion of all marks in one
+/// case; a constant or a single error of one mark.
+pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<StructureTest> {
+    let influence = Influence::new(fitted);
+    let mut tests = Tests {
+        subject,
+        by_case: influence.by_case(&by_case(subject)),
+        influence: &influence,
+        out: Vec::new(),
+    };
+    tests.overall(fitted);
+    tests.groups();
+    tests.trends(fitted);
+    tests.marks();
+    let mut out = tests.out;
+    out.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    out
+}
+
+/// The p-value of one of so many tests, corrected for their number. Whether all readings together agree is one question; where they do not,
+/// one of many.
+fn corrected(test: &StructureTest, count: usize) -> f64 {
+    let asked = match test.aspect {
+        Aspect::All => 1.0,
+        _ => count as f64,
+    };
+    (test.p_value * asked).min(1.0)
+}
+
+/// True where one of so many tests shows structure.
+pub(super) fn is_significant(test: &StructureTest, count: usize) -> bool {
+    corrected(test, count) < STRUCTURED
+}
+
+/// The least p-value, corrected for the number of tests.
+pub(super) fn least(tests: &[StructureTest]) -> f64 {
+    let values = tests.iter().map(|test| corrected(test, tests.len()));
+    values.fold(1.0, f64::min)
+}
+
+/// True where something is left that noise does not make.
+pub(super) fn is_structured(tests: &[StructureTest]) -> bool {
+    least(tests) < STRUCTURED
+}
+
+/// True where readings are too far off, each for itself: one of them, or those of a case, a part or a channel, and nothing goes through
+/// several.
+pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
+    let significant = tests
+        .iter()
+        .filter(|test| is_significant(test, tests.len()));
+    let mut aspects = significant.map(|test| test.aspect);
+    aspects
+        .clone()
+        .any(|aspect| matches!(aspect, Aspect::Mark | Aspect::Scatter))
+        && aspects.all(|aspect| aspect != Aspect::Pattern)
+}
+
+struct Tests<'a> {
+    subject: &'a Subject<'a>,
+    influence: &'a Influence<'a>,
+    /// One contrast for each direction of each part, for the wheel and for each channel.
+    by_case: ByCase,
+    out: Vec<StructureTest>,
+}
+
+impl Tests<'_> {
+    fn overall(&mut self, fitted: &Fitted) {
+        let value = fitted.posterior.chi_square * self.subject.normal(0..self.subject.rows.len());
+        let dof = (fitted.posterior.count - fitted.posterior.effective)
+            .max(1.0)
+            .round() as usize;
+        self.out.push(StructureTest {
+            aspect: Aspect::All,
+            what: "all readings".to_string(),
+            value,
+            dof,
+            p_value: chi_square_p_value(value, dof),
+        });
+    }
+
+    /// Contrasts of every case, weighted by a number of each.
+    fn put(&mut self, what: String, weights: &[f64]) {
+        if let Some(statistic) = self.by_case.test(weights) {
+            self.out.push(StructureTest {
+                aspect: Aspect::Pattern,
+                what,
+                value: statistic.value,
+                dof: statistic.dof,
+                p_value: statistic.p_value(),
+            });
+        }
+    }
+
+    /// The worst of several, its p-value corrected for their number.
+    fn worst(&mut self, aspect: Aspect, named: Vec<(String, Vec<Contrast>)>) {
+        let count = named.len() as f64;
+        let tests = named.into_iter().filter_map(|(what, contrasts)| {
+            let statistic = self.influence.test(&contrasts)?;
+            Some(StructureTest {
+                aspect,
+                what,
+                value: statistic.value,
+                dof: statistic.dof,
+                p_value: (statistic.p_value() * count).min(1.0),
+            })
+        });
+        let worst = tests.min_by(|a, b| {
+            let by_value = (b.value / b.dof as f64).total_cmp(&(a.value / a.dof as f64));
+            a.p_value.total_cmp(&b.p_value).then(by_value)
+        });
+        self.out.extend(worst);
+    }
+
+    /// All rows of a kind, each for itself.
+    fn rows(&mut self, what: String, accept: impl Fn(&Row) -> bool) {
+        let rows = self.subject.rows.iter().enumerate();
+        let rows: Vec<usize> = rows
+            .filter(|(_, row)| accept(row))
+            .map(|(k, _)| k)
+            .collect();
+        if let Some(statistic) = self.influence.test_rows(&rows) {
+            let value = statistic.value * self.subject.normal(rows);
+            self.out.push(StructureTest {
+                aspect: Aspect::Scatter,
+                what,
+                value,
+                dof: statistic.dof,
+                p_value: chi_square_p_value(value, statistic.dof),
+            });
+        }
+    }
+
+    fn groups(&mut self) {
+        let measurement = self.subject.problem.measurement;
+        for (k, case) in measurement.cases.iter().enumerate() {
+            self.rows(format!("case {}", case.label), |row| row.case() == k);
+        }
+        for (k, part) in measurement.parts.iter().enumerate() {
+            self.rows(format!("marks of {}", part.name), |row| {
+                matches!(*row, Row::Mark { case, reading, .. }
+                    if measurement.cases[case].marks[reading].part == k)
+            });
+        }
+        self.rows("the wheel against the marks".to_string(), |row| {
+            matches!(row, Row::Wheel { .. })
+        });
+        for (k, channel) in measurement.channels.iter().enumerate() {
+            self.rows(
+                format!("channel {}", channel.name),
+                |row| matches!(*row, Row::Channel { channel: of, .. } if of == k),
+            );
+        }
+    }
+
+    fn trend(&mut self, what: String, by_case: &[f64]) {
+        let mean = by_case.iter().sum::<f64>() / by_case.len().max(1) as f64;
+        let centred: Vec<f64> = by_case.iter().map(|v| v - mean).collect();
+        let size = centred.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        if size <= 1e-9 * mean.abs() || size == 0.0 {
+            return;
+        }
+        self.put(what, &centred);
+    }
+
+    fn trends(&mut self, fitted: &Fitted) {
+        let programme = self.subject.problem.programme;
+        for (k, load) in programme.loads.iter().enumerate() {
+            let values: Vec<f64> = programme.cases.iter().map(|c| c.values[k]).collect();
+            self.trend(format!("trend with {}", load.target), &values);
+            if let Some(ways) = both_ways(&values) {
+                self.put(
+                    format!("loading against unloading of {}", load.target),
+                    &ways,
+                );
+            }
+        }
+        for (name, force) in Survey::new(self.subject, fitted).forces() {
+            self.trend(format!("trend with the force in {name}"), &force);
+        }
+        let order: Vec<f64> = (0..programme.cases.len()).map(|k| k as f64).collect();
+        self.trend("trend with the order of the cases".to_string(), &order);
+    }
+
+    fn marks(&mut self) {
+        let measurement = self.subject.problem.measurement;
+        let rows = &self.subject.rows;
+        let mut motions: Vec<(String, Vec<Contrast>)> = measurement
+            .cases
+            .iter()
+            .map(|case| {
+                let what = format!("all marks moved together in case {}", case.label);
+                (what, vec![Contrast::new(); 6])
+            })
+            .collect();
+        let mut constants: std::collections::BTreeMap<(usize, usize), Vec<Contrast>> =
+            std::collections::BTreeMap::new();
+        let mut single: Vec<(String, Vec<Contrast>)> = Vec::new();
+        for (at, row) in rows.iter().enumerate() {
+            let Row::Mark {
+                case,
+                reading,
+                axis,
+            } = *row
+            else {
+                continue;
+            };
+            let read = measurement.cases[case].marks[reading];
+            let of_mark = constants
+                .entry((read.part, read.mark))
+                .or_insert_with(|| vec![Contrast::new(); 3]);
+            of_mark[axis].push((at, 1.0));
+            let motion = &mut motions[case].1;
+            motion[axis].push((at, 1.0));
+            for k in 0..3 {
+                let lever = Vec3::ith(k, 1.0).cross(&read.x)[axis];
+                motion[3 + k].push((at, lever));
+            }
+            if axis == 0 {
+                let part = &measurement.parts[read.part];
+                let what = format!(
+                    "mark {} {} in case {}",
+                    part.name, part.marks[read.mark].label, measurement.cases[case].label
+                );
+                let columns = (0..3).map(|k| vec![(at + k, 1.0)]).collect();
+                single.push((what, columns));
+            }
+        }
+        motions.retain(|(_, columns)| !columns[0].is_empty());
+        self.worst(Aspect::Pattern, motions);
+        let constants = constants.into_iter().map(|((part, mark), columns)| {
+            let part = &measurement.parts[part];
+            let what = format!("mark {} {} in all cases", part.name, part.marks[mark].label);
+            (what, columns)
+        });
+        self.worst(Aspect::Pattern, constants.collect());
+        self.worst(Aspect::Mark, single);
+    }
+}
+
+/// One contrast in each case for each direction of each part, for the wheel and for each channel.
+fn by_case(subject: &Subject<'_>) -> Vec<Vec<Contrast>> {
+    let measurement = subject.problem.measurement;
+    let parts = measurement.parts.len();
+    let count = 3 * parts + 5 + measurement.channels.len();
+    let mut out = vec![vec![Contrast::new(); count]; measurement.cases.len()];
+    for (at, row) in subject.rows.iter().enumerate() {
+        let column = match *row {
+            Row::Mark {
+                case,
+                reading,
+                axis,
+            } => 3 * measurement.cases[case].marks[reading].part + axis,
+            Row::Wheel { component, .. } => 3 * parts + component,
+            Row::Channel { channel, .. } => 3 * parts + 5 + channel,
+        };
+        out[row.case()][column].push((at, 1.0));
+    }
+    out
+}
+
+/// One for each case to which a load has risen and minus one for each to which it has fallen, as far as both ways met the same loads;
+/// zero elsewhere. `None` where the load has not been applied in both ways.
+fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
+    let way = |k: usize| match k.checked_sub(1).map(|before| values[k] - values[before]) {
+        Some(step) if step > 0.0 => 1.0,
+        Some(step) if step < 0.0 => -1.0,
+        _ => 0.0,
+    };
+    let range = |sign: f64| {
+        let of = (0..values.len())
+            .filter(|k| way(*k) == sign)
+            .map(|k| values[k]);
+        of.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        })
+    };
+    let (up, down) = (range(1.0), range(-1.0));
+    let (low, high) = (up.0.max(down.0), up.1.min(down.1));
+    let ways: Vec<f64> = (0..values.len())
+        .map(|k| {
+            let met = (low..=high).contains(&values[k]);
+            if met { way(k) } else { 0.0 }
+        })
+        .collect();
+    (ways.contains(&1.0) && ways.contains(&-1.0)).then_some(ways)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Aspect, StructureTest, both_ways, is_structured};
+    use admire_study::noise::Noise;
+    use admire_study::orientation::chi_square_p_value;
+
+    #[test]
+    fn a_load_that_only_goes_one_way_has_no_way_back() {
+        assert_eq!(both_ways(&[5.0, 4.0, 3.0, 1.0]), None);
+        assert_eq!(both_ways(&[1.0, 2.0, 2.0, 8.0]), None);
+        // It falls to where it had never been on the way up.
+        assert_eq!(both_ways(&[0.0, 5.0, 6.0, -1.0, -2.0]), None);
+    }
+
+    #[test]
+    fn only_loads_met_both_ways_are_compared() {
+        let ways = both_ways(&[0.0, 1.0, 2.0, 3.0, 2.0, 1.0]).unwrap();
+        assert_eq!(ways, [0.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
+    }
+
+    /// Readings that are as the model says: all together once in a thousand studies, and the worst of them once in a thousand.
+    #[test]
+    fn noise_has_structure_in_two_of_a_thousand_studies() {
+        let mut noise = Noise::new(5, "structure");
+        let studies = 20_000;
+        let structured = (0..studies)
+            .filter(|_| {
+                let squares: Vec<f64> = (0..50).map(|_| noise.normal().powi(2)).collect();
+                let test = |aspect, value, dof| StructureTest {
+                    aspect,
+                    what: String::new(),
+                    value,
+                    dof,
+                    p_value: chi_square_p_value(value, dof),
+                };
+                let mut tests: Vec<StructureTest> =
+                    squares.iter().map(|s| test(Aspect::Mark, *s, 1)).collect();
+                tests.push(test(Aspect::All, squares.iter().sum(), squares.len()));
+                is_structured(&tests)
+            })
+            .count();
+        // The two share readings: 40 at most are expected, of a standard deviation of 6.
+        assert!((20..=55).contains(&structured), "{structured}");
+    }
+}

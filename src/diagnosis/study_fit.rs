@@ -1,0 +1,239 @@
+//! The fit of a study by its own method: noise, stiffnesses, tolerances.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use crate::tolerant;
+use admire_identify::global::gauss_newton::Tolerances;
+use admire_identify::global::{Marginal, Options, Prepared, Start, fit_study};
+use admire_identify::{
+    Fit, IdentifyError, LoadedStudy, direct, estimate_noise, regression, written,
+};
+use admire_session::backend::Backend;
+use admire_study::settings::{BackendChoice, Method};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+use crate::watch::Watch;
+
+/// Identifies the stiffnesses of a study: first the noise of sensors that the study does not state, then the fit, with tolerances beside
+/// the stiffnesses where they can be had.
+///
+/// # Errors
+/// Why there is no fit.
+pub fn identify(
+    loaded: &mut LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+) -> Result<Fit, IdentifyError> {
+    identify_with(loaded, backend, watch, false).map(|(fit, _)| fit)
+}
+
+/// The same; with the sought numbers as a fit of their own, all else marginalised, if that is `wanted` and can be had.
+///
+/// # Errors
+/// Why there is no fit.
+pub fn identify_with(
+    loaded: &mut LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    wanted: bool,
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
+    watch.stage("noise of the sensors");
+    noise(loaded, backend)?;
+    among_tolerances(loaded, backend, watch, wanted)
+}
+
+/// Why a study has no answer but the numbers and intervals of its fit: only the built-in solver's joint fit can be repeated by the
+/// thousand.
+pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
+    let study = &loaded.study;
+    let (message, keys, help) = if study.identify.method != Method::GaussNewton {
+        let message = format!(
+            "bootstrap and posterior are those of method = \"gauss-newton\", not of \"{}\"",
+            study.identify.method.as_str()
+        );
+        (
+            message,
+            ["identify", "method"],
+            "leave out the option, or say --method gauss-newton",
+        )
+    } else if study.solver.backend != BackendChoice::Native {
+        let message = "bootstrap and posterior need the exact derivatives of the built-in solver";
+        (
+            message.to_string(),
+            ["solver", "backend"],
+            "leave out the option, or `backend = \"native\"`",
+        )
+    } else {
+        return None;
+    };
+    let place = study.place(&keys);
+    let error = Diagnostic::error(Code::BadSetting, message).help(help);
+    Some(error.label(study.source.name(), place, ""))
+}
+
+/// What a study asks for that names no number, at its place.
+pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
+    let study = &loaded.study;
+    let message = "the study names nothing to identify";
+    let help = if loaded.model.bushings.is_empty() {
+        "the deck has no BUSHING; name numbers: stiffnesses = [\"SPRINGDAMPER/1.K\"]".to_string()
+    } else {
+        let names: Vec<String> = loaded
+            .model
+            .bushings
+            .iter()
+            .take(3)
+            .map(|bushing| format!("\"BUSHING/{}\"", bushing.header.id))
+            .collect();
+        format!(
+            "bushings = [{}]; without the key every BUSHING is sought",
+            names.join(", ")
+        )
+    };
+    let error = Diagnostic::error(Code::MissingSetting, message).help(help);
+    error.label(
+        study.source.name(),
+        study.place(&["identify", "bushings"]),
+        "",
+    )
+}
+
+/// Why nothing can be said of the curves of a study's wheel.
+pub fn no_wheel() -> Diagnostic {
+    let message = "the study names no wheel, and its loads act at no marker";
+    Diagnostic::error(Code::MissingSetting, message)
+        .help("name the wheel: a section [wheel] or [kc]")
+}
+
+/// Estimates what the study does not state of its sensors' noise, by the backend that solves it.
+fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), IdentifyError> {
+    let external = loaded.study.solver.backend != BackendChoice::Native;
+    estimate_noise(loaded, external.then_some(backend))
+}
+
+/// The fit with tolerances beside the stiffnesses, where they can be had: the intervals are those, and profiles would be for nothing.
+fn among_tolerances(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    wanted: bool,
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
+    if !allows_for_tolerances(loaded) {
+        return fitted_with(loaded, backend, watch, (true, wanted));
+    }
+    let (mut fit, _) = fitted_with(loaded, backend, watch, (false, false))?;
+    if fit.interrupted {
+        return Ok((fit, None));
+    }
+    let problem = loaded.problem();
+    watch.stage("allowing for tolerances");
+    let found = fit.fit_test.as_ref().and_then(|_| tolerant(&problem));
+    let Some(found) = found else {
+        return fitted_with(loaded, backend, watch, (true, wanted));
+    };
+    let marginal = wanted.then(|| found.marginal(problem.unknowns.len()));
+    found.apply(&mut fit);
+    let decks = [problem.initial(), fit.values()].map(|values| problem.sweep(backend, &values));
+    if let [Ok(before), Ok(after)] = &decks {
+        written(&mut fit, &problem, before, after);
+    }
+    Ok((fit, marginal))
+}
+
+/// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
+fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
+    let settings = &loaded.study.identify;
+    let frames = [0, 3].map(|axis| settings.frame_sd.of_axis(axis, &loaded.model.units));
+    let frames = frames.iter().any(|sd| *sd > 0.0);
+    settings.method == Method::GaussNewton
+        && loaded.study.solver.backend == BackendChoice::Native
+        && !frames
+}
+
+/// Runs the study's method on a backend, showing how it goes; with `profile`, poorly known numbers get intervals by profile likelihood
+/// if the built-in solver is behind it.
+///
+/// # Errors
+/// Why there is no fit.
+pub fn fitted(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    profile: bool,
+) -> Result<Fit, IdentifyError> {
+    fitted_with(loaded, backend, watch, (profile, false)).map(|(fit, _)| fit)
+}
+
+fn fitted_with(
+    loaded: &LoadedStudy,
+    backend: &mut dyn Backend,
+    watch: &dyn Watch,
+    (profile, wanted): (bool, bool),
+) -> Result<(Fit, Option<Marginal>), IdentifyError> {
+    let problem = loaded.problem();
+    let cases = loaded.programme.cases.len();
+    watch.stage("identifying");
+    let mut marginal = None;
+    let mut fit = match loaded.study.identify.method {
+        Method::Regression => {
+            let most = loaded.study.regression.max_iterations;
+            let mut each = |iteration: usize, _: &[f64], moves: f64| {
+                watch.detail(format!("largest change {:.2} %", 100.0 * moves));
+                watch.count(iteration, Some(most), "iterations");
+                flow(watch)
+            };
+            regression::identify(&problem, backend, &mut each)?
+        }
+        Method::Direct => {
+            let mut each = |round: usize, _: &[f64], moves: f64| {
+                watch.detail(format!("round {round}, largest change of ln K {moves:.1e}"));
+                flow(watch)
+            };
+            direct::identify(&problem, backend, &mut each)?
+        }
+        Method::GaussNewton => {
+            let external = loaded.study.solver.backend != BackendChoice::Native;
+            let prepared = Arc::new(if external {
+                Prepared::external(&problem)?
+            } else {
+                Prepared::new(&problem)?
+            });
+            let most = Tolerances::default().max_iterations;
+            let each = |iteration: usize, sweeps: usize, objective: f64| {
+                watch.detail(if sweeps == 0 {
+                    "a start from the direct solution".to_string()
+                } else {
+                    let solved = sweeps * cases;
+                    format!("half chi-square {objective:.4e}, {solved} equilibria")
+                });
+                watch.count(iteration, Some(most), "steps");
+                watch.goes_on()
+            };
+            let options = Options {
+                start: Start::Auto,
+                // Profile likelihood over an external program would take hundreds of runs.
+                profile: profile && !external,
+                watch: Some(Box::new(each)),
+            };
+            let other: Option<&mut dyn Backend> = if external { Some(backend) } else { None };
+            let found = fit_study(&problem, &prepared, other, options)?;
+            if wanted && !external {
+                let sought = problem.unknowns.len();
+                marginal = Some(Marginal::of(&found, Arc::clone(&prepared), sought));
+            }
+            found.fit
+        }
+    };
+    fit.inputs_sha256 = loaded.study.inputs_sha256();
+    Ok((fit, marginal))
+}
+
+/// Breaks a run that was asked to stop.
+fn flow(watch: &dyn Watch) -> ControlFlow<()> {
+    if watch.goes_on() {
+        ControlFlow::Continue(())
+    } else {
+        ControlFlow::Break(())
+    }
+}

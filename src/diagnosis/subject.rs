@@ -1,0 +1,529 @@
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::DVector;
+
+use super::progress::Progress;
+use admire_identify::Problem;
+use admire_identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
+use admire_identify::tolerance::{
+    Group, Layer, LayerOf, MarkBlock, Noise, Scale, Size, Sizes, Tails, Whitening, spread,
+};
+use admire_solver::mechanics::Vec3;
+use admire_study::settings::Loss;
+use admire_study::{Measurement, Stated, ToleranceSettings};
+use admire_syntax::Address;
+
+/// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
+const HUBER: f64 = 1.345;
+/// A reading is far out from so many standard deviations on; few are less than this part.
+const FAR: f64 = 4.0;
+const FEW: f64 = 0.03;
+
+/// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
+#[derive(Clone, Debug)]
+pub struct Subject<'a> {
+    /// The study's problem.
+    pub problem: Problem<'a>,
+    /// All cases, held out or not.
+    pub rows: Vec<Row>,
+    /// What one unit of a mark's row is: the declared standard deviation.
+    pub sigma: f64,
+    /// What the marks say of their noise.
+    pub noise: Noise,
+    /// Student's t, where the residuals of the fit ask for it.
+    pub tails: Option<Tails>,
+    /// The small errors of axle and rig.
+    pub layer: Arc<Layer>,
+    /// Their sizes before anything was fitted.
+    pub sizes: Sizes,
+    /// Precision of each row in its own unit; zero where it is not used.
+    pub precision: Vec<f64>,
+    /// Directions of rows along which nothing is compared, as motions that nothing resists lead along them.
+    free: Arc<Vec<Vec<(usize, f64)>>>,
+    blocks: Vec<MarkBlock>,
+    single: Vec<(usize, Option<Scale>)>,
+    /// What brings rows to independence, without the cases held out and of all, once it was asked for.
+    whitenings: [OnceLock<Arc<Whitening>>; 2],
+    held_out: Vec<bool>,
+    /// Whether the curves that the study holds out are.
+    holds_curves: bool,
+    progress: Progress,
+}
+
+impl<'a> Subject<'a> {
+    /// With these cases held out of the fits that say what is gained.
+    pub fn new(problem: &Problem<'a>, held_out: Vec<bool>) -> Self {
+        let measurement = problem.measurement;
+        let cases: Vec<usize> = (0..held_out.len()).collect();
+        let observations = Observations::new(measurement, problem.model, &cases);
+        let (rows, sigma) = (observations.rows, observations.sigma);
+        let noise = Noise::of(measurement);
+        let stated = matches!(problem.tolerances.load_repeatability, Stated::Size(s) if s > 0.0);
+        let layer = layer_of(problem, stated);
+        let millimetre = 1e-3 / problem.model.units.length.si;
+        let frame = problem.settings.frame_sd;
+        let frames = [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
+        let of_marks = (measurement.sigma_on_parts, frames);
+        let mut sizes = Sizes::new(problem.tolerances, of_marks, millimetre);
+        let alignment = problem.tolerances.alignment;
+        if alignment != Stated::Estimate
+            && !measurement.parts.is_empty()
+            && let Some((group, size)) = Size::of_alignment(alignment, millimetre)
+        {
+            sizes = sizes.with_group(group, size);
+        }
+        if noise.estimated.is_none() && !measurement.parts.is_empty() {
+            sizes.add_scale(Scale::Marks, !measurement.sigma_estimated);
+        }
+        if measurement.wheel.is_some() {
+            sizes.add_scale(Scale::WheelPosition, true);
+            sizes.add_scale(Scale::WheelAngles, true);
+        }
+        for (k, channel) in measurement.channels.iter().enumerate() {
+            sizes.add_scale(Scale::Channel(k), !channel.sigma_estimated);
+        }
+        let mut new = Self {
+            problem: problem.clone(),
+            precision: vec![1.0; rows.len()],
+            free: Arc::new(free_directions(problem).unwrap_or_default()),
+            blocks: Vec::new(),
+            single: Vec::new(),
+            whitenings: Default::default(),
+            tails: None,
+            layer: Arc::new(layer),
+            progress: Progress::default(),
+            rows,
+            sigma,
+            noise,
+            sizes,
+            held_out,
+            holds_curves: true,
+        };
+        let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
+        (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
+        new.weigh(None);
+        new
+    }
+
+    /// The same with further groups of tolerances.
+    #[must_use]
+    pub fn with_groups(&self, groups: impl IntoIterator<Item = (Group, Size)>) -> Self {
+        let mut new = self.clone();
+        for (group, size) in groups {
+            new.sizes = new.sizes.with_group(group, size);
+        }
+        let has_load_errors = new.sizes.group(Group::LoadRepeatability).is_some();
+        if has_load_errors != self.sizes.group(Group::LoadRepeatability).is_some() {
+            new.layer = Arc::new(layer_of(&new.problem, has_load_errors));
+        }
+        new.whitenings = Default::default();
+        new
+    }
+
+    /// True if the measuring frame has a place of its own in each case.
+    pub fn has_frames(&self) -> bool {
+        self.sizes.group(Group::FrameShifts).is_some()
+    }
+
+    /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
+    pub fn weigh(&mut self, misfit: Option<&DVector<f64>>) {
+        let least = if self.noise.has_tails() {
+            Tails::BETTER
+        } else {
+            f64::INFINITY
+        };
+        self.weigh_by(misfit, least);
+    }
+
+    /// The same, with tails that are better than the Gaussian by so many nats.
+    fn weigh_by(&mut self, misfit: Option<&DVector<f64>>, least: f64) {
+        let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
+        let relative = if relative.is_finite() { relative } else { 1.0 };
+        let measurement = self.problem.measurement;
+        let dropped = |row: &Row| match *row {
+            Row::Mark { case, reading, .. } => {
+                let read = &measurement.cases[case].marks[reading];
+                self.noise.leaves_out(case, reading, read)
+            }
+            _ => false,
+        };
+        let used: Vec<f64> = misfit.map_or_else(Vec::new, |misfit| {
+            let marks = |(_, row): &(&f64, &Row)| matches!(row, Row::Mark { .. }) && !dropped(row);
+            let pairs = misfit.iter().zip(&self.rows).filter(marks);
+            pairs.map(|(r, _)| *r).collect()
+        });
+        let best = Tails::best(&used).filter(|(_, gain)| *gain > least);
+        self.tails = best.map(|(tails, _)| tails);
+        let huber = self.problem.settings.loss == Loss::Huber;
+        let precision = |(at, row): (usize, &Row)| {
+            if dropped(row) {
+                return 0.0;
+            }
+            if !matches!(row, Row::Mark { .. }) {
+                let r = misfit.map_or(0.0, |misfit| misfit[at].abs());
+                return if huber && r > HUBER { HUBER / r } else { 1.0 };
+            }
+            let own = relative * relative;
+            match (misfit, self.tails) {
+                (Some(misfit), Some(tails)) => tails.precision(misfit[at]),
+                (Some(misfit), None) if huber => {
+                    let r = misfit[at].abs() * relative;
+                    own * if r > HUBER { HUBER / r } else { 1.0 }
+                }
+                _ => own,
+            }
+        };
+        self.precision = self.rows.iter().enumerate().map(precision).collect();
+        self.whitenings = Default::default();
+    }
+
+    /// Puts under suspicion what a fit shows to be wrong among three marks of a part, all it has or what outliers left; true if any are.
+    pub fn suspect_three(&mut self, misfit: &DVector<f64>) -> bool {
+        let marks = self.rows.iter().zip(misfit.iter());
+        let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
+        let usual = spread(marks.map(|(_, r)| r * self.sigma).collect());
+        let off = off(&self.rows, misfit, self.sigma);
+        self.noise
+            .suspect_three(self.problem.measurement, &off, usual)
+    }
+
+    /// Judges marks under suspicion by a fit that has not seen them; true if there were any.
+    pub fn judge_suspects(&mut self, misfit: &DVector<f64>) -> bool {
+        if self.noise.suspects.is_empty() {
+            return false;
+        }
+        let off = off(&self.rows, misfit, self.sigma);
+        self.noise.judge(self.problem.measurement, &off);
+        true
+    }
+
+    /// The same with readings weighed by tails that the marks alone are too few to show; `None` where nothing speaks for them. Single far
+    /// readings that are all the structure there is speak for them.
+    pub fn with_tails(&self, misfit: &DVector<f64>, far: bool) -> Option<Self> {
+        if self.tails.is_some() || !(far || self.noise.may_have_tails()) {
+            return None;
+        }
+        let mut tailed = self.clone();
+        tailed.weigh_by(Some(misfit), if far { Tails::HINT } else { Tails::BETTER });
+        tailed.tails.is_some().then_some(tailed)
+    }
+
+    /// True if a fit leaves few mark coordinates that are far out, and some: what a wrong model leaves is spread.
+    pub fn has_few_far(&self, misfit: &DVector<f64>) -> bool {
+        let sigma = self.mark_sigma() / self.sigma;
+        let marks = self.rows.iter().zip(&self.precision).zip(misfit.iter());
+        let used = marks
+            .filter(|((row, precision), _)| matches!(row, Row::Mark { .. }) && **precision > 0.0);
+        let (mut all, mut far) = (0.0, 0.0);
+        for (_, r) in used {
+            all += 1.0;
+            if r.abs() > FAR * sigma {
+                far += 1.0;
+            }
+        }
+        far > 0.0 && far < FEW * all
+    }
+
+    /// True if the declared noise of marks is not that of the readings.
+    pub fn contradicts_noise(&self) -> bool {
+        let tailed = self.tails.is_some() || self.noise.has_tails();
+        self.noise.contradicts(tailed)
+    }
+
+    /// What a mean square of whitened residuals of these rows is multiplied by to be one on average: weights of heavy tails make that of
+    /// marks smaller.
+    pub fn normal(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
+        let Some(tails) = self.tails else {
+            return 1.0;
+        };
+        let of_marks = (tails.nu + 1.0) / (tails.nu + 3.0);
+        let (mut count, mut sum) = (0.0, 0.0);
+        for row in rows {
+            if self.precision[row] > 0.0 {
+                count += 1.0;
+                let is_of_marks = matches!(self.rows[row], Row::Mark { .. });
+                sum += if is_of_marks { of_marks } else { 1.0 };
+            }
+        }
+        if sum > 0.0 { count / sum } else { 1.0 }
+    }
+
+    /// True if residuals changed the weights of rows.
+    pub fn is_reweighed(&self) -> bool {
+        self.tails.is_some() || self.problem.settings.loss == Loss::Huber
+    }
+
+    /// What brings rows to independence, over the cases of this data.
+    pub fn whitening(&self, data: Data) -> Arc<Whitening> {
+        let known = &self.whitenings[usize::from(data == Data::All)];
+        let new = || {
+            let is_seen = |row: &Row| data == Data::All || !self.is_held_out_row(row);
+            let rows = self.rows.iter().zip(&self.precision);
+            let seen = rows.map(|(row, precision)| if is_seen(row) { *precision } else { 0.0 });
+            let precision: Vec<f64> = seen.collect();
+            Arc::new(Whitening::new(
+                &self.blocks,
+                &self.single,
+                &precision,
+                &self.sizes,
+                &self.free,
+            ))
+        };
+        Arc::clone(known.get_or_init(new))
+    }
+
+    /// Whether a row is one of a case that is seen; a summary is if all its cases are.
+    pub(super) fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
+        match *row {
+            Row::Channel { case, channel } => {
+                let summary = &self.problem.measurement.channels[channel].summary;
+                match summary {
+                    Some(summary) => summary.cases.iter().all(|case| is_seen(*case)),
+                    None => is_seen(case),
+                }
+            }
+            _ => is_seen(row.case()),
+        }
+    }
+
+    /// Whether no fit that says what is gained sees a row: its case or its curve is held out.
+    pub fn is_held_out_row(&self, row: &Row) -> bool {
+        let channels = &self.problem.measurement.channels;
+        let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
+        self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
+    }
+
+    /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
+    /// `rows` are of `measurement`, `seen` says where a mark would be seen, and along `free` nothing is compared.
+    pub fn whitening_ahead(
+        &self,
+        rows: &[Row],
+        measurement: &Measurement,
+        seen: &dyn Fn(usize, usize) -> Vec3,
+        free: &[Vec<(usize, f64)>],
+    ) -> Whitening {
+        let (blocks, single) = placed(rows, measurement, self.sigma, seen);
+        let usual = self.usual_precision();
+        let of = |row: &Row| match row {
+            Row::Mark { .. } => usual,
+            _ => 1.0,
+        };
+        let precision: Vec<f64> = rows.iter().map(of).collect();
+        Whitening::new(&blocks, &single, &precision, &self.sizes, free)
+    }
+
+    /// Precision of a mark's row: the mean of those that are used.
+    pub fn usual_precision(&self) -> f64 {
+        let rows = self.rows.iter().zip(&self.precision);
+        let used = rows.filter(|(row, p)| matches!(row, Row::Mark { .. }) && **p > 0.0);
+        let (count, sum) = used.fold((0, 0.0), |(n, sum), (_, p)| (n + 1, sum + p));
+        if count == 0 {
+            1.0
+        } else {
+            sum / f64::from(count)
+        }
+    }
+
+    /// Whether no fit that says what is gained sees a case.
+    pub fn is_held_out(&self, case: usize) -> bool {
+        self.held_out[case]
+    }
+
+    /// True if some case or curve is held out.
+    pub fn holds_out(&self) -> bool {
+        let mut curves = self.problem.measurement.channels.iter();
+        self.held_out.iter().any(|held| *held)
+            || self.holds_curves && curves.any(|channel| channel.held_out)
+    }
+
+    /// One millimetre in the deck's length unit.
+    pub fn millimetre(&self) -> f64 {
+        1e-3 / self.problem.model.units.length.si
+    }
+
+    /// Standard deviation of a mark coordinate that is used, in the deck's unit.
+    pub fn mark_sigma(&self) -> f64 {
+        self.noise.sigma().unwrap_or(self.sigma)
+    }
+
+    /// What the user states of tolerances.
+    pub fn stated(&self) -> &ToleranceSettings {
+        self.problem.tolerances
+    }
+
+    /// Takes note of a fit that solved all cases so often.
+    pub fn spend(&self, sweeps: usize) {
+        self.progress.spend(sweeps);
+    }
+
+    /// Sweeps so far.
+    pub fn sweeps(&self) -> usize {
+        self.progress.sweeps()
+    }
+
+    /// True if no further round begins.
+    pub fn is_spent(&self) -> bool {
+        self.progress.is_spent()
+    }
+
+    /// Where sweeps are counted.
+    pub(super) const fn progress(&self) -> &Progress {
+        &self.progress
+    }
+
+    /// Counts the sweeps there from now on.
+    pub fn watched_by(&mut self, progress: &Progress) {
+        self.progress = progress.clone();
+    }
+
+    /// Holds these cases out, and nothing else.
+    pub fn hold_out(&mut self, cases: &[usize]) {
+        self.holds_curves = false;
+        self.whitenings[0] = OnceLock::new();
+        for (case, held) in self.held_out.iter_mut().enumerate() {
+            *held = cases.contains(&case);
+        }
+    }
+
+    /// True if there are marks: then their rows are what predictions are compared by.
+    pub fn compares_marks(&self) -> bool {
+        !self.problem.measurement.parts.is_empty()
+    }
+
+    /// By what predictions are compared, and what one unit of such a row is: `mark` in the deck's length unit, else `noise`.
+    pub fn compared(&self) -> (&'static str, f64) {
+        // A curve alone is compared by itself.
+        if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {
+            ("mark", self.sigma)
+        } else {
+            ("noise", 1.0)
+        }
+    }
+
+    /// Cases that are not held out.
+    pub fn cases_fitted(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.held_out.len()).filter(|case| !self.held_out[*case])
+    }
+
+    /// The cases held out.
+    pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.held_out.len()).filter(|case| self.held_out[*case])
+    }
+}
+
+/// Directions of the rows of all cases that motions lead along which nothing resists, where the deck's numbers have the parts; `None` where no
+/// equilibrium tells.
+fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
+    if problem.free.is_empty() {
+        return None;
+    }
+    let prepared = Prepared::new(problem).ok()?;
+    let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
+    let observations = Observations::new(problem.measurement, problem.model, &cases);
+    let mut predictor = prepared
+        .native(problem, observations.observed.clone())
+        .ok()?;
+    let numbers = Numbers {
+        theta: prepared.system.parameters(),
+        per_case: Vec::new(),
+        x: Vec::new(),
+    };
+    let mut prediction = predictor.predict(&numbers, None);
+    // Free motions hardly depend on the load: a case that the deck cannot reach has those of another.
+    let known = prediction.iter().flatten().next()?.clone();
+    for own in &mut prediction {
+        own.get_or_insert_with(|| known.clone());
+    }
+    let found = observations.evaluate(&prediction, &NuisanceLayout::default(), &[], 0)?;
+    Some(found.free)
+}
+
+/// The small errors of a study's axle and rig.
+fn layer_of(problem: &Problem<'_>, load_errors: bool) -> Layer {
+    let is_sought = |address: &Address| {
+        let mut unknowns = problem.unknowns.iter();
+        unknowns.any(|u| u.address == *address || u.tied.contains(address))
+    };
+    Layer::of(&LayerOf {
+        model: problem.model,
+        programme: problem.programme,
+        load_errors,
+        is_sought: &is_sought,
+    })
+}
+
+/// Which rows belong together: the marks of a part in a case, each with its way from their mean, and what stands alone.
+fn placed(
+    rows: &[Row],
+    measurement: &Measurement,
+    unit: f64,
+    seen: &dyn Fn(usize, usize) -> Vec3,
+) -> (Vec<MarkBlock>, Vec<(usize, Option<Scale>)>) {
+    let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
+    let mut single = Vec::new();
+    for (at, row) in rows.iter().enumerate() {
+        match *row {
+            Row::Mark {
+                case,
+                reading,
+                axis: 0,
+            } => {
+                let key = (case, measurement.cases[case].marks[reading].part);
+                if blocks.last().is_none_or(|(last, _)| *last != key) {
+                    let empty = MarkBlock {
+                        rows: Vec::new(),
+                        levers: Vec::new(),
+                        unit,
+                    };
+                    blocks.push((key, empty));
+                }
+                if let Some((_, block)) = blocks.last_mut() {
+                    block.rows.push(at);
+                    block.levers.push(seen(case, reading));
+                }
+            }
+            Row::Mark { .. } => {}
+            Row::Wheel { component, .. } => {
+                let scale = if component < 3 {
+                    Scale::WheelPosition
+                } else {
+                    Scale::WheelAngles
+                };
+                single.push((at, Some(scale)));
+            }
+            Row::Channel { channel, .. } => {
+                single.push((at, Some(Scale::Channel(channel))));
+            }
+        }
+    }
+    for (_, block) in &mut blocks {
+        let mean = block.levers.iter().sum::<Vec3>() / block.levers.len() as f64;
+        for lever in &mut block.levers {
+            *lever -= mean;
+        }
+    }
+    (blocks.into_iter().map(|(_, block)| block).collect(), single)
+}
+
+/// How far a mark of a case was read from where a fit has it, from the fit's misfit in units of `sigma`.
+fn off<'a>(
+    rows: &'a [Row],
+    misfit: &'a DVector<f64>,
+    sigma: f64,
+) -> impl Fn(usize, usize) -> Option<Vec3> + 'a {
+    move |case, reading| {
+        let first = rows.iter().position(
+            |row| matches!(*row, Row::Mark { case: c, reading: r, axis: 0 } if (c, r) == (case, reading)),
+        )?;
+        Some(Vec3::from_fn(|axis, _| -misfit[first + axis] * sigma))
+    }
+}
+
+/// What a fit sees.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Data {
+    /// The cases that are not held out.
+    Fitted,
+    /// Every case.
+    All,
+}

@@ -1,0 +1,402 @@
+use super::fit::Fitted;
+use super::hypothesis::Change;
+use super::subject::Subject;
+use admire_identify::global::Row;
+use admire_identify::tolerance::{Effect, Group, Point};
+use admire_session::backend::Load;
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_solver::model::{MarkerIx, Model, PartIx};
+use admire_solver::system::{Reading, Scratch};
+use admire_study::Measurement;
+use admire_syntax::{Address, NewStatement};
+
+/// Where a part is held.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Attachment {
+    /// The marker on the part.
+    pub marker: MarkerIx,
+    /// Force on the part there in each case, ground axes.
+    pub force: Vec<Vec3>,
+}
+
+/// Every load case at a fit: poses, deflections, forces, and how readings answer to small changes.
+pub(super) struct Survey<'a> {
+    /// The deck as the study has it; what an extension added is no place for further hypotheses.
+    pub model: &'a Model,
+    /// What was measured.
+    pub measurement: &'a Measurement,
+    pub(super) subject: &'a Subject<'a>,
+    pub(super) fitted: &'a Fitted,
+    readings: Vec<(&'static str, u32, Vec<Reading>)>,
+}
+
+impl<'a> Survey<'a> {
+    /// At a fit.
+    pub(super) fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
+        let model = subject.problem.model;
+        let system = &fitted.deck.prepared.system;
+        let mut scratch = Scratch::new(system);
+        let elements: Vec<_> = system
+            .elements()
+            .map(|(ix, name)| (ix, name.clone()))
+            .collect();
+        let constraints: Vec<_> = system
+            .constraints()
+            .map(|(ix, name)| (ix, name.clone()))
+            .collect();
+        let mut readings: Vec<(&'static str, u32, Vec<Reading>)> = elements
+            .iter()
+            .map(|(_, name)| name)
+            .chain(constraints.iter().map(|(_, name)| name))
+            .map(|name| (name.kind, name.id, Vec::new()))
+            .collect();
+        for (theta, state) in fitted.thetas.iter().zip(&fitted.states) {
+            let Ok(mut here) = system.look(theta, state, &mut scratch) else {
+                continue;
+            };
+            for (k, (element, _)) in elements.iter().enumerate() {
+                if let Ok(reading) = here.read_element(*element) {
+                    readings[k].2.push(reading);
+                }
+            }
+            for (k, (constraint, _)) in constraints.iter().enumerate() {
+                let reading = here.read_constraint(*constraint);
+                readings[elements.len() + k].2.push(reading);
+            }
+        }
+        // What could not be read in every case is no place for a hypothesis.
+        readings.retain(|(_, _, read)| read.len() == fitted.states.len());
+        Self {
+            model,
+            measurement: subject.problem.measurement,
+            subject,
+            fitted,
+            readings,
+        }
+    }
+
+    /// How many load cases there are.
+    pub(super) fn cases(&self) -> usize {
+        self.fitted.states.len()
+    }
+
+    /// All rows of the residual.
+    pub(super) fn rows(&self) -> &[Row] {
+        &self.subject.rows
+    }
+
+    /// Prediction minus reading of a row, in units of its noise.
+    pub(super) fn misfit(&self, row: usize) -> f64 {
+        self.fitted.misfit[row]
+    }
+
+    /// Sd of a mark coordinate.
+    pub(super) fn sigma(&self) -> f64 {
+        self.subject.sigma
+    }
+
+    /// One millimetre in the deck's length unit.
+    pub(super) fn millimetre(&self) -> f64 {
+        1e-3 / self.model.units.length.si
+    }
+
+    /// One newton in the deck's force unit.
+    pub(super) fn newton(&self) -> f64 {
+        1.0 / self.model.units.force.si
+    }
+
+    /// What the study drives.
+    pub(super) fn loads(&self) -> &[Load] {
+        &self.subject.problem.programme.loads
+    }
+
+    /// What a load of the study is in each case; zero for what it does not drive.
+    pub(super) fn load_values(&self, target: &Address) -> Vec<f64> {
+        let programme = self.subject.problem.programme;
+        let at = programme.loads.iter().position(|l| l.target == *target);
+        let value = |values: &[f64]| at.map_or(0.0, |at| values[at]);
+        programme.cases.iter().map(|c| value(&c.values)).collect()
+    }
+
+    /// Hardpoints of the deck.
+    pub(super) fn points(&self) -> &[Point] {
+        &self.subject.layer.points
+    }
+
+    /// Members of a group at an address with the names of their axes.
+    pub(super) fn members(&self, group: Group, address: &str) -> Vec<(usize, String)> {
+        let layer = &self.subject.layer;
+        if self.subject.sizes.group(group).is_none() {
+            return Vec::new();
+        }
+        let named = |k: usize| (k, super::hypothesis::SIX[layer.members[k].axis].to_string());
+        layer.at(group, address).map(named).collect()
+    }
+
+    /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
+    /// the member is.
+    pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
+        let known = |group| {
+            matches!(
+                group,
+                Group::KnownStiffnesses | Group::SpringRates | Group::Preloads
+            )
+        };
+        let members = self.subject.layer.members.iter().enumerate();
+        members
+            .filter(|(_, member)| known(member.group))
+            .filter_map(|(k, member)| {
+                let Effect::Always(pairs) = &member.effect else {
+                    return None;
+                };
+                Some((k, member.address.clone(), member.group, pairs.first()?.1))
+            })
+            .collect()
+    }
+
+    /// A force element in each case; empty if there is none.
+    pub(super) fn element(&self, kind: &str, id: u32) -> &[Reading] {
+        self.readings
+            .iter()
+            .find(|(k, i, _)| *k == kind && *i == id)
+            .map_or(&[], |(_, _, readings)| readings)
+    }
+
+    /// Size of the force in every element and joint of the deck in each case, with its name; loads apart, which the study drives.
+    pub(super) fn forces(&self) -> Vec<(String, Vec<f64>)> {
+        let loads = self.loads();
+        let driven = |kind: &str, id: u32| {
+            loads
+                .iter()
+                .any(|load| load.target.kind == kind && load.target.id == Some(id))
+        };
+        self.readings
+            .iter()
+            .filter(|(kind, id, _)| self.is_of_the_deck(kind, *id) && !driven(kind, *id))
+            .map(|(kind, id, readings)| {
+                let force = readings.iter().map(|reading| reading.force.norm());
+                (format!("{kind}/{id}"), force.collect())
+            })
+            .collect()
+    }
+
+    /// A constraint in each case; empty if there is none.
+    pub(super) fn constraint(&self, kind: &str, id: u32) -> &[Reading] {
+        self.element(kind, id)
+    }
+
+    /// Deflections of a bushing in each case: three along the axes of J, three projected angles.
+    pub(super) fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
+        self.element("BUSHING", self.model.bushings[bushing].header.id)
+            .iter()
+            .map(|reading| {
+                let (p, a) = (reading.motion.p_ij_j, reading.motion.angles);
+                [p.x, p.y, p.z, a.x, a.y, a.z]
+            })
+            .collect()
+    }
+
+    /// The six stiffnesses of a bushing at the fit.
+    pub(super) fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
+        let law = &self.model.bushings[bushing];
+        let theta = &self.fitted.thetas[0];
+        let catalogue = self.fitted.deck.prepared.system.catalogue();
+        std::array::from_fn(|axis| {
+            let word = ["K", "KT"][axis / 3];
+            let address =
+                super::hypothesis::number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
+            catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
+        })
+    }
+
+    /// The id of a marker.
+    pub(super) fn marker_id(&self, marker: MarkerIx) -> u32 {
+        self.model.markers[marker.0].header.id
+    }
+
+    /// Pose of a part in a case.
+    pub(super) fn pose(&self, case: usize, part: PartIx) -> Pose {
+        self.fitted.states[case].poses[part.0]
+    }
+
+    /// An id that no statement of this kind has yet.
+    pub(super) fn free_id(&self, kind: &str) -> u32 {
+        self.fitted
+            .deck
+            .dataset
+            .statements()
+            .iter()
+            .filter(|s| s.def.is_some_and(|def| def.name == kind))
+            .filter_map(|s| Some(s.id?.0))
+            .max()
+            .map_or(1, |id| id + 1)
+    }
+
+    /// How a function reads a displacement of I as J sees it.
+    pub(super) fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
+        let word = ["DX", "DY", "DZ", "AX", "AY", "AZ"][axis];
+        let (i, j) = (self.marker_id(i), self.marker_id(j));
+        if axis < 3 {
+            format!("{word}({i},{j},{j})")
+        } else {
+            format!("{word}({i},{j})")
+        }
+    }
+
+    /// A GFORCE along some axes of J, with the floating marker it needs; and its id.
+    pub(super) fn vector_force(
+        &self,
+        (i, j): (MarkerIx, MarkerIx),
+        functions: &[(usize, &str)],
+    ) -> (u32, Vec<NewStatement>) {
+        let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
+        let pair = [i, j].map(|marker| self.marker_id(marker));
+        self.force_between(pair, (part, self.free_id("MARKER")), functions)
+    }
+
+    /// The same between markers by their ids, J on this part, with the id of the floating marker.
+    pub(super) fn force_between(
+        &self,
+        [i, j]: [u32; 2],
+        (part, floating): (u32, u32),
+        functions: &[(usize, &str)],
+    ) -> (u32, Vec<NewStatement>) {
+        let id = self.free_id("GFORCE");
+        let mut arguments = vec![
+            ("I", i.to_string()),
+            ("JFLOAT", floating.to_string()),
+            ("RM", j.to_string()),
+        ];
+        for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
+            let own = functions.iter().find(|(axis, _)| *axis == k);
+            let text = own.map_or("0.0", |(_, function)| function);
+            // The continuation of ADAMS: components of a GFORCE are separated by a backslash.
+            let end = if k < 5 { "\\" } else { "" };
+            arguments.push((word, format!("{text}{end}")));
+        }
+        let mut marker = statement("MARKER", floating, &[("PART", part.to_string())]);
+        marker.arguments.push(("FLOATING".to_string(), None));
+        (id, vec![marker, statement("GFORCE", id, &arguments)])
+    }
+
+    /// Changes that give a marker of a part to a new, massless part, held to the old one by a bushing at `place` (in axes of the
+    /// part) with these translational stiffnesses; and the ids of the bushing and its two markers.
+    pub(super) fn split(
+        &self,
+        part: u32,
+        marker: u32,
+        (place, angles): (Vec3, [f64; 3]),
+        stiffness: [f64; 3],
+    ) -> (u32, [u32; 2], Vec<Change>) {
+        let (new, first, bushing) = (
+            self.free_id("PART"),
+            self.free_id("MARKER"),
+            self.free_id("BUSHING"),
+        );
+        let at = self.model.parts.iter().find(|p| p.header.id == part);
+        let pose = at.map_or_else(Pose::identity, |part| part.pose);
+        let three = |v: [f64; 3]| format!("{:.12}, {:.12}, {:.12}", v[0], v[1], v[2]);
+        let turned = |v: [f64; 3]| three(v);
+        let qg: [f64; 3] = pose.p.into();
+        let body = statement(
+            "PART",
+            new,
+            &[
+                ("QG", three(qg)),
+                (
+                    "REULER",
+                    turned(admire_solver::mechanics::psi_theta_phi(&pose.R)),
+                ),
+            ],
+        );
+        let qp: [f64; 3] = place.into();
+        let end = |id: u32, part: u32| {
+            statement(
+                "MARKER",
+                id,
+                &[
+                    ("PART", part.to_string()),
+                    ("QP", three(qp)),
+                    ("REULER", turned(angles)),
+                ],
+            )
+        };
+        let rigid = super::hypothesis::RIGID[1] * self.newton() * self.millimetre();
+        let law = statement(
+            "BUSHING",
+            bushing,
+            &[
+                ("I", first.to_string()),
+                ("J", (first + 1).to_string()),
+                ("C", three([0.0; 3])),
+                (
+                    "K",
+                    format!("{:E}, {:E}, {:E}", stiffness[0], stiffness[1], stiffness[2]),
+                ),
+                ("CT", three([0.0; 3])),
+                ("KT", format!("{rigid:E}, {rigid:E}, {rigid:E}")),
+            ],
+        );
+        let whose = super::hypothesis::number("MARKER", marker, "PART", None);
+        let changes = vec![
+            Change::Piece(body, part),
+            Change::Add(end(first, new)),
+            Change::Add(end(first + 1, part)),
+            Change::Add(law),
+            Change::Text(whose, new.to_string()),
+        ];
+        (bushing, [first, first + 1], changes)
+    }
+
+    /// Everything that holds a part.
+    pub(super) fn attachments(&self, part: PartIx) -> Vec<Attachment> {
+        let owner = |marker: MarkerIx| self.model.markers[marker.0].part;
+        self.readings
+            .iter()
+            .filter(|(kind, id, _)| self.is_of_the_deck(kind, *id))
+            .filter_map(|(_, _, readings)| {
+                let first = readings.first()?;
+                let known = |m: MarkerIx| m.0 < self.model.markers.len();
+                if !known(first.i) || !known(first.j) {
+                    return None;
+                }
+                let (marker, side) = if owner(first.i) == part {
+                    (first.i, 0)
+                } else if owner(first.j) == part {
+                    (first.j, 1)
+                } else {
+                    return None;
+                };
+                Some(Attachment {
+                    marker,
+                    force: readings
+                        .iter()
+                        .map(|r| [r.force, r.force_on_j][side])
+                        .collect(),
+                })
+            })
+            .collect()
+    }
+
+    /// False for what an extension has added.
+    fn is_of_the_deck(&self, kind: &str, id: u32) -> bool {
+        self.subject
+            .problem
+            .dataset
+            .statement(kind, Some(id))
+            .is_some()
+    }
+}
+
+/// A statement with its arguments.
+pub(super) fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
+    NewStatement {
+        kind: kind.to_string(),
+        id: Some(id),
+        view_name: None,
+        arguments: arguments
+            .iter()
+            .map(|(word, value)| ((*word).to_string(), Some(value.clone())))
+            .collect(),
+    }
+}

@@ -1,0 +1,122 @@
+//! What a diagnosis says of tolerances, in sentences.
+
+use super::diagnose::Outcome;
+use super::diagnosis::ToleranceFound;
+use admire_identify::tolerance::{Group, Misplaced, Size};
+use admire_solver::mechanics::Vec3;
+
+/// A size whose logarithm moves by less says nothing.
+const SEEN: f64 = 0.05;
+
+impl Outcome<'_> {
+    /// Sizes of tolerances that the readings tell.
+    pub(super) fn tolerances_in_words(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        // Where the readings do not see points their size stays where it was.
+        let usual = Size::HARDPOINTS;
+        let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
+        if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
+            let word = match points.sd / usual {
+                ratio if ratio < 2.0 => "usual for a production axle",
+                ratio if ratio < 4.0 => "much for a production axle",
+                _ => "more than a production axle has",
+            };
+            let stated = if libm::log(points.usual / usual).abs() < SEEN {
+                String::new()
+            } else {
+                format!("; the study states {:.2}", points.usual)
+            };
+            out.push(format!(
+                "The readings look as if hardpoints were {:.2} {} off, {word} ({usual:.1}{stated}).",
+                points.sd, points.unit
+            ));
+        }
+        let sizes = &self.extended.sizes;
+        let groups = sizes.groups.iter().map(|(group, _)| group.as_str());
+        let names = groups.chain(sizes.scales.iter().map(|(scale, _)| scale.as_str()));
+        for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
+            if *ln >= size.bounds.1 && self.diagnosis.tolerances.contains_key(name) {
+                out.push(format!(
+                    "Errors of the group {name} are as large as they may be, and may have taken up what is none of them."
+                ));
+            }
+        }
+        if let Some(pose) = self.diagnosis.tolerances.get("pose-noise") {
+            let sigma = self.subject.mark_sigma() / self.subject.millimetre();
+            if pose.sd > sigma {
+                out.push(format!(
+                    "Whole parts are read {:.3} {} off in each case, {:.1} times the noise of a mark.",
+                    pose.sd,
+                    pose.unit,
+                    pose.sd / sigma
+                ));
+            }
+        }
+        let loads = Group::LoadRepeatability.as_str();
+        if let Some(loads) = self.diagnosis.tolerances.get(loads) {
+            out.push(format!(
+                "Loads scatter from case to case, by {:.2} percent of the largest value of each. The loads that acted are not quite those of the table.",
+                100.0 * loads.sd
+            ));
+        }
+        let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
+        if let Some(found) = of(Group::FrameAlignment)
+            && let Some(own) = &self.extended.layout.motions
+        {
+            let six = &self.extended.x[own.first..own.first + 6];
+            let [shift, turn] = [0, 3].map(|k| Vec3::from_column_slice(&six[k..k + 3]).norm());
+            out.push(format!(
+                "The measuring frame seems to sit {:.2} {} from the deck's, turned by {:.3} deg, the same in all cases.",
+                shift / self.subject.millimetre(),
+                found.unit,
+                (own.turn * turn).to_degrees()
+            ));
+        }
+        if let Some(found) = of(Group::MountYield) {
+            out.push(format!(
+                "What the axle is mounted on yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
+                found.sd, found.unit
+            ));
+        }
+        let frame = [
+            (Group::FrameShifts, "differs from case to case by", ""),
+            (Group::FrameDrifts, "drifts by", " per case"),
+        ];
+        let frame = frame.into_iter().filter_map(|(group, what, per)| {
+            of(group).map(|found| format!("{what} {:.3} {}{per}", found.sd, found.unit))
+        });
+        let frame: Vec<String> = frame.collect();
+        if !frame.is_empty() {
+            out.push(format!(
+                "The measuring frame {}, the same for all marks.",
+                frame.join(" and ")
+            ));
+        }
+        out
+    }
+
+    /// Marks that do not sit where they are listed.
+    pub(super) fn misplaced_in_words(&self) -> Vec<String> {
+        let measurement = self.subject.problem.measurement;
+        let decimals = self.decimals().finer();
+        let of = |misplaced: &Misplaced| {
+            let part = &measurement.parts[misplaced.part];
+            let label = &part.marks[misplaced.mark].label;
+            let off = decimals.told(misplaced.error.norm());
+            let how = if misplaced.is_loose() {
+                let case = &measurement.cases[misplaced.cases[0]].label;
+                let (count, read) = (misplaced.cases.len(), misplaced.read);
+                format!(
+                    "is loose: in {count} of {read} cases, case {case} first, it sits {off} from"
+                )
+            } else {
+                format!("sits {off} from")
+            };
+            format!(
+                "Mark {label} of {} {how} where the list of marks on parts has it. It is left out.",
+                part.name
+            )
+        };
+        self.subject.noise.misplaced.iter().map(of).collect()
+    }
+}

@@ -1,0 +1,150 @@
+//! An identification among tolerances: the model without any cause, its noise from the marks, sizes of tolerances by evidence.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::averaged::averaged;
+use super::diagnose::tolerances;
+use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
+use super::fit::Fitted;
+use super::settle::ENOUGH;
+use super::sought::as_it_is;
+use super::structure::structure;
+use super::subject::{Data, Subject};
+use super::visited::Visited;
+use admire_identify::global::gauss_newton::Prior;
+use admire_identify::global::{Joint, Marginal};
+use admire_identify::{Fit, FitTest, NOT_CONVERGED, Problem, Status, StructureTest, Verdict};
+
+/// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
+#[derive(Clone, Debug)]
+pub struct Tolerant {
+    /// The stiffnesses, their intervals with tolerances marginalised.
+    pub parameters: Vec<Parameter>,
+    /// Sizes of tolerances.
+    pub tolerances: BTreeMap<String, ToleranceFound>,
+    /// Noise of marks.
+    pub noise: NoiseFound,
+    /// Chi-square of what is left at these sizes and its degrees of freedom.
+    pub chi_square: (f64, f64),
+    /// Tests of structure in what is left.
+    pub structure: Vec<StructureTest>,
+    /// Equilibria it took.
+    pub equilibria: usize,
+    /// The fit behind it.
+    fitted: Arc<Fitted>,
+}
+
+/// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
+pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
+    let cases = problem.measurement.cases.iter();
+    let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
+    let found = as_it_is(&mut subject, None, Data::Fitted)?;
+    let tests = structure(&subject, &found).into_iter();
+    let structure = tests
+        .map(|test| StructureTest {
+            what: test.what,
+            p_value: test.p_value,
+        })
+        .collect();
+    let posterior = &found.posterior;
+    let chi_square = (
+        posterior.chi_square * subject.normal(0..subject.rows.len()),
+        posterior.count - posterior.effective,
+    );
+    let sizes = tolerances(&subject, &found);
+    let noise = NoiseFound {
+        declared: subject.noise.declared,
+        estimated: subject.noise.estimated,
+        dof: subject.tails.map(|tails| tails.nu),
+    };
+    let found = Arc::new(found);
+    let only = Visited {
+        causes: Vec::new(),
+        ln_posterior: 0.0,
+        fitted: Some(Arc::clone(&found)),
+    };
+    Some(Tolerant {
+        parameters: averaged(&subject, &[(only, 1.0)]),
+        tolerances: sizes,
+        noise,
+        chi_square,
+        structure,
+        equilibria: subject.sweeps() * problem.measurement.cases.len(),
+        fitted: found,
+    })
+}
+
+impl Tolerant {
+    /// The first `sought` unknowns with all tolerances marginalised, at the sizes that were found.
+    pub fn marginal(&self, sought: usize) -> Marginal {
+        let fitted = &self.fitted;
+        let prior = |unknown: &admire_identify::tolerance::Unknown| Prior {
+            mean: unknown.mean,
+            sd: unknown.prior_sd(&fitted.sizes),
+        };
+        let starts = fitted.states.iter().zip(&fitted.thetas);
+        Marginal::new(Joint {
+            prepared: Arc::clone(&fitted.deck.prepared),
+            unknowns: fitted.unknowns.clone(),
+            layout: fitted.layout.clone(),
+            x: fitted.x.clone(),
+            priors: fitted.priors.iter().map(prior).collect(),
+            sought,
+            cases: (0..fitted.states.len()).collect(),
+            starts: starts.map(|(s, t)| (s.clone(), t.clone())).collect(),
+            whitening: Some(Arc::clone(&fitted.whitening)),
+            weights: fitted.whitening.weights(&fitted.sizes.ln),
+            jacobian: fitted.jacobian.clone(),
+        })
+    }
+
+    /// Covariance of the logarithms of the first `sought` numbers with all tolerances marginalised, at the sizes that were found.
+    pub fn covariance(&self, sought: usize) -> nalgebra::DMatrix<f64> {
+        let all = &self.fitted.posterior.covariance;
+        all.view((0, 0), (sought, sought)).into_owned()
+    }
+
+    /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
+    pub fn apply(self, fit: &mut Fit) {
+        // The numbers are those of this fit, wherever the other one ended.
+        if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < ENOUGH {
+            fit.converged = true;
+            for remark in &mut fit.remarks {
+                if remark == NOT_CONVERGED {
+                    *remark = "The fit that takes all but the stiffnesses for exact did not converge; the fit with tolerances did, and the \
+                               numbers are its own."
+                        .to_string();
+                }
+            }
+        }
+        for (own, found) in fit.parameters.iter_mut().zip(self.parameters) {
+            own.value = found.value;
+            own.std_error = Some(found.std_error);
+            own.interval95 = found.interval95;
+            own.tolerance_share = Some(found.tolerance_share);
+            if own.status != Status::Bound {
+                own.status = found.status;
+            }
+        }
+        if let (Some(declared), Some(estimated)) = (self.noise.declared, self.noise.estimated)
+            && fit
+                .fit_test
+                .as_ref()
+                .is_some_and(|test| test.verdict != Verdict::Noise)
+        {
+            fit.remarks.push(format!(
+                "The study states a noise of {declared:.3}; the marks of rigid parts show {estimated:.3}, which is used."
+            ));
+        }
+        let readings = fit
+            .fit_test
+            .take()
+            .map_or_else(Vec::new, |test| test.readings);
+        fit.fit_test = FitTest::new(self.chi_square.0, self.chi_square.1, readings);
+        fit.structure = self.structure;
+        fit.solver_runs += self.equilibria;
+        fit.tolerances = self.tolerances;
+        fit.noise = Some(self.noise);
+    }
+}

@@ -1,0 +1,137 @@
+//! The residual that follows a force most closely: what a person looks at first.
+
+use super::diagnose::Outcome;
+use super::survey::Survey;
+use admire_identify::global::Row;
+
+/// A residual against the force in an element.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Trend {
+    /// The element.
+    pub element: String,
+    /// What is left: a direction of a part's marks, or a channel.
+    pub what: String,
+    /// Its unit, if it has one.
+    pub unit: Option<String>,
+    /// Force and mean residual of each case, as the model was; in the deck's units or those of the channel.
+    pub before: Vec<(f64, f64)>,
+    /// The same of the extended model.
+    pub after: Vec<(f64, f64)>,
+}
+
+/// A mean residual by case.
+struct Group {
+    what: String,
+    unit: Option<String>,
+    scale: f64,
+    rows: Vec<Vec<usize>>,
+}
+
+impl Outcome<'_> {
+    /// The strongest trend of a residual with a force. `None` where nothing varies.
+    pub fn trend(&self) -> Option<Trend> {
+        let subject = &self.subject;
+        let forces = Survey::new(subject, &self.baseline).forces();
+        let groups = self.groups();
+        let means = |fit: &super::fit::Fitted, group: &Group| -> Vec<Option<f64>> {
+            let residual = &fit.misfit;
+            group
+                .rows
+                .iter()
+                .map(|rows| {
+                    let sum: f64 = rows.iter().map(|k| residual[*k]).sum();
+                    (!rows.is_empty()).then(|| sum / rows.len() as f64 * group.scale)
+                })
+                .collect()
+        };
+        let mut best: Option<(f64, usize, usize)> = None;
+        for (g, group) in groups.iter().enumerate() {
+            let values = means(&self.baseline, group);
+            for (f, (_, force)) in forces.iter().enumerate() {
+                let pairs: Vec<(f64, f64)> = force
+                    .iter()
+                    .zip(&values)
+                    .filter_map(|(x, y)| Some((*x, (*y)?)))
+                    .collect();
+                // How much of the residual follows the force, in units of its noise.
+                let strength = slope_strength(&pairs) / group.scale;
+                if strength.is_finite() && best.is_none_or(|(old, ..)| strength > old) {
+                    best = Some((strength, g, f));
+                }
+            }
+        }
+        let (_, g, f) = best?;
+        let points = |fit| {
+            let values = means(fit, &groups[g]);
+            forces[f]
+                .1
+                .iter()
+                .zip(values)
+                .filter_map(|(x, y)| Some((*x, y?)))
+                .collect()
+        };
+        Some(Trend {
+            element: forces[f].0.clone(),
+            what: groups[g].what.clone(),
+            unit: groups[g].unit.clone(),
+            before: points(&self.baseline),
+            after: points(&self.extended),
+        })
+    }
+
+    fn groups(&self) -> Vec<Group> {
+        let measurement = self.subject.problem.measurement;
+        let cases = measurement.cases.len();
+        let group = |what: String, unit, scale: f64, accept: &dyn Fn(&Row) -> bool| {
+            let mut rows = vec![Vec::new(); cases];
+            for (k, row) in self.subject.rows.iter().enumerate() {
+                if accept(row) {
+                    rows[row.case()].push(k);
+                }
+            }
+            Group {
+                what,
+                unit,
+                scale,
+                rows,
+            }
+        };
+        let mut out = Vec::new();
+        for (k, part) in measurement.parts.iter().enumerate() {
+            for (axis, word) in ["x", "y", "z"].into_iter().enumerate() {
+                out.push(group(
+                    format!("{} along {word}", part.name),
+                    Some(self.subject.problem.model.units.length.word.to_string()),
+                    self.subject.sigma,
+                    &|row| {
+                        matches!(*row, Row::Mark { case, reading, axis: of }
+                            if of == axis && measurement.cases[case].marks[reading].part == k)
+                    },
+                ));
+            }
+        }
+        for (k, channel) in measurement.channels.iter().enumerate() {
+            out.push(group(
+                channel.name.clone(),
+                channel.unit.clone(),
+                channel.sigma,
+                &|row| matches!(*row, Row::Channel { channel: of, .. } if of == k),
+            ));
+        }
+        out
+    }
+}
+
+/// Root of the sum of squares that a straight line explains.
+fn slope_strength(pairs: &[(f64, f64)]) -> f64 {
+    let n = pairs.len() as f64;
+    let (mx, my) = pairs
+        .iter()
+        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+    let (mut xx, mut xy) = (0.0, 0.0);
+    for (x, y) in pairs {
+        xx += (x - mx) * (x - mx);
+        xy += (x - mx) * (y - my);
+    }
+    xy.abs() / xx.sqrt()
+}

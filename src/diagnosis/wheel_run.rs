@@ -1,0 +1,163 @@
+//! The wheel, and what sensors read, while one load goes up and down: the hysteresis loops of a K&C rig.
+
+use super::diagnose::Outcome;
+use admire_identify::global::Row;
+
+/// Fewer cases in a row are no run.
+const LEAST: usize = 4;
+/// More sensors than that are no curves to look at.
+const MOST: usize = 8;
+/// Rows of the wheel that hold angles.
+const ANGLES: [(&str, usize); 2] = [("steer", 4), ("camber", 3)];
+
+/// A reading against one load, the others standing still.
+#[derive(Clone, PartialEq, Debug)]
+pub struct WheelRun {
+    /// Column of the load.
+    pub load: String,
+    /// `steer` or `camber` of the wheel, or the name of a channel.
+    pub what: String,
+    /// Its unit, if it has one.
+    pub unit: Option<String>,
+    /// Load and reading, in the order of application.
+    pub read: Vec<(f64, f64)>,
+    /// The same by the model as it was.
+    pub before: Vec<(f64, f64)>,
+    /// The same by the extended model.
+    pub after: Vec<(f64, f64)>,
+    /// True if neither fit has seen these readings.
+    pub unseen: bool,
+}
+
+/// A reading of every case.
+#[derive(Clone, Copy)]
+enum Read {
+    /// An angle of the wheel, by its row.
+    Wheel(usize),
+    /// A channel.
+    Channel(usize),
+}
+
+impl Outcome<'_> {
+    /// For each load the longest run of cases in which it alone changes; of runs that no fit has seen, if there are any. The angles of
+    /// the wheel first, then each channel.
+    pub fn wheel_runs(&self) -> Vec<WheelRun> {
+        let (programme, measurement) = (
+            self.subject.problem.programme,
+            self.subject.problem.measurement,
+        );
+        let mut reads: Vec<(String, Option<String>, Read)> = Vec::new();
+        if measurement.wheel.is_some() {
+            let angle = |(name, row): (&str, usize)| {
+                (name.to_string(), Some("deg".to_string()), Read::Wheel(row))
+            };
+            reads.extend(ANGLES.map(angle));
+        }
+        let channels = measurement.channels.iter().enumerate();
+        let by_case = channels.filter(|(_, channel)| channel.is_read_by_case());
+        reads.extend(by_case.take(MOST).map(|(k, channel)| {
+            let unit = channel.unit.clone();
+            (channel.name.clone(), unit, Read::Channel(k))
+        }));
+        let mut out = Vec::new();
+        for (load, of) in programme.loads.iter().enumerate() {
+            let unseen = |case: usize| self.unseen.is_some() && self.subject.is_held_out(case);
+            let run = [true, false].into_iter().find_map(|hidden| {
+                let usable = |case: usize| !hidden || unseen(case);
+                let run = longest(programme.cases.len(), |a, b| {
+                    let (a_values, b_values) =
+                        (&programme.cases[a].values, &programme.cases[b].values);
+                    let others = |(k, (a, b)): (usize, (&f64, &f64))| k == load || a == b;
+                    usable(a) && usable(b) && a_values.iter().zip(b_values).enumerate().all(others)
+                });
+                let moves = run.clone().any(|case| {
+                    programme.cases[case].values[load] != programme.cases[run.start].values[load]
+                });
+                (run.len() >= LEAST && moves).then_some((run, hidden))
+            });
+            let Some((run, hidden)) = run else { continue };
+            for (what, unit, read) in &reads {
+                let held = match read {
+                    Read::Channel(k) => measurement.channels[*k].held_out,
+                    Read::Wheel(_) => false,
+                };
+                let fits = match &self.unseen {
+                    Some(unseen) if hidden || held => {
+                        unseen.predicted.each_ref().map(|blind| &blind.misfit)
+                    }
+                    _ => [&self.baseline.misfit, &self.extended.misfit],
+                };
+                let points: Vec<[(f64, f64); 3]> = run
+                    .clone()
+                    .filter_map(|case| {
+                        let (row, reading, sigma) = self.row(*read, case)?;
+                        let value = programme.cases[case].values[load];
+                        let by = |off: f64| (value, reading + off * sigma);
+                        Some([by(0.0), by(fits[0][row]), by(fits[1][row])])
+                    })
+                    .collect();
+                if points.len() < LEAST {
+                    continue;
+                }
+                let [read, before, after] =
+                    [0, 1, 2].map(|k| points.iter().map(|point| point[k]).collect());
+                out.push(WheelRun {
+                    load: of.name.clone(),
+                    what: what.clone(),
+                    unit: unit.clone(),
+                    read,
+                    before,
+                    after,
+                    unseen: self.unseen.is_some() && (hidden || held),
+                });
+            }
+        }
+        out
+    }
+
+    /// The row of a reading of a case, its value, and the standard deviation it is in units of.
+    fn row(&self, read: Read, case: usize) -> Option<(usize, f64, f64)> {
+        let measurement = self.subject.problem.measurement;
+        let of = &measurement.cases[case];
+        let (reading, sigma) = match read {
+            Read::Wheel(component) => {
+                let wheel = of.wheel?;
+                let angle = [wheel.camber_deg, wheel.steer_deg][component - 3];
+                (angle, measurement.wheel.as_ref()?.sigma_angle_deg)
+            }
+            Read::Channel(channel) => (of.channels[channel]?, measurement.channels[channel].sigma),
+        };
+        let row = self
+            .subject
+            .rows
+            .iter()
+            .position(|row| match (*row, read) {
+                (
+                    Row::Wheel {
+                        case: of,
+                        component,
+                    },
+                    Read::Wheel(own),
+                ) => of == case && component == own,
+                (Row::Channel { case: of, channel }, Read::Channel(own)) => {
+                    of == case && channel == own
+                }
+                _ => false,
+            })?;
+        Some((row, reading, sigma))
+    }
+}
+
+/// The longest run of cases of which each goes with the next.
+fn longest(count: usize, together: impl Fn(usize, usize) -> bool) -> std::ops::Range<usize> {
+    let (mut best, mut start) = (0..0, 0);
+    for end in 1..=count {
+        if end == count || !together(end - 1, end) {
+            if end - start > best.len() {
+                best = start..end;
+            }
+            start = end;
+        }
+    }
+    best
+}

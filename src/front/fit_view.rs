@@ -1,0 +1,41 @@
+//! What a fit looks like: places of the parts, and lines of the deck that change.
+
+use admire_identify::{Fit, LoadedStudy};
+use admire_report::Positions;
+use admire_report::scene::Role;
+use admire_session::backend::Backend;
+use admire_study::settings::BackendChoice;
+
+/// Where the solver puts the parts with the initial and with the identified numbers; without those it does not tell, as a recording
+/// that lacks them.
+pub(crate) fn positions(
+    loaded: &LoadedStudy,
+    fit: &Fit,
+    backend: &mut dyn Backend,
+) -> Vec<Positions> {
+    // Pictures are not worth the licences of another solver.
+    if loaded.study.solver.backend != BackendChoice::Native {
+        return Vec::new();
+    }
+    let problem = loaded.problem();
+    let wanted = [
+        ("initial", Role::Initial, problem.initial()),
+        ("identified", Role::Fitted, fit.values()),
+    ];
+    let solved = wanted.into_iter().filter_map(|(name, role, values)| {
+        let sweep = problem.sweep(backend, &values).ok()?;
+        Some(Positions::of(name, role, &sweep))
+    });
+    solved.collect()
+}
+
+/// The lines that differ, with the three lines before and behind them that tell whose they are.
+pub(crate) fn changed_lines(before: &[u8], after: &[u8]) -> String {
+    let (before, after) = (
+        String::from_utf8_lossy(before),
+        String::from_utf8_lossy(after),
+    );
+    let diff = similar::TextDiff::from_lines(before.as_ref(), after.as_ref());
+    let text = diff.unified_diff().context_radius(3).to_string();
+    text.replace('\r', "")
+}

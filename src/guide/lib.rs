@@ -1,0 +1,101 @@
+//! The guide: the same pages in the documentation and in the terminal by `admire guide TOPIC`.
+//!
+//! [`PAGES`] holds the pages as text; [`glossary`] explains the words of tables, in the terminal and in the schema of a study. Text only:
+//! this crate uses no other.
+#![warn(unreachable_pub)]
+// Modules that are private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+pub mod glossary;
+
+/// One page of the guide.
+#[derive(Clone, Copy, Debug)]
+pub struct Page {
+    /// What `admire guide` takes.
+    pub topic: &'static str,
+    /// The page in Markdown; its first line is its heading.
+    pub text: &'static str,
+}
+
+impl Page {
+    /// The heading.
+    pub fn title(&self) -> &'static str {
+        let first = self.text.lines().next().unwrap_or_default();
+        first.trim_start_matches('#').trim()
+    }
+}
+
+/// Declares the pages: a module with the text as its documentation, and an entry of [`PAGES`].
+macro_rules! pages {
+    ($($topic:ident)*) => {
+        $(
+            #[doc = include_str!(concat!(stringify!($topic), ".md"))]
+            pub mod $topic {}
+        )*
+
+        /// Every page, in reading order.
+        pub static PAGES: &[Page] = &[
+            $(Page { topic: stringify!($topic), text: include_str!(concat!(stringify!($topic), ".md")) },)*
+        ];
+    };
+}
+
+pages! {
+    tutorial
+    drop_in
+    windows
+    motion
+    real_adams
+    study
+    diagnosis
+    plan
+    toolkit
+    editors
+    python
+    conventions
+    kc
+    sweep
+    mathematics
+    formats
+    paper
+    coverage
+    benchmarks
+}
+
+/// The page of a topic; hyphens and capitals do not matter.
+pub fn page(topic: &str) -> Option<&'static Page> {
+    let topic = topic.to_ascii_lowercase().replace('-', "_");
+    PAGES.iter().find(|page| page.topic == topic)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_page_has_a_heading_and_is_found_by_its_topic() {
+        for entry in PAGES {
+            assert!(entry.text.starts_with("# "), "{}", entry.topic);
+            assert!(entry.title().len() > 3, "{}", entry.topic);
+            assert_eq!(
+                page(&entry.topic.to_uppercase().replace('_', "-")).map(|page| page.topic),
+                Some(entry.topic)
+            );
+        }
+    }
+
+    /// A page that names another page in backticks names one that exists.
+    #[test]
+    fn the_pages_a_page_sends_to_exist() {
+        for entry in PAGES {
+            for (at, _) in entry.text.match_indices("page `") {
+                let name: String = entry.text[at + "page `".len()..]
+                    .chars()
+                    .take_while(|&c| c != '`')
+                    .collect();
+                assert!(page(&name).is_some(), "{}: page `{name}`", entry.topic);
+            }
+        }
+    }
+}

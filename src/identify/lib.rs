@@ -1,0 +1,45 @@
+//! Identification: numbers of a deck from what was measured on the rig.
+//!
+//! [`LoadedStudy`] is a study with its model, [`Problem`] what is sought in it, [`Fit`] the answer: what `identification.json` holds. Three
+//! methods share these: [`regression`] is the loop of the paper, [`direct`] a solution without iteration over equilibria, [`global`] a fit of
+//! everything that was read. [`tolerance`] is the error model: noise of readings, tolerances of axle and rig, and their evidence. Knows no
+//! effect that a model may lack: that is `admire-diagnosis`.
+#![warn(unreachable_pub)]
+// Modules that are private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+mod bounded;
+pub mod direct;
+mod evaluation;
+mod fit;
+mod free_motions;
+pub mod global;
+mod goodness;
+mod loaded;
+mod noise;
+mod problem;
+pub mod regression;
+mod repeated;
+pub mod reproduction;
+pub mod slips;
+pub mod structure;
+pub mod tolerance;
+mod unknowns;
+
+pub use evaluation::written;
+pub use evaluation::{Discrepancy, compare};
+pub use fit::{
+    CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
+    ToleranceFound, UnidentifiableDirection, WheelFit, Written,
+};
+pub use free_motions::meet_marks;
+pub use free_motions::meet_marks_of_all;
+pub use goodness::{FitTest, ReadingsLeft, Verdict};
+pub use loaded::LoadedStudy;
+pub use noise::estimate_noise;
+pub use problem::IdentifyError;
+pub use problem::{Problem, Progress};
+pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
+pub use structure::StructureTest;
+pub use unknowns::{Place, Unknown, unknowns};

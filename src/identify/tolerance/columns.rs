@@ -1,0 +1,107 @@
+//! Columns of turned rows, class by class.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::whitening::Whitening;
+
+/// A column whose entries in the rows of a class stay below this part of its largest is zero there: marks of one part that move as one
+/// body leave rounding in the rows that say how they move against each other.
+const NOTHING: f64 = 1e-12;
+
+/// A matrix of turned rows, see [`Whitening::apply`], class by class.
+#[derive(Clone, Debug)]
+pub struct ByClass {
+    /// How many columns there are.
+    pub(super) count: usize,
+    /// The rows of each class.
+    pub(super) classes: Vec<Columns>,
+}
+
+/// Columns of a matrix in the rows of a class, those without anything left out.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    /// Which columns they are, in ascending order.
+    pub active: Vec<usize>,
+    /// Their values.
+    pub values: DMatrix<f64>,
+}
+
+impl ByClass {
+    /// Of all columns.
+    pub fn new(whitening: &Whitening, turned: &DMatrix<f64>) -> Self {
+        Self::of_rows(&whitening.rows_of, turned)
+    }
+
+    /// Of all columns, in some of the rows of each class.
+    pub(super) fn of_rows(rows_of: &[Vec<usize>], turned: &DMatrix<f64>) -> Self {
+        let height = turned.nrows();
+        let column = |k: usize| &turned.as_slice()[k * height..(k + 1) * height];
+        let all: Vec<&[f64]> = (0..turned.ncols()).map(column).collect();
+        let nothing: Vec<f64> = all.iter().map(|column| NOTHING * largest(column)).collect();
+        let classes = rows_of.iter();
+        Self {
+            count: all.len(),
+            classes: classes
+                .map(|rows| Columns::new(rows, &all, &nothing))
+                .collect(),
+        }
+    }
+}
+
+impl Columns {
+    fn new(rows: &[usize], columns: &[&[f64]], nothing: &[f64]) -> Self {
+        let count = rows.len();
+        let mut active = Vec::with_capacity(columns.len());
+        let mut values = Vec::with_capacity(count * columns.len());
+        for (k, column) in columns.iter().enumerate() {
+            let from = values.len();
+            values.extend(rows.iter().map(|row| column[*row]));
+            if largest(&values[from..]) <= nothing[k] {
+                values.truncate(from);
+            } else {
+                active.push(k);
+            }
+        }
+        Self {
+            values: DMatrix::from_vec(count, active.len(), values),
+            active,
+        }
+    }
+
+    /// With other values of the columns `changed`, of which `own` holds those with anything in these rows.
+    pub(super) fn replaced(&self, changed: &[usize], own: &Self) -> Self {
+        let kept = self.active.iter().enumerate();
+        let kept = kept.filter(|(_, k)| changed.binary_search(k).is_err());
+        let kept = kept.map(|(at, k)| (*k, self.values.column(at)));
+        let new = own.active.iter().enumerate();
+        let new = new.map(|(at, k)| (changed[*k], own.values.column(at)));
+        let mut all: Vec<_> = kept.chain(new).collect();
+        all.sort_by_key(|(k, _)| *k);
+        let mut values = DMatrix::zeros(self.values.nrows(), all.len());
+        for (at, (_, column)) in all.iter().enumerate() {
+            values.set_column(at, column);
+        }
+        Self {
+            active: all.into_iter().map(|(k, _)| k).collect(),
+            values,
+        }
+    }
+
+    /// `A'z`.
+    pub(super) fn along(&self, z: &DVector<f64>) -> Vec<f64> {
+        self.values.tr_mul(z).as_slice().to_vec()
+    }
+}
+
+/// The largest magnitude, compared in eight lanes, which processors do side by side.
+fn largest(column: &[f64]) -> f64 {
+    let mut lanes = [0.0_f64; 8];
+    let blocks = column.chunks_exact(8);
+    let rest = blocks.remainder().iter();
+    for block in blocks {
+        for (most, x) in lanes.iter_mut().zip(block) {
+            *most = most.max(x.abs());
+        }
+    }
+    rest.chain(&lanes).fold(0.0, |most, x| most.max(x.abs()))
+}

@@ -1,0 +1,198 @@
+//! Columns that a linear model does not have yet, and their products with its own: what each would gain takes no other look at the rows.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::class::Class;
+use super::columns::{ByClass, Columns};
+use super::product::{dot, transposed};
+use super::share::Block;
+use super::whitening::Whitening;
+
+/// So many columns are looked at together: few enough to stay in a processor's cache.
+const TOGETHER: usize = 64;
+
+/// Further columns `E`, in sets, beside the columns `A` of a linear model with the residual `z`.
+pub struct Further {
+    /// How many columns each of the two has.
+    count: [usize; 2],
+    shares: Vec<FurtherShare>,
+}
+
+/// The rows of one class.
+struct FurtherShare {
+    class: Class,
+    /// Columns of `A` that these rows depend on.
+    known: Vec<usize>,
+    /// Sets of columns of `E`.
+    sets: Vec<Set>,
+    /// Columns of `E` that these rows depend on, set by set.
+    active: Vec<usize>,
+    /// `A'E` of those and the known ones, column by column.
+    cross: Vec<f64>,
+    /// `E'z` of those.
+    g: Vec<f64>,
+    /// `E'E` of each set, the lower triangle row by row.
+    own: Vec<f64>,
+}
+
+/// Where a set is in a share.
+struct Set {
+    /// The first column.
+    first: usize,
+    /// Among the active columns.
+    active: Range<usize>,
+    /// Where its triangle begins.
+    own: usize,
+}
+
+impl Further {
+    /// Of turned rows: the columns of the model, its residual (reading minus prediction), and sets of further columns that follow one
+    /// another, with what gives those of a range; it is asked once for each, in order.
+    pub fn new(
+        whitening: &Whitening,
+        (jacobian, residual): (&ByClass, &DVector<f64>),
+        (sets, mut turned): (&[Range<usize>], impl FnMut(Range<usize>) -> DMatrix<f64>),
+    ) -> Self {
+        let classes = whitening.classes.iter().zip(&jacobian.classes);
+        let share = |(class, A): (&Class, &Columns)| FurtherShare {
+            class: class.clone(),
+            known: A.active.clone(),
+            sets: Vec::with_capacity(sets.len()),
+            active: Vec::new(),
+            cross: Vec::new(),
+            g: Vec::new(),
+            own: Vec::new(),
+        };
+        let mut shares: Vec<FurtherShare> = classes.map(share).collect();
+        let rows = whitening.rows_of.iter();
+        let z: Vec<DVector<f64>> = rows.map(|rows| residual.select_rows(rows)).collect();
+        let mut rest = sets;
+        while let Some(first) = rest.first() {
+            let fits = |set: &&Range<usize>| set.end <= first.start + TOGETHER;
+            let count = rest.iter().take_while(fits).count().max(1);
+            let (here, after) = rest.split_at(count);
+            rest = after;
+            let from = first.start;
+            let to = here.last().map_or(from, |last| last.end);
+            let E = ByClass::new(whitening, &turned(from..to));
+            for (k, share) in shares.iter_mut().enumerate() {
+                let (A, E) = (&jacobian.classes[k], &E.classes[k]);
+                let cross = transposed(&A.values, &E.values);
+                let before = share.active.len();
+                share.active.extend(E.active.iter().map(|k| from + k));
+                share.cross.extend_from_slice(cross.as_slice());
+                share.g.extend(E.along(&z[k]));
+                for set in here {
+                    share.add(set, E, before);
+                }
+            }
+        }
+        Self {
+            count: [jacobian.count, sets.last().map_or(0, |set| set.end)],
+            shares,
+        }
+    }
+
+    /// `A'W E` at these sizes, and `E'W (z - A s)` after a step `s`.
+    pub fn at(&self, ln: &[f64], step: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+        let [n, m] = self.count;
+        let (mut cross, mut g) = (DMatrix::<f64>::zeros(n, m), DVector::zeros(m));
+        for share in &self.shares {
+            let precision = 1.0 / share.class.variance(ln);
+            let is_dense = share.known.len() == n;
+            let columns = share.cross.chunks_exact(share.known.len().max(1));
+            for (column, own) in share.active.iter().zip(&share.g) {
+                g[*column] += precision * own;
+            }
+            for (column, from) in share.active.iter().zip(columns) {
+                let to = &mut cross.as_mut_slice()[column * n..(column + 1) * n];
+                if is_dense {
+                    for (sum, value) in to.iter_mut().zip(from) {
+                        *sum += precision * value;
+                    }
+                } else {
+                    for (unknown, value) in share.known.iter().zip(from) {
+                        to[*unknown] += precision * value;
+                    }
+                }
+            }
+        }
+        g -= cross.tr_mul(step);
+        (cross, g)
+    }
+
+    /// `E'W E` of a set of `count` columns at these sizes.
+    pub fn own(&self, set: usize, count: usize, ln: &[f64]) -> DMatrix<f64> {
+        let mut out = DMatrix::zeros(count, count);
+        for share in &self.shares {
+            let precision = 1.0 / share.class.variance(ln);
+            let set = &share.sets[set];
+            let mut own = share.own[set.own..].iter();
+            let active = &share.active[set.active.clone()];
+            for (a, row) in active.iter().enumerate() {
+                for (column, value) in active[..=a].iter().zip(&mut own) {
+                    let (row, column) = (row - set.first, column - set.first);
+                    out[(row, column)] += precision * value;
+                    if row != column {
+                        out[(column, row)] += precision * value;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// A set of columns, class by class.
+    pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
+        self.shares.iter().map(move |share| {
+            let set = &share.sets[set];
+            let range = set.active.clone();
+            let mut cross = DMatrix::zeros(range.len(), self.count[0]);
+            let columns = share.cross.chunks_exact(share.known.len().max(1));
+            for (at, column) in columns.skip(range.start).take(range.len()).enumerate() {
+                for (unknown, value) in share.known.iter().zip(column) {
+                    cross[(at, *unknown)] = *value;
+                }
+            }
+            let mut triangle = share.own[set.own..].iter();
+            let mut own = DMatrix::zeros(range.len(), range.len());
+            for a in 0..range.len() {
+                for (b, value) in (0..=a).zip(&mut triangle) {
+                    own[(a, b)] = *value;
+                }
+            }
+            Block {
+                places: share.active[range.clone()]
+                    .iter()
+                    .map(|k| k - set.first)
+                    .collect(),
+                cross,
+                own,
+                g: share.g[range].to_vec(),
+            }
+        })
+    }
+}
+
+impl FurtherShare {
+    /// Adds a set, whose columns are among the last ones, from the active one `before` on.
+    fn add(&mut self, set: &Range<usize>, E: &Columns, before: usize) {
+        let place = |column: usize| self.active[before..].partition_point(|k| *k < column);
+        let here = place(set.start)..place(set.end);
+        let own = self.own.len();
+        let height = E.values.nrows();
+        let column = |k: usize| &E.values.as_slice()[k * height..(k + 1) * height];
+        for a in here.clone() {
+            for b in here.start..=a {
+                self.own.push(dot(column(a), column(b)));
+            }
+        }
+        self.sets.push(Set {
+            first: set.start,
+            active: before + here.start..before + here.end,
+            own,
+        });
+    }
+}

@@ -1,0 +1,356 @@
+//! The small errors of an axle and its rig as numbers of the deck.
+
+use super::group::Group;
+use super::point::{Point, points};
+use admire_session::backend::{Load, LoadProgramme};
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{JointKind, MarkerIx, Model, SpringKind};
+use admire_syntax::Address;
+
+/// What one unit of a member changes.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Effect {
+    /// Numbers of the deck by these amounts in every case.
+    Always(Vec<(Address, f64)>),
+    /// Numbers of the deck by these amounts, one per case, after the loads are set.
+    PerCase(Vec<(Address, Vec<f64>)>),
+    /// Markers turn on their parts by a radian, each about an axis of its own.
+    Turn(Vec<(MarkerIx, Vec3)>),
+    /// The two sides of a bushing sit displaced along this component, 0 to 2: `FORCE` grows by `K` per length.
+    Offset {
+        /// Index of the bushing.
+        bushing: usize,
+        /// Component.
+        axis: usize,
+    },
+}
+
+/// One small error.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Member {
+    /// Its group, whose size is the standard deviation of the member: lengths in the deck's unit, radians, or parts of one.
+    pub group: Group,
+    /// What it belongs to: the address of a marker, a load, a bushing, a joint, or a number.
+    pub address: String,
+    /// 0 to 2 for x, y, z; 0 where there is only one.
+    pub axis: usize,
+    /// What it changes.
+    pub effect: Effect,
+}
+
+/// What a layer is made for.
+pub struct LayerOf<'a> {
+    /// The deck.
+    pub model: &'a Model,
+    /// Its loads and cases.
+    pub programme: &'a LoadProgramme,
+    /// Whether loads have errors in single cases.
+    pub load_errors: bool,
+    /// True for a number that is sought.
+    pub is_sought: &'a dyn Fn(&Address) -> bool,
+}
+
+/// All members.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Layer {
+    /// In a fixed order.
+    pub members: Vec<Member>,
+    /// Hardpoints, whose addresses are those of their first markers.
+    pub points: Vec<Point>,
+}
+
+impl Layer {
+    /// The layer of a deck and its loads.
+    pub fn of(study: &LayerOf<'_>) -> Self {
+        let mut layer = Self {
+            members: Vec::new(),
+            points: points(study.model),
+        };
+        layer.hardpoints(study.model);
+        layer.loads(study);
+        layer.bushings(study);
+        layer.joints(study.model);
+        layer.springs(study);
+        layer.driven(study.programme);
+        if study.load_errors {
+            layer.load_errors(study);
+        }
+        layer
+    }
+
+    /// What the study drives is set anew in every case; the error comes on top each time.
+    fn driven(&mut self, programme: &LoadProgramme) {
+        let is_driven =
+            |address: &Address| programme.loads.iter().any(|load| load.target == *address);
+        for member in &mut self.members {
+            if let Effect::Always(pairs) = &member.effect
+                && pairs.iter().any(|(address, _)| is_driven(address))
+            {
+                let every = |(address, factor): &(Address, f64)| {
+                    (address.clone(), vec![*factor; programme.cases.len()])
+                };
+                member.effect = Effect::PerCase(pairs.iter().map(every).collect());
+            }
+        }
+    }
+
+    /// Members of a group at an address.
+    pub fn at<'a>(&'a self, group: Group, address: &'a str) -> impl Iterator<Item = usize> + 'a {
+        let of = move |(_, m): &(usize, &Member)| m.group == group && m.address == address;
+        self.members.iter().enumerate().filter(of).map(|(k, _)| k)
+    }
+
+    fn hardpoints(&mut self, model: &Model) {
+        for point in &self.points {
+            let address = marker_address(model, point.markers[0]);
+            for axis in 0..3 {
+                let effect = shift(model, &point.markers, &Vec3::ith(axis, 1.0));
+                self.members.push(Member {
+                    group: Group::Hardpoints,
+                    address: address.clone(),
+                    axis,
+                    effect,
+                });
+            }
+        }
+    }
+
+    fn loads(&mut self, study: &LayerOf<'_>) {
+        let (model, programme) = (study.model, study.programme);
+        let mut seen = Vec::new();
+        for (k, load) in programme.loads.iter().enumerate() {
+            let Some(marker) = acts_at(model, &load.target) else {
+                continue;
+            };
+            if !seen.contains(&marker) {
+                seen.push(marker);
+                // A load on a joint's marker moves with the joint.
+                let own = !self
+                    .points
+                    .iter()
+                    .any(|point| point.markers.contains(&marker));
+                for axis in (0..3).filter(|_| own) {
+                    self.members.push(Member {
+                        group: Group::LoadPoints,
+                        address: marker_address(model, marker),
+                        axis,
+                        effect: shift(model, &[marker], &Vec3::ith(axis, 1.0)),
+                    });
+                }
+            }
+            let values: Vec<f64> = programme.cases.iter().map(|case| case.values[k]).collect();
+            if values.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            let target = load.target.clone();
+            self.members.push(Member {
+                group: Group::LoadGains,
+                address: target.to_string(),
+                axis: 0,
+                effect: Effect::PerCase(vec![(target.clone(), values.clone())]),
+            });
+            for other in &programme.loads {
+                let same = acts_at(model, &other.target) == Some(marker);
+                if other.target == target || !same {
+                    continue;
+                }
+                self.members.push(Member {
+                    group: Group::LoadDirections,
+                    address: format!("{}<-{target}", other.target),
+                    axis: 0,
+                    effect: Effect::PerCase(vec![(other.target.clone(), values.clone())]),
+                });
+            }
+        }
+    }
+
+    /// Each load in each case by itself.
+    fn load_errors(&mut self, study: &LayerOf<'_>) {
+        let cases = study.programme.cases.len();
+        for (load, largest) in scattering(study.model, study.programme) {
+            let target = &study.programme.loads[load].target;
+            for (case, at) in study.programme.cases.iter().enumerate() {
+                let mut factors = vec![0.0; cases];
+                factors[case] = largest;
+                self.members.push(Member {
+                    group: if at.values[load] == 0.0 {
+                        Group::IdleLoads
+                    } else {
+                        Group::LoadRepeatability
+                    },
+                    address: target.to_string(),
+                    axis: 0,
+                    effect: Effect::PerCase(vec![(target.clone(), factors)]),
+                });
+            }
+        }
+    }
+
+    fn bushings(&mut self, study: &LayerOf<'_>) {
+        for (at, bushing) in study.model.bushings.iter().enumerate() {
+            if !bushing.header.active {
+                continue;
+            }
+            let id = bushing.header.id;
+            let address = format!("BUSHING/{id}");
+            for axis in 0..3 {
+                self.members.push(Member {
+                    group: Group::Offsets,
+                    address: address.clone(),
+                    axis,
+                    effect: Effect::Offset { bushing: at, axis },
+                });
+                let turn = [bushing.i, bushing.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
+                self.members.push(Member {
+                    group: Group::Axes,
+                    address: address.clone(),
+                    axis,
+                    effect: Effect::Turn(turn.to_vec()),
+                });
+            }
+            for (word, values) in [("K", bushing.k), ("KT", bushing.kt)] {
+                for (axis, value) in values.into_iter().enumerate() {
+                    let number = number("BUSHING", id, word, Some(axis + 1));
+                    self.known(study, Group::KnownStiffnesses, number, value);
+                }
+            }
+        }
+    }
+
+    fn joints(&mut self, model: &Model) {
+        for joint in model.joints.iter().filter(|joint| joint.header.active) {
+            // What slides is guided along its own axis.
+            let slides = matches!(
+                joint.kind,
+                JointKind::Cylindrical | JointKind::Translational
+            );
+            for axis in (0..3).filter(|_| !slides) {
+                self.members.push(Member {
+                    group: Group::Offsets,
+                    address: format!("JOINT/{}", joint.header.id),
+                    axis,
+                    effect: shift(model, &[joint.i], &Vec3::ith(axis, 1.0)),
+                });
+            }
+            let has_axis = matches!(
+                joint.kind,
+                JointKind::Cylindrical | JointKind::Translational | JointKind::Revolute
+            );
+            for axis in (0..2).filter(|_| has_axis) {
+                let turn = [joint.i, joint.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
+                self.members.push(Member {
+                    group: Group::Axes,
+                    address: format!("JOINT/{}", joint.header.id),
+                    axis,
+                    effect: Effect::Turn(turn.to_vec()),
+                });
+            }
+        }
+    }
+
+    fn springs(&mut self, study: &LayerOf<'_>) {
+        let model = study.model;
+        for spring in model.springdampers.iter().filter(|s| s.header.active) {
+            let id = spring.header.id;
+            let place = |marker: MarkerIx| {
+                let of = &model.markers[marker.0];
+                model.parts[of.part.0].pose.point(&of.qp)
+            };
+            let length = (place(spring.i) - place(spring.j)).norm();
+            let stretch = match spring.kind {
+                SpringKind::Translational => length - spring.reference,
+                SpringKind::Rotational => 0.0,
+            };
+            // The force at design; a spring that is free there has at least that of a tenth of its length.
+            let force = (spring.preload - spring.stiffness * stretch).abs();
+            let force = force.max(0.1 * spring.stiffness * spring.reference.abs());
+            let address = match spring.kind {
+                SpringKind::Translational => number("SPRINGDAMPER", id, "FORCE", None),
+                SpringKind::Rotational => number("SPRINGDAMPER", id, "TORQUE", None),
+            };
+            if force > 0.0 && !(study.is_sought)(&address) {
+                self.members.push(Member {
+                    group: Group::Preloads,
+                    address: address.to_string(),
+                    axis: 0,
+                    effect: Effect::Always(vec![(address, force)]),
+                });
+            }
+            let word = match spring.kind {
+                SpringKind::Translational => "K",
+                SpringKind::Rotational => "KT",
+            };
+            let rate = number("SPRINGDAMPER", id, word, None);
+            self.known(study, Group::SpringRates, rate, spring.stiffness);
+        }
+    }
+
+    fn known(&mut self, study: &LayerOf<'_>, group: Group, address: Address, value: f64) {
+        if value > 0.0 && !(study.is_sought)(&address) {
+            self.members.push(Member {
+                group,
+                address: address.to_string(),
+                axis: 0,
+                effect: Effect::Always(vec![(address, value)]),
+            });
+        }
+    }
+}
+
+/// Markers on any parts move together by a unit of `direction`, ground axes at design. Those that are given in the frame of another one
+/// of them move with that one.
+pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
+    let of = |marker: &MarkerIx| {
+        let own = &model.markers[marker.0];
+        let local = own.as_written(&(model.parts[own.part.0].pose.R.transpose() * direction));
+        let id = own.header.id;
+        (0..3)
+            .filter(|k| local[*k] != 0.0)
+            .map(|k| (number("MARKER", id, "QP", Some(k + 1)), local[k]))
+            .collect::<Vec<_>>()
+    };
+    let first = |marker: &&MarkerIx| !model.moves_with(**marker, markers);
+    Effect::Always(markers.iter().filter(first).flat_map(of).collect())
+}
+
+/// Forces that the rig applies, by their index, with the largest value of each.
+pub fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
+    let loads = programme.loads.iter().enumerate();
+    let of = |(k, load): (usize, &Load)| {
+        acts_at(model, &load.target)?;
+        let values = programme.cases.iter().map(|case| case.values[k].abs());
+        let largest = values.fold(0.0, f64::max);
+        (largest > 0.0).then_some((k, largest))
+    };
+    loads.filter_map(of).collect()
+}
+
+/// The marker at which a driven force acts.
+pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
+    let id = target.id?;
+    match target.kind.as_str() {
+        "SFORCE" => model
+            .sforces
+            .iter()
+            .find(|f| f.header.id == id)
+            .map(|f| f.i),
+        "GFORCE" | "VFORCE" | "VTORQUE" => {
+            let found = model.vector_forces.iter().find(|f| f.header.id == id);
+            found.map(|f| f.i)
+        }
+        _ => None,
+    }
+}
+
+fn marker_address(model: &Model, marker: MarkerIx) -> String {
+    format!("MARKER/{}", model.markers[marker.0].header.id)
+}
+
+fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
+    Address {
+        kind: kind.to_string(),
+        id: Some(id),
+        argument: Some(argument.to_string()),
+        index,
+    }
+}

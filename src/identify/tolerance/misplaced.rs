@@ -1,0 +1,187 @@
+//! Marks that do not sit where they are listed on their part: the other marks of the part agree with the list among themselves.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::part_marks::{
+    Looks, Mark, OUTLIER, PartMarks, centres, internal, part_marks, pose_of_others, residuals,
+    worst,
+};
+use super::sorted::{Sorted, spread};
+use admire_solver::mechanics::Vec3;
+use admire_study::Measurement;
+use nalgebra::DVector;
+
+/// A mark came loose if so many of its readings are wrong,
+const LOOSE: usize = 3;
+/// and differ among themselves by less than this part of what they are off by.
+const ALIKE: f64 = 0.5;
+
+/// A mark that sits elsewhere than the list of marks on parts says.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Misplaced {
+    /// Index of its part.
+    pub part: usize,
+    /// Index of the mark on it.
+    pub mark: usize,
+    /// Where it is less where it is listed, in the frame of the part: the median over the cases in which it is off.
+    pub error: Vec3,
+    /// Standard deviation of one coordinate of that.
+    pub sd: f64,
+    /// Cases in which it is off, in ascending order,
+    pub cases: Vec<usize>,
+    /// and so many in which it was read beside three others.
+    pub read: usize,
+}
+
+impl Misplaced {
+    /// True if it moved while the axle was measured.
+    pub fn is_loose(&self) -> bool {
+        self.cases.len() < self.read
+    }
+}
+
+/// Marks that are off in the mean over all cases, and marks whose single wrong readings agree.
+pub(super) fn misplaced(measurement: &Measurement, sorted: &Sorted) -> BTreeSet<Mark> {
+    let centre = centres(
+        &residuals(measurement, &sorted.blocks, &BTreeMap::new()),
+        true,
+    );
+    let mut out = off_the_list(measurement, sorted, &centre);
+    let mut wrong: BTreeMap<Mark, Vec<Vec3>> = BTreeMap::new();
+    for outlier in &sorted.outliers {
+        let read = measurement.cases[outlier.case].marks[outlier.reading];
+        let of: &mut Vec<Vec3> = wrong.entry((read.part, read.mark)).or_default();
+        of.push(outlier.error);
+    }
+    for (mark, errors) in wrong {
+        let mean = errors.iter().sum::<Vec3>() / errors.len() as f64;
+        let is_alike = |e: &Vec3| (e - mean).norm() < ALIKE * mean.norm();
+        if errors.len() >= LOOSE && errors.iter().all(is_alike) {
+            out.insert(mark);
+        }
+    }
+    out
+}
+
+/// How places of marks differ from the list is a rigid motion of their part, and a small error of each. One that is far off stands out.
+fn off_the_list(
+    measurement: &Measurement,
+    sorted: &Sorted,
+    centre: &BTreeMap<Mark, Vec3>,
+) -> BTreeSet<Mark> {
+    let mut parts: BTreeMap<usize, Vec<(usize, Vec3)>> = BTreeMap::new();
+    for ((part, mark), shift) in centre {
+        let of: &mut Vec<(usize, Vec3)> = parts.entry(*part).or_default();
+        of.push((*mark, *shift));
+    }
+    parts.retain(|_, marks| marks.len() > 2);
+    let place = |part: usize, mark: usize| measurement.parts[part].marks[mark].p;
+    let listed = |part: usize, marks: &[(usize, Vec3)]| -> Vec<Vec3> {
+        marks.iter().map(|(mark, _)| place(part, *mark)).collect()
+    };
+    let left = parts.iter().flat_map(|(part, marks)| {
+        let shifts = marks.iter().flat_map(|(_, e)| [e.x, e.y, e.z]);
+        internal(
+            &listed(*part, marks),
+            &DVector::from_iterator(3 * marks.len(), shifts),
+        )
+    });
+    let usual = spread(left.collect());
+    let cases = measurement.cases.len().max(1) as f64;
+    let least = measurement.sigma_on_parts.max(sorted.sigma / cases.sqrt());
+    let sigma = usual.max(least);
+    let mut out = BTreeSet::new();
+    for (part, marks) in &parts {
+        let listed = listed(*part, marks);
+        let shifts = marks.iter().map(|(_, shift)| shift);
+        let seen: Vec<Vec3> = listed.iter().zip(shifts).map(|(p, e)| p + e).collect();
+        if sigma > 0.0
+            && let Looks::Wrong(at, _) = worst((&listed, &seen), sigma)
+        {
+            out.insert((*part, marks[at].0));
+        }
+    }
+    out
+}
+
+/// How far marks that were left out are off, and where, by the poses that the other marks of their parts tell.
+pub(super) fn told(
+    measurement: &Measurement,
+    sorted: &Sorted,
+    left_out: &BTreeSet<Mark>,
+) -> Vec<Misplaced> {
+    let centre = centres(
+        &residuals(measurement, &sorted.blocks, &BTreeMap::new()),
+        false,
+    );
+    let mut out = Vec::new();
+    for &(part, mark) in left_out {
+        // The mark beside those that agree.
+        let mut others = left_out.clone();
+        others.remove(&(part, mark));
+        let beside = part_marks(measurement, &others);
+        let agrees = |block: &PartMarks, reading: usize| {
+            let mut own = sorted.blocks.iter();
+            own.any(|of| (of.case, of.part) == (block.case, part) && of.readings.contains(&reading))
+        };
+        let mut errors: Vec<(usize, Vec3)> = Vec::new();
+        for mut block in beside.into_iter().filter(|block| block.part == part) {
+            let marks = &measurement.cases[block.case].marks;
+            let is_it = |reading: usize| marks[reading].mark == mark;
+            let kept = block.clone();
+            block.readings.retain(|k| is_it(*k) || agrees(&kept, *k));
+            let Some(at) = block.readings.iter().position(|k| is_it(*k)) else {
+                continue;
+            };
+            let (on_part, measured) = block.places(measurement, &centre);
+            if block.readings.len() > 3
+                && let Some((pose, _)) = pose_of_others((&on_part, &measured), at)
+            {
+                errors.push((
+                    block.case,
+                    pose.R.transpose() * (measured[at] - pose.point(&on_part[at])),
+                ));
+            }
+        }
+        let read = errors.len();
+        if read == 0 {
+            continue;
+        }
+        let far = OUTLIER * sorted.sigma;
+        let mut off = errors.clone();
+        off.retain(|(_, error)| error.amax() > far);
+        if off.is_empty() {
+            off.clone_from(&errors);
+        }
+        let error = middle(&off);
+        // Single readings tell where it was only if it is far from the list.
+        if error.amax() > far {
+            off = errors;
+            off.retain(|(_, e)| e.dot(&error) > 0.5 * error.norm_squared());
+        } else {
+            off = errors;
+        }
+        let around = off.iter().flat_map(|(_, e)| {
+            let e = e - error;
+            [e.x, e.y, e.z]
+        });
+        out.push(Misplaced {
+            part,
+            mark,
+            error,
+            sd: spread(around.collect()).max(sorted.sigma) / (off.len() as f64).sqrt(),
+            cases: off.into_iter().map(|(case, _)| case).collect(),
+            read,
+        });
+    }
+    out
+}
+
+/// Median of each component.
+fn middle(errors: &[(usize, Vec3)]) -> Vec3 {
+    Vec3::from_fn(|axis, _| {
+        let mut values: Vec<f64> = errors.iter().map(|(_, e)| e[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    })
+}

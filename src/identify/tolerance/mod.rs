@@ -1,0 +1,56 @@
+//! What every real axle and every real rig has beside the causes one looks for: noise and tolerances.
+//!
+//! [`Noise`] says how exact the readings are, from the readings alone. [`Layer`] holds the small errors of all hardpoints, loads, axes
+//! and marks as numbers of the deck with Gaussian priors, whose sizes [`Group`] describes. [`Whitening`] brings readings to independent
+//! rows; [`Linear`] holds the linearised problem as Gram matrices, one `Share` per class of rows; [`Further`] holds the products of
+//! columns that it does not have yet with its own; [`Linear::evidence`] gives the evidence, the posterior and the
+//! gradient by the sizes, and [`Linear::sized`] the sizes that the readings ask for. Knows neither fits nor causes.
+//!
+//! To use it at a fit: take the Jacobian of all rows by the unknowns and by the members of a [`Layer`], [`Whitening::apply`] it to
+//! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
+//! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
+
+mod class;
+mod columns;
+mod factor;
+mod free;
+mod further;
+mod group;
+mod layer;
+mod linear;
+mod misplaced;
+mod noise;
+mod part_marks;
+mod point;
+mod product;
+mod reached;
+mod share;
+mod sizes;
+mod sorted;
+mod tails;
+mod whitening;
+
+pub use columns::ByClass;
+pub use factor::Factor;
+pub use further::Further;
+pub use group::Group;
+pub use group::Scale;
+pub use group::Size;
+pub use group::Sizes;
+pub use layer::Effect;
+pub use layer::Layer;
+pub use layer::LayerOf;
+pub use layer::acts_at;
+pub use layer::scattering;
+pub use linear::Linear;
+pub use linear::Posterior;
+pub use linear::Unknown;
+pub use misplaced::Misplaced;
+pub use noise::Noise;
+pub use point::Point;
+pub use product::transposed;
+pub use reached::Reached;
+pub use sorted::spread;
+pub use tails::Tails;
+pub use whitening::MarkBlock;
+pub use whitening::Whitening;

@@ -1,0 +1,275 @@
+//! Marks of a rigid part in a case, held against each other.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use nalgebra::DVector;
+
+use admire_solver::mechanics::{Pose, Vec3};
+use admire_study::Measurement;
+use admire_study::orientation::absolute_orientation;
+
+/// A mark is looked at as an outlier from so many standard deviations on,
+const SUSPECT: f64 = 6.0;
+/// and is one from so many on, where the other marks of its part agree among themselves.
+pub(super) const OUTLIER: f64 = 8.0;
+/// Marks agree when the sum of their squares per degree of freedom is below this.
+const AGREE: f64 = 12.0;
+/// One mark is wrong rather than another if the rest agrees better by so much in the sum of squares over the variance.
+const CLEAR: f64 = 25.0;
+
+/// Part and mark.
+pub(super) type Mark = (usize, usize);
+
+/// Marks of one part in one case.
+#[derive(Clone, PartialEq)]
+pub(super) struct PartMarks {
+    pub case: usize,
+    pub part: usize,
+    /// Indices of readings.
+    pub readings: Vec<usize>,
+}
+
+impl PartMarks {
+    /// Places of its marks on the part, with each shift on top, and where they were read.
+    pub(super) fn places(
+        &self,
+        measurement: &Measurement,
+        shift: &BTreeMap<Mark, Vec3>,
+    ) -> (Vec<Vec3>, Vec<Vec3>) {
+        let marks = &measurement.cases[self.case].marks;
+        let of = |reading: &usize| {
+            let mark = marks[*reading];
+            let own = (self.part, mark.mark);
+            let shift = shift.get(&own).copied().unwrap_or_default();
+            (
+                measurement.parts[self.part].marks[mark.mark].p + shift,
+                mark.x,
+            )
+        };
+        self.readings.iter().map(of).unzip()
+    }
+}
+
+/// Parts with more marks than a pose needs, without some of their marks.
+pub(super) fn part_marks(measurement: &Measurement, left_out: &BTreeSet<Mark>) -> Vec<PartMarks> {
+    let mut out = Vec::new();
+    for (case, read) in measurement.cases.iter().enumerate() {
+        for part in 0..measurement.parts.len() {
+            let readings: Vec<usize> = (0..read.marks.len())
+                .filter(|k| {
+                    let mark = read.marks[*k];
+                    mark.part == part && !left_out.contains(&(part, mark.mark))
+                })
+                .collect();
+            if readings.len() > 2 {
+                out.push(PartMarks {
+                    case,
+                    part,
+                    readings,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// Case, reading, mark.
+pub(super) type Key = (usize, usize, Mark);
+
+/// Residuals of each part in each case.
+fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec3)>> {
+    let mut out: BTreeMap<_, Vec<_>> = BTreeMap::new();
+    for (key, e) in residuals {
+        let block: &mut Vec<(Key, Vec3)> = out.entry((key.0, key.2.0)).or_default();
+        block.push((*key, *e));
+    }
+    out
+}
+
+/// What is left of all blocks, the centres taken off, along directions that no rigid motion changes.
+pub(super) fn coordinates(
+    measurement: &Measurement,
+    residuals: &[(Key, Vec3)],
+    centre: &BTreeMap<Mark, Vec3>,
+) -> Vec<f64> {
+    let mut out = Vec::new();
+    for (block, own) in by_block(residuals) {
+        let marks = &measurement.cases[block.0].marks;
+        let place = |reading: usize| measurement.parts[block.1].marks[marks[reading].mark].p;
+        let places: Vec<Vec3> = own.iter().map(|(key, _)| place(key.1)).collect();
+        let e: Vec<f64> = own
+            .iter()
+            .flat_map(|(key, e)| {
+                let e = e - centre.get(&key.2).copied().unwrap_or_default();
+                [e.x, e.y, e.z]
+            })
+            .collect();
+        out.extend(internal(&places, &DVector::from_vec(e)));
+    }
+    out
+}
+
+/// Coordinates of residuals that no rigid motion of the marks changes, along an orthonormal basis: all of the same variance.
+pub(super) fn internal(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
+    let n = e.len();
+    let centroid = places.iter().sum::<Vec3>() / places.len() as f64;
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut orthogonal = |mut column: DVector<f64>, least: f64| {
+        let size = column.norm();
+        for _ in 0..2 {
+            for known in &basis {
+                let along = known.dot(&column);
+                column.axpy(-along, known, 1.0);
+            }
+        }
+        let left = column.norm();
+        if left > least * size {
+            basis.push(column / left);
+        }
+        basis.len()
+    };
+    let mut rigid = 0;
+    for k in 0..6 {
+        let of = |mark: &Vec3| {
+            if k < 3 {
+                Vec3::ith(k, 1.0)
+            } else {
+                Vec3::ith(k - 3, 1.0).cross(&(mark - centroid))
+            }
+        };
+        let column = places.iter().flat_map(|mark| {
+            let v = of(mark);
+            [v.x, v.y, v.z]
+        });
+        rigid = orthogonal(DVector::from_iterator(n, column), 1e-9);
+    }
+    for k in 0..n {
+        let mut unit = DVector::zeros(n);
+        unit[k] = 1.0;
+        orthogonal(unit, 1e-3);
+    }
+    basis[rigid..]
+        .iter()
+        .map(|direction| direction.dot(e))
+        .collect()
+}
+
+/// What the best rigid motion leaves of each reading, in part axes.
+pub(super) fn residuals(
+    measurement: &Measurement,
+    blocks: &[PartMarks],
+    centre: &BTreeMap<Mark, Vec3>,
+) -> Vec<(Key, Vec3)> {
+    let mut out = Vec::new();
+    for block in blocks {
+        let marks = &measurement.cases[block.case].marks;
+        let (on_part, measured) = block.places(measurement, centre);
+        let Ok(fit) = absolute_orientation(&on_part, &measured, 1.0) else {
+            continue;
+        };
+        for (k, e) in block.readings.iter().zip(&fit.residuals) {
+            let key = (block.case, *k, (block.part, marks[*k].mark));
+            out.push((key, fit.pose.R.transpose() * e));
+        }
+    }
+    out
+}
+
+/// Mean or median of each mark's residual over the cases; empty with fewer than three cases, where they would take most of the noise.
+pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark, Vec3> {
+    let mut by_mark: BTreeMap<Mark, Vec<Vec3>> = BTreeMap::new();
+    for (key, e) in residuals {
+        by_mark.entry(key.2).or_default().push(*e);
+    }
+    let cases = by_mark.values().map(Vec::len).max().unwrap_or(0);
+    if cases < 3 {
+        return BTreeMap::new();
+    }
+    let centre = |list: Vec<Vec3>| {
+        Vec3::from_fn(|axis, _| {
+            let mut values: Vec<f64> = list.iter().map(|e| e[axis]).collect();
+            if median {
+                values.sort_by(f64::total_cmp);
+                values[values.len() / 2]
+            } else {
+                values.iter().sum::<f64>() / values.len() as f64
+            }
+        })
+    };
+    by_mark
+        .into_iter()
+        .map(|(key, list)| (key, centre(list)))
+        .collect()
+}
+
+/// How marks of a part look.
+pub(super) enum Looks {
+    /// As one rigid part.
+    Fine,
+    /// The others, which agree among themselves, show this one to be wrong, by so much.
+    Wrong(usize, Vec3),
+    /// No single one is.
+    Mixed,
+}
+
+/// Looks for one mark that is wrong.
+pub(super) fn worst((on_part, measured): (&[Vec3], &[Vec3]), sigma: f64) -> Looks {
+    let count = on_part.len();
+    if count < 3 {
+        return Looks::Fine;
+    }
+    let Ok(all) = absolute_orientation(on_part, measured, 1.0) else {
+        return Looks::Fine;
+    };
+    let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
+    let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
+    if count == 3 {
+        // Three marks show that one is wrong along their plane, but not which.
+        return if largest > 2.0 * SUSPECT * usual {
+            Looks::Mixed
+        } else {
+            Looks::Fine
+        };
+    }
+    if largest < SUSPECT * usual {
+        return Looks::Fine;
+    }
+    let mut without: Vec<(f64, usize, Vec3)> = (0..count)
+        .filter_map(|out| {
+            let (pose, rest) = pose_of_others((on_part, measured), out)?;
+            Some((rest, out, measured[out] - pose.point(&on_part[out])))
+        })
+        .collect();
+    without.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let Some(&(rest, at, error)) = without.first() else {
+        return Looks::Fine;
+    };
+    let variance = sigma * sigma;
+    let freedom = (3 * (count - 1) - 6) as f64;
+    let agree = rest < AGREE * freedom * variance;
+    // Across a plane of four marks any of them may be the one.
+    let is_clear = without
+        .get(1)
+        .is_none_or(|next| next.0 - rest > CLEAR * variance);
+    let is_far = error.amax() > OUTLIER * sigma;
+    match (agree && is_far, is_clear) {
+        (true, true) => Looks::Wrong(at, error),
+        (true, false) => Looks::Mixed,
+        // Noise with tails has such blocks, too; only what is far out is kept from the fit.
+        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => Looks::Mixed,
+        _ => Looks::Fine,
+    }
+}
+
+/// The pose that all marks but one tell, and the sum of squares they leave.
+pub(super) fn pose_of_others(
+    (on_part, measured): (&[Vec3], &[Vec3]),
+    out: usize,
+) -> Option<(Pose, f64)> {
+    let keep = |list: &[Vec3]| -> Vec<Vec3> {
+        let kept = list.iter().enumerate().filter(|(k, _)| *k != out);
+        kept.map(|(_, v)| *v).collect()
+    };
+    let fit = absolute_orientation(&keep(on_part), &keep(measured), 1.0).ok()?;
+    Some((fit.pose, fit.residuals.iter().map(Vec3::norm_squared).sum()))
+}

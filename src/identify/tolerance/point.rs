@@ -1,0 +1,65 @@
+//! Hardpoints: places where parts meet.
+
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{MarkerIx, Model};
+
+/// Markers closer than so many millimetres at design are at one place.
+const TOGETHER: f64 = 1e-3;
+
+/// A place of the axle where something connects parts: all markers that coincide there at design.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Point {
+    /// Where it is at design, ground axes.
+    pub place: Vec3,
+    /// The markers, in the order of the deck.
+    pub markers: Vec<MarkerIx>,
+}
+
+/// Every place where a joint, primitive, bushing or spring of a deck has an end.
+pub(crate) fn points(model: &Model) -> Vec<Point> {
+    let joints = model
+        .joints
+        .iter()
+        .filter(|j| j.header.active)
+        .map(|j| (j.i, j.j));
+    let primitives = model
+        .primitives
+        .iter()
+        .filter(|p| p.header.active)
+        .map(|p| (p.i, p.j));
+    let bushings = model
+        .bushings
+        .iter()
+        .filter(|b| b.header.active)
+        .map(|b| (b.i, b.j));
+    let springs = model
+        .springdampers
+        .iter()
+        .filter(|s| s.header.active)
+        .map(|s| (s.i, s.j));
+    let mut ends: Vec<MarkerIx> = joints
+        .chain(primitives)
+        .chain(bushings)
+        .chain(springs)
+        .flat_map(|(i, j)| [i, j])
+        .collect();
+    ends.sort_by_key(|marker| marker.0);
+    ends.dedup();
+    let near = TOGETHER * 1e-3 / model.units.length.si;
+    let mut out: Vec<Point> = Vec::new();
+    for marker in ends {
+        let of = &model.markers[marker.0];
+        let place = model.parts[of.part.0].pose.point(&of.qp);
+        match out
+            .iter_mut()
+            .find(|point| (point.place - place).norm() < near)
+        {
+            Some(point) => point.markers.push(marker),
+            None => out.push(Point {
+                place,
+                markers: vec![marker],
+            }),
+        }
+    }
+    out
+}

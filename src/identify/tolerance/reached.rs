@@ -1,0 +1,175 @@
+//! The maximum of a linear model, and what is below it.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::factor::Factor;
+
+/// The maximum of a linear model.
+pub struct Reached {
+    /// Logarithm of the evidence times the prior of the sizes.
+    pub ln_z: f64,
+    /// What the step gains, in nats.
+    pub gain: f64,
+    /// Step from where the model was linearised.
+    pub step: DVector<f64>,
+    /// Of the information in units of the priors.
+    pub(super) factor: Factor,
+    /// Standard deviations of the priors.
+    pub(super) S: DVector<f64>,
+}
+
+impl Reached {
+    /// By how many nats the maximum is above where another step leads, in the linear model.
+    pub fn above(&self, other: &DVector<f64>) -> f64 {
+        let off =
+            (other - &self.step).zip_map(&self.S, |off, s| if s > 0.0 { off / s } else { 0.0 });
+        0.5 * self.factor.quadratic(&off)
+    }
+
+    /// The step to the maximum with some unknowns moving within limits: what goes furthest beyond them is held at its own first, and the
+    /// rest follows it. Held all at once, unknowns that only differ in sum would leave the valley they share.
+    pub fn step_within(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
+        let mut step = self.step.clone();
+        let mut held: Vec<(usize, f64)> = Vec::new();
+        while held.len() < limits.len() {
+            let beyond = |(place, (low, high)): &(usize, (f64, f64))| {
+                let (place, here) = (*place, step[*place]);
+                let limit = if here < 0.0 { *low } else { *high };
+                let is_free = held.iter().all(|(k, _)| *k != place);
+                let excess = here / limit;
+                (is_free && excess > 1.0).then_some((place, limit, excess))
+            };
+            let all = limits.iter().filter_map(beyond);
+            let Some((place, limit, _)) = all.max_by(|a, b| a.2.total_cmp(&b.2)) else {
+                break;
+            };
+            held.push((place, limit));
+            step = self.step_with(&held);
+        }
+        for (place, (low, high)) in limits {
+            step[*place] = step[*place].clamp(*low, *high);
+        }
+        step
+    }
+
+    /// The same with all beyond at once.
+    pub fn step_clamped(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
+        let limited: Vec<(usize, f64)> = limits
+            .iter()
+            .map(|(k, (low, high))| (*k, self.step[*k].clamp(*low, *high)))
+            .filter(|(k, step)| *step != self.step[*k])
+            .collect();
+        let mut step = self.step_with(&limited);
+        for (place, (low, high)) in limits {
+            step[*place] = step[*place].clamp(*low, *high);
+        }
+        step
+    }
+
+    /// The maximum if the objective also rose by `x' bend x`, where `x` are the steps of the unknowns at `places`. `None` where that has no
+    /// finite answer.
+    pub fn held(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
+        let across = self.across(places);
+        // (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
+        let inner = across.select_rows(places) * bend;
+        let inner = DMatrix::identity(places.len(), places.len()) + inner;
+        let kept = inner.lu().solve(&self.step.select_rows(places))?;
+        let step = &self.step - across * (bend * kept);
+        step.iter().all(|x| x.is_finite()).then(|| Self {
+            gain: self.gain - self.above(&step),
+            step,
+            ln_z: self.ln_z,
+            factor: self.factor.clone(),
+            S: self.S.clone(),
+        })
+    }
+
+    /// Columns of the covariance.
+    fn across(&self, places: &[usize]) -> DMatrix<f64> {
+        let n = self.step.len();
+        let mut across = DMatrix::zeros(n, places.len());
+        for (k, place) in places.iter().enumerate() {
+            let mut unit = DVector::zeros(n);
+            unit[*place] = self.S[*place];
+            let column = self.factor.solve(&unit).component_mul(&self.S);
+            across.set_column(k, &column);
+        }
+        across
+    }
+
+    /// The same with some unknowns moving by given amounts.
+    fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
+        if given.is_empty() {
+            return self.step.clone();
+        }
+        let places: Vec<usize> = given.iter().map(|(place, _)| *place).collect();
+        let across = self.across(&places);
+        let off = DVector::from_iterator(
+            given.len(),
+            given.iter().map(|(place, value)| value - self.step[*place]),
+        );
+        match Cholesky::new(across.select_rows(&places)) {
+            Some(factor) => &self.step + across * factor.solve(&off),
+            None => self.step.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The normal equations with the further term in them, of three unknowns with priors of different widths.
+    #[test]
+    fn a_held_step_is_that_of_the_whole_objective() {
+        let jacobian =
+            DMatrix::from_row_slice(3, 3, &[2.0, 0.3, -1.0, 0.5, 1.5, 0.7, -0.2, 1.1, 3.0]);
+        let S = DVector::from_vec(vec![0.5, 2.0, 1.0]);
+        let scaled = &jacobian * DMatrix::from_diagonal(&S);
+        let information = scaled.tr_mul(&scaled) + DMatrix::identity(3, 3);
+        let residual = DVector::from_vec(vec![1.0, -2.0, 0.4]);
+        let b = scaled.tr_mul(&residual);
+        let factor = Factor::new(information.clone()).unwrap();
+        let mu = factor.solve(&b);
+        let reached = Reached {
+            ln_z: 0.0,
+            gain: 0.5 * b.dot(&mu),
+            step: mu.component_mul(&S),
+            factor,
+            S: S.clone(),
+        };
+        // One direction alone: singular.
+        let bend = DMatrix::from_row_slice(2, 2, &[4.0, -6.0, -6.0, 9.0]);
+        let held = reached.held(&[0, 2], &bend).unwrap();
+        let mut whole = information;
+        for (i, row) in [0, 2].into_iter().enumerate() {
+            for (j, column) in [0, 2].into_iter().enumerate() {
+                whole[(row, column)] += S[row] * bend[(i, j)] * S[column];
+            }
+        }
+        let expected = whole.lu().solve(&b).unwrap().component_mul(&S);
+        assert!((&held.step - expected).norm() < 1e-12);
+        let above = reached.gain - held.gain;
+        assert!(above > 0.0 && (above - reached.above(&held.step)).abs() < 1e-12);
+    }
+
+    /// Half of the first number and the second are known in sum, far better than each: with the first held at its limit the second stays
+    /// on that line, within its own.
+    #[test]
+    fn a_step_within_limits_stays_in_its_valley() {
+        let valley = DMatrix::from_row_slice(2, 2, &[0.25, 0.5, 0.5, 1.0]) * 1e6;
+        let information = valley + DMatrix::identity(2, 2) * 1e-2;
+        let step = DVector::from_vec(vec![10.0, -5.0]);
+        let reached = Reached {
+            ln_z: 0.0,
+            gain: 0.0,
+            factor: Factor::new(information).unwrap(),
+            S: DVector::from_element(2, 1.0),
+            step,
+        };
+        let limits = [(0, (-1.2, 1.2)), (1, (-1.2, 1.2))];
+        let within = reached.step_within(&limits);
+        assert!((within[0] - 1.2).abs() < 1e-6, "{within}");
+        assert!((within[1] + 0.6).abs() < 1e-6, "{within}");
+    }
+}

@@ -1,0 +1,67 @@
+//! Student's t where the tails of residuals ask for it.
+
+use statrs::function::gamma::ln_gamma;
+
+/// Degrees of freedom that are tried; the Gaussian comes beside them.
+const GRID: [f64; 9] = [2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
+/// Steps of the fixed point for the scale.
+const STEPS: usize = 40;
+
+/// Student's t distribution of residuals.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tails {
+    /// Degrees of freedom.
+    pub nu: f64,
+    /// Scale.
+    pub scale: f64,
+}
+
+impl Tails {
+    /// Tails are there where the distribution is better than the Gaussian by so many nats: of Gaussian noise one study in 400 has as much.
+    pub const BETTER: f64 = 4.0;
+    /// They may be there from so many on: of Gaussian noise one study in 13 has as much.
+    pub const HINT: f64 = 1.0;
+
+    /// The distribution of greatest likelihood, and by how many nats it is better than the Gaussian.
+    pub fn best(residuals: &[f64]) -> Option<(Self, f64)> {
+        let n = residuals.len() as f64;
+        let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n;
+        if n < 30.0 || variance <= 0.0 {
+            return None;
+        }
+        let gauss = -0.5 * n * (libm::log(2.0 * std::f64::consts::PI * variance) + 1.0);
+        let best = GRID
+            .iter()
+            .map(|&nu| {
+                let mut square = 0.5 * variance;
+                for _ in 0..STEPS {
+                    let sum: f64 = residuals
+                        .iter()
+                        .map(|r| (nu + 1.0) / (nu + r * r / square) * r * r)
+                        .sum();
+                    square = sum / n;
+                }
+                let constant = ln_gamma(0.5 * (nu + 1.0))
+                    - ln_gamma(0.5 * nu)
+                    - 0.5 * libm::log(nu * std::f64::consts::PI * square);
+                let logs: f64 = residuals
+                    .iter()
+                    .map(|r| libm::log1p(r * r / (nu * square)))
+                    .sum();
+                let value = n * constant - 0.5 * (nu + 1.0) * logs;
+                (value, nu, square.sqrt())
+            })
+            .max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (value, nu, scale) = best;
+        Some((Self { nu, scale }, value - gauss))
+    }
+
+    /// Precision of a coordinate with this residual: `kappa w / s^2` with `w = (nu + 1)/(nu + (r/s)^2)` and Fisher's information
+    /// `kappa = (nu + 1)/(nu + 3)`. Without kappa intervals were too short by `sqrt((nu + 3)/(nu + 1))`. Source: Lange, Little and
+    /// Taylor, JASA 84 (1989) 881.
+    pub fn precision(self, residual: f64) -> f64 {
+        let (nu, s) = (self.nu, self.scale);
+        let weight = (nu + 1.0) / (nu + (residual / s).powi(2));
+        (nu + 1.0) / (nu + 3.0) * weight / (s * s)
+    }
+}

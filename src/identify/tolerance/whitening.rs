@@ -1,0 +1,280 @@
+//! Readings brought to independent rows.
+//!
+//! The coordinates of the marks of one part in one case share a small rigid motion that is no motion of the axle: fixtures,
+//! photogrammetry, temperature. With the precision `D` of the coordinates, `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R R'`, `T` the
+//! three shifts and `R` the three turns less their share of the shifts. An orthonormal basis of `T`, `R` and the rest makes that
+//! diagonal for all sizes at once.
+
+use std::collections::BTreeMap;
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Par};
+use nalgebra::{DMatrix, DVector};
+
+use super::class::{Class, Turned};
+use super::free::without;
+use super::group::{Scale, Sizes};
+use super::product::{read, write};
+use admire_solver::mechanics::Vec3;
+use admire_solver::mechanics::eigen::symmetric_eigen;
+
+/// Directions shorter than this part of the longest are none.
+const LEAST: f64 = 1e-6;
+
+/// The mark coordinates of one part in one case.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MarkBlock {
+    /// The first row of each mark; its other two follow.
+    pub rows: Vec<usize>,
+    /// From a common point to each mark, ground axes.
+    pub levers: Vec<Vec3>,
+    /// What one unit of a row is in length units.
+    pub unit: f64,
+}
+
+/// An orthonormal change of rows with their precisions, and the class of each new row.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    /// Rows that are turned together, their places and the matrix, one row per new direction.
+    blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
+    /// Square root of the precision of each old row that stands alone.
+    alone: Vec<(usize, f64)>,
+    /// Classes, and the class of each new row; `None` where it is not used.
+    pub classes: Vec<Class>,
+    /// Class of each row.
+    pub class_of: Vec<Option<usize>>,
+    /// Rows of each class, in ascending order.
+    pub rows_of: Vec<Vec<usize>>,
+    /// Block of each row, `None` if it stands alone, and its place there.
+    place_of: Vec<Option<(Option<usize>, usize)>>,
+}
+
+impl Whitening {
+    /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used. Nothing is compared
+    /// along the directions of rows in `free`.
+    pub fn new(
+        marks: &[MarkBlock],
+        single: &[(usize, Option<Scale>)],
+        precision: &[f64],
+        sizes: &Sizes,
+        free: &[Vec<(usize, f64)>],
+    ) -> Self {
+        let mut new = Self {
+            blocks: Vec::new(),
+            alone: Vec::new(),
+            classes: Vec::new(),
+            class_of: vec![None; precision.len()],
+            rows_of: Vec::new(),
+            place_of: vec![None; precision.len()],
+        };
+        let own = sizes.scale(Scale::Marks);
+        let rigid = |(turn, mu): &(bool, f64)| {
+            let scale = [Scale::PoseShift, Scale::PoseTurn][usize::from(*turn)];
+            Some((sizes.scale(scale)?, *mu))
+        };
+        let mut all = Vec::new();
+        for block in marks {
+            let (places, matrix, squares) = turned(block, precision);
+            let of = |k: usize| Some(Class::new(own, squares.get(k).and_then(rigid)));
+            all.push(Turned {
+                classes: (0..places.len()).map(of).collect(),
+                rigid: squares.len().min(places.len()),
+                places,
+                matrix,
+            });
+        }
+        let mut alone = Vec::new();
+        for (row, scale) in single {
+            if precision[*row] > 0.0 {
+                let scale = scale.and_then(|scale| sizes.scale(scale));
+                alone.push((*row, precision[*row].sqrt(), Class::new(scale, None)));
+            }
+        }
+        without(&mut all, &mut alone, free, &sizes.usual());
+        let mut known = BTreeMap::new();
+        let mut class = |classes: &mut Vec<Class>, class: Class| {
+            *known.entry(class.key()).or_insert_with(|| {
+                classes.push(class);
+                classes.len() - 1
+            })
+        };
+        for block in all {
+            for (k, (place, own)) in block.places.iter().zip(block.classes).enumerate() {
+                new.class_of[*place] = own.map(|own| class(&mut new.classes, own));
+                new.place_of[*place] = Some((Some(new.blocks.len()), k));
+            }
+            new.blocks.push((block.places, block.matrix));
+        }
+        for (row, root, own) in alone {
+            new.place_of[row] = Some((None, new.alone.len()));
+            new.alone.push((row, root));
+            new.class_of[row] = Some(class(&mut new.classes, own));
+        }
+        new.rows_of = vec![Vec::new(); new.classes.len()];
+        for (row, class) in new.class_of.iter().enumerate() {
+            if let Some(class) = class {
+                new.rows_of[*class].push(row);
+            }
+        }
+        new
+    }
+
+    /// Turns and scales the rows of a matrix; rows that are not used become zero.
+    pub fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let rows = columns.nrows();
+        let mut out = DMatrix::zeros(rows, columns.ncols());
+        if rows == 0 {
+            return out;
+        }
+        let count = columns.ncols();
+        for (places, matrix) in &self.blocks {
+            let (Some(first), height) = (places.first(), places.len()) else {
+                continue;
+            };
+            let follow = places
+                .iter()
+                .zip(*first..)
+                .all(|(place, next)| *place == next);
+            if follow {
+                let block = read(columns).submatrix(*first, 0, height, count);
+                let to = write(&mut out).submatrix_mut(*first, 0, height, count);
+                matmul(to, Accum::Replace, read(matrix), block, 1.0, Par::Seq);
+                continue;
+            }
+            let turned = matrix * columns.select_rows(places);
+            for (k, place) in places.iter().enumerate() {
+                out.set_row(*place, &turned.row(k));
+            }
+        }
+        for (row, scale) in &self.alone {
+            for (to, from) in out.row_mut(*row).iter_mut().zip(columns.row(*row).iter()) {
+                *to = from * scale;
+            }
+        }
+        out
+    }
+
+    /// The same of one column.
+    pub fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
+        let out = self.apply(&DMatrix::from_column_slice(
+            column.len(),
+            1,
+            column.as_slice(),
+        ));
+        out.column(0).into_owned()
+    }
+
+    /// The same of a column that is zero but for a few rows.
+    pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
+        let mut out = BTreeMap::new();
+        for (row, value) in column {
+            match self.place_of[*row] {
+                Some((Some(block), at)) => {
+                    let (places, matrix) = &self.blocks[block];
+                    for (k, place) in places.iter().enumerate() {
+                        *out.entry(*place).or_insert(0.0) += matrix[(k, at)] * value;
+                    }
+                }
+                Some((None, at)) => {
+                    *out.entry(*row).or_insert(0.0) += self.alone[at].1 * value;
+                }
+                None => {}
+            }
+        }
+        out
+    }
+
+    /// One over the standard deviation of each new row at these sizes; zero where it is not used.
+    pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
+        let of: Vec<f64> = self
+            .classes
+            .iter()
+            .map(|class| class.variance(ln).sqrt().recip())
+            .collect();
+        DVector::from_iterator(
+            self.class_of.len(),
+            self.class_of
+                .iter()
+                .map(|class| class.map_or(0.0, |class| of[class])),
+        )
+    }
+}
+
+/// Used rows of a block, the matrix whose rows are the new rows' directions times the root of the precision, and the squares of
+/// the leading, rigid ones with whether they turn.
+fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
+    let mut places = Vec::new();
+    let mut rigid: Vec<[f64; 6]> = Vec::new();
+    for (first, lever) in block.rows.iter().zip(&block.levers) {
+        for axis in 0..3 {
+            let root = precision[first + axis].sqrt();
+            if root == 0.0 {
+                continue;
+            }
+            places.push(first + axis);
+            let mut row = [0.0; 6];
+            row[axis] = root / block.unit;
+            for k in 0..3 {
+                row[3 + k] = Vec3::ith(k, 1.0).cross(lever)[axis] * root / block.unit;
+            }
+            rigid.push(row);
+        }
+    }
+    let m = places.len();
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut squares = Vec::new();
+    let column = |k: usize| DVector::from_iterator(m, rigid.iter().map(|row| row[k]));
+    for k in 0..3 {
+        let shift = column(k);
+        let norm = shift.norm();
+        if norm > 0.0 {
+            squares.push((false, norm * norm));
+            basis.push(shift / norm);
+        }
+    }
+    // Turns less what shifts do.
+    let mut turns = DMatrix::zeros(m, 3);
+    for k in 0..3 {
+        let mut turn = column(3 + k);
+        for shift in &basis {
+            let along = shift.dot(&turn);
+            turn.axpy(-along, shift, 1.0);
+        }
+        turns.set_column(k, &turn);
+    }
+    let eigen = symmetric_eigen(turns.tr_mul(&turns));
+    let largest = eigen.eigenvalues.max();
+    for k in 0..3 {
+        let mu = eigen.eigenvalues[k];
+        if mu > LEAST * largest && mu > 0.0 {
+            let direction = &turns * eigen.eigenvectors.column(k) / mu.sqrt();
+            squares.push((true, mu));
+            basis.push(direction);
+        }
+    }
+    // The rest, by Gram and Schmidt with repetition.
+    for k in 0..m {
+        if basis.len() >= m {
+            break;
+        }
+        let mut unit = DVector::zeros(m);
+        unit[k] = 1.0;
+        for _ in 0..2 {
+            for known in &basis {
+                let along = known.dot(&unit);
+                unit.axpy(-along, known, 1.0);
+            }
+        }
+        let norm = unit.norm();
+        if norm > 1e-3 {
+            basis.push(unit / norm);
+        }
+    }
+    let mut matrix = DMatrix::zeros(m, m);
+    for (k, direction) in basis.iter().take(m).enumerate() {
+        for (j, place) in places.iter().enumerate() {
+            matrix[(k, j)] = direction[j] * precision[*place].sqrt();
+        }
+    }
+    (places, matrix, squares)
+}

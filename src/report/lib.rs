@@ -1,0 +1,84 @@
+//! Self-contained HTML pages with tables and SVG pictures.
+//!
+//! [`Page`] is put together from [`Table`]s and [`Figure`]s; [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are whole pages,
+//! [`scene`] the view of a model in three dimensions. Knows results and how a person reads them; neither solvers nor files. Every text that comes from
+//! a study is escaped.
+#![warn(unreachable_pub)]
+// Modules that are private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+mod agreement;
+mod axis;
+mod bars;
+mod chart;
+mod check;
+mod convergence;
+mod diagnosis;
+mod diagnosis_view;
+mod escape;
+mod figure;
+mod frame_place;
+mod headline;
+mod heat_map;
+mod identification;
+mod interval;
+mod kc;
+mod limits;
+mod load_table;
+mod mark_scatter;
+mod mirrored_marks;
+mod number;
+mod page;
+mod plausibility;
+mod ranking;
+mod repeats;
+mod reproduction;
+pub mod scene;
+mod slips;
+mod study_figures;
+mod study_view;
+mod table;
+mod topology_graph;
+
+pub use bars::Bars;
+pub use chart::Chart;
+pub use chart::Mark;
+pub use chart::Series;
+pub use check::Verdict;
+pub use diagnosis::DiagnosisReport;
+pub use diagnosis_view::fit_in_words;
+pub use escape::escape;
+pub use figure::Figure;
+pub(crate) use heat_map::HeatMap;
+pub use identification::IdentificationReport;
+pub use identification::{lead, status};
+pub use kc::KcReport;
+pub use kc::MeasuredCurve;
+pub use number::number;
+pub use page::Page;
+pub use plausibility::Plausibility;
+pub use ranking::sizes;
+pub use reproduction::ReproductionReport;
+pub use scene::Scene;
+pub use study_view::Positions;
+pub(crate) use study_view::study_scene;
+pub use table::Align;
+pub use table::Table;
+pub use topology_graph::Body;
+pub use topology_graph::TopologyGraph;
+
+pub use admire_syntax::units::short_unit;
+
+/// The version of this program with the commit it was built from.
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
+
+/// Why a picture could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot draw the picture '{title}': {reason}")]
+pub struct DrawingError {
+    /// Title of the picture.
+    pub title: String,
+    /// What the drawing library said.
+    pub reason: String,
+}

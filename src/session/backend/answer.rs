@@ -1,0 +1,314 @@
+//! What a run left behind, read as an answer; nothing of a bad run is taken for one.
+
+use std::io::BufReader;
+use std::path::Path;
+use std::time::Duration;
+
+use super::bushing_check::{BushingCheck, ForceFrame};
+use super::case_check::CaseCheck;
+use super::process::{CONSOLE, beginning, execute, tail};
+use super::run_folder::STEM;
+use super::{CaseFailure, CaseOutcome, RunError, Sweep, SweepRequest};
+use admire_results::{Entity, StepKind, XrfReader};
+use admire_solver::mechanics::{Pose, Vec3, euler313};
+use admire_solver::model::{Model, PartKind};
+use admire_solver::system::Equilibrium;
+use admire_syntax::text::open_to_read;
+use admire_syntax::units::LENGTH_UNITS;
+
+/// An answer and what was found out about its file.
+#[derive(Debug)]
+pub(super) struct Answer {
+    pub sweep: Sweep,
+    /// The axes of bushing forces, if they could be told apart.
+    pub frame: Option<ForceFrame>,
+}
+
+/// Lines of the message file; none if there is none.
+pub(super) fn messages(folder: &Path) -> Vec<String> {
+    lines(&folder.join(format!("{STEM}.msg")))
+}
+
+fn lines(path: &Path) -> Vec<String> {
+    beginning(path).lines().map(str::to_string).collect()
+}
+
+/// Runs a command line, with the name of the command file for `{acf}`, in the folder of a run. Callers of ADAMS rely on its messages as
+/// much as on its exit code; a run is good only if both are.
+pub(super) fn run_command(
+    command: &[String],
+    folder: &Path,
+    timeout: Duration,
+) -> Result<(), RunError> {
+    let acf = format!("{STEM}.acf");
+    let words: Vec<String> = command
+        .iter()
+        .map(|word| word.replace("{acf}", &acf))
+        .collect();
+    let status = execute(&words, folder, timeout)?;
+    if let Some(line) = licence_failure(folder) {
+        return Err(RunError::Licence { line, waited: 0.0 });
+    }
+    if !status.success() {
+        return Err(RunError::Exit {
+            code: status.code(),
+            tail: tail(folder),
+        });
+    }
+    Ok(())
+}
+
+/// The line by which a run without a licence says so, in its messages or on its console.
+fn licence_failure(folder: &Path) -> Option<String> {
+    messages(folder)
+        .into_iter()
+        .chain(lines(&folder.join(CONSOLE)))
+        .find(|line| is_licence_failure(line))
+        .map(|line| line.trim().to_string())
+}
+
+fn is_licence_failure(line: &str) -> bool {
+    let line = line.to_ascii_lowercase();
+    let names = line.contains("license") || line.contains("licence");
+    names
+        && [
+            "fail",
+            "error",
+            "denied",
+            "could not",
+            "cannot",
+            "unable",
+            "no licen",
+            "not available",
+            "expired",
+            "exceeded",
+        ]
+        .iter()
+        .any(|word| line.contains(word))
+}
+
+/// Whether each static solution that was begun also converged, in the order of the message file.
+fn fates(messages: &[String]) -> Vec<bool> {
+    let mut fates = Vec::new();
+    for line in messages {
+        if line.contains("Begin Static Solution") {
+            fates.push(false);
+        } else if line.contains("Static Solution converged")
+            && let Some(last) = fates.last_mut()
+        {
+            *last = true;
+        }
+    }
+    fates
+}
+
+/// The case of each step, `None` for one that the messages say did not converge. A failed case may have no step; which one it was,
+/// the messages must say.
+fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usize>>> {
+    let solved: Vec<usize> = (0..fates.len()).filter(|case| fates[*case]).collect();
+    if steps == cases {
+        let each = fates.len() == cases;
+        let of = |case: usize| (!each || fates[case]).then_some(case);
+        // A program that says nothing is believed; one that tries a case several times must have converged in all.
+        let believed = fates.is_empty() || each || solved.len() >= cases;
+        return believed.then(|| (0..cases).map(of).collect());
+    }
+    let told = fates.len() == cases && solved.len() == steps;
+    told.then(|| solved.into_iter().map(Some).collect())
+}
+
+/// Reads the answer out of a folder. `known`: the axes of bushing forces found in other runs of this program.
+///
+/// # Errors
+/// [`RunError::Results`] or [`RunError::Steps`]: why it cannot be taken for an answer.
+pub(super) fn read(
+    folder: &Path,
+    request: &SweepRequest<'_>,
+    known: Option<ForceFrame>,
+) -> Result<Answer, RunError> {
+    let broken = |reason: String| RunError::Results {
+        reason,
+        tail: tail(folder),
+    };
+    let model = request.model;
+    let path = folder.join(format!("{STEM}.res"));
+    let file = open_to_read(&path)
+        .map_err(|error| broken(format!("there is no results file: {error}")))?;
+    let mut reader = XrfReader::open(path.display().to_string(), BufReader::new(file))
+        .map_err(|error| broken(error.into_diagnostic().message))?;
+    same_model(model, &reader).map_err(broken)?;
+    let places = places(model, &reader).map_err(broken)?;
+    let degrees = reader.header().units.angle == "deg";
+    let angle = if degrees { 1f64.to_radians() } else { 1.0 };
+    let mut check = BushingCheck::new(request, reader.catalogue(), angle);
+    check.frame = known;
+    let mut order = CaseCheck::new(request, reader.catalogue());
+    let mut steps: Vec<(Equilibrium, Vec<f64>)> = Vec::new();
+    while let Some(step) = reader
+        .next_step()
+        .map_err(|error| broken(error.into_diagnostic().message))?
+    {
+        if !matches!(
+            step.kind,
+            StepKind::Static | StepKind::QuasiStatic | StepKind::Equilibrium
+        ) {
+            continue;
+        }
+        let mut values = Vec::new();
+        step.values(&mut values)
+            .map_err(|error| broken(error.into_diagnostic().message))?;
+        if values.iter().any(|value| !value.is_finite()) {
+            return Err(broken(format!(
+                "step {} holds values that are no numbers",
+                steps.len() + 1
+            )));
+        }
+        let pose = |place: &Option<[usize; 6]>| {
+            place.map_or_else(Pose::identity, |ids| {
+                let v = ids.map(|id| values[id - 1]);
+                Pose {
+                    p: Vec3::new(v[0], v[1], v[2]),
+                    R: euler313(v[3] * angle, v[4] * angle, v[5] * angle),
+                }
+            })
+        };
+        let equilibrium = Equilibrium {
+            time: values[0],
+            poses: places.iter().map(pose).collect(),
+        };
+        steps.push((equilibrium, values));
+    }
+    if reader.run_status().is_none() {
+        return Err(broken(
+            "the results file ends before the run did".to_string(),
+        ));
+    }
+    let cases = request.programme.cases.len();
+    let Some(of) = cases_of(steps.len(), &fates(&messages(folder)), cases) else {
+        return Err(RunError::Steps {
+            steps: steps.len(),
+            cases,
+            tail: tail(folder),
+        });
+    };
+    let mut outcomes: Vec<CaseOutcome> = vec![Err(CaseFailure::NoStep { message: None }); cases];
+    for (case, (equilibrium, values)) in of.into_iter().zip(steps) {
+        let Some(case) = case else {
+            continue;
+        };
+        order.step(case, &values).map_err(broken)?;
+        check
+            .step(case, &values, &equilibrium.poses)
+            .map_err(broken)?;
+        outcomes[case] = Ok(equilibrium);
+    }
+    Ok(Answer {
+        sweep: Sweep { cases: outcomes },
+        frame: check.frame,
+    })
+}
+
+/// The file is one of this model: its title and its unit of length are those of the deck.
+fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<(), String> {
+    // What a file may cut off, pad or spell in another encoding is not compared.
+    let plain = |title: &str| -> String {
+        title
+            .chars()
+            .filter(char::is_ascii_alphanumeric)
+            .take(60)
+            .collect()
+    };
+    let (title, deck) = (&reader.header().title, &model.title);
+    if !title.is_empty() && plain(title) != plain(deck) {
+        return Err(format!(
+            "the results are those of another model, `{}` instead of `{}`",
+            title.trim(),
+            deck.trim()
+        ));
+    }
+    let (length, own) = (&reader.header().units.length, model.units.length.word);
+    let known = |word: &str| LENGTH_UNITS.iter().any(|unit| unit.word == word);
+    if length != own && known(length) && known(own) {
+        return Err(format!(
+            "the lengths of the results are in {length}, those of the deck in {own}"
+        ));
+    }
+    Ok(())
+}
+
+/// Ids of X, Y, Z, PSI, THETA, PHI of each part of the model; `None` for ground. Nothing else of a file says where parts are.
+fn places<R: std::io::Read>(
+    model: &Model,
+    reader: &XrfReader<R>,
+) -> Result<Vec<Option<[usize; 6]>>, String> {
+    let six = |entity: &Entity| {
+        let mut ids = [0; 6];
+        for (id, name) in ids.iter_mut().zip(["X", "Y", "Z", "PSI", "THETA", "PHI"]) {
+            *id = entity.component(name)?.id;
+        }
+        Some(ids)
+    };
+    let of = |part: &admire_solver::model::Part| {
+        if part.kind == PartKind::Ground {
+            return Ok(None);
+        }
+        let is_it = |entity: &&Entity| {
+            let is_body = entity
+                .ent_type
+                .as_deref()
+                .is_some_and(|kind| kind == "Part" || kind == "Point_Mass");
+            is_body && entity.object_id == Some(i64::from(part.header.id))
+        };
+        let entities = &reader.catalogue().entities;
+        match entities.iter().find(is_it).and_then(six) {
+            Some(ids) => Ok(Some(ids)),
+            None => Err(format!(
+                "the results hold no pose of PART/{}",
+                part.header.id
+            )),
+        }
+    };
+    model.parts.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_licence_that_was_had_is_no_failure() {
+        for line in [
+            "License checkout: ADAMS_Solver succeeded",
+            "Checked out license for Adams Solver",
+            "no failure here",
+        ] {
+            assert!(!is_licence_failure(line), "{line}");
+        }
+        for line in [
+            "ERROR: could not checkout license",
+            "Adams Solver: License request denied",
+            "No license available for ADAMS_Solver",
+            "Unable to obtain a licence",
+        ] {
+            assert!(is_licence_failure(line), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_missing_step_is_given_to_the_case_that_failed() {
+        let some = |cases: &[usize]| Some(cases.iter().copied().map(Some).collect::<Vec<_>>());
+        assert_eq!(cases_of(2, &[true, false, true], 3), some(&[0, 2]));
+        assert_eq!(cases_of(3, &[], 3), some(&[0, 1, 2]));
+        assert_eq!(cases_of(3, &[true, false, true, true], 3), some(&[0, 1, 2]));
+        // A step of a solution that did not converge is no answer.
+        assert_eq!(
+            cases_of(3, &[true, false, true], 3),
+            Some(vec![Some(0), None, Some(2)])
+        );
+        // As many converged as there are steps, or nobody knows which is which.
+        assert_eq!(cases_of(3, &[true, false, false, true], 3), None);
+        assert_eq!(cases_of(2, &[true, true, true], 3), None);
+        assert_eq!(cases_of(4, &[true, true, true], 3), None);
+        assert_eq!(cases_of(2, &[true, false], 3), None);
+    }
+}

@@ -1,0 +1,133 @@
+//! Whether the steps of a results file are those of the load cases, in their order: by the loads the file itself states.
+
+use super::{LoadProgramme, SweepRequest};
+use admire_results::Catalogue;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{Model, SforceKind};
+use admire_syntax::Address;
+
+/// Relative agreement of a load as it was asked for and as the file has it.
+const AGREES: f64 = 1e-6;
+
+/// Looks at the steps one after the other.
+pub(super) struct CaseCheck<'a> {
+    programme: &'a LoadProgramme,
+    loads: Vec<Stated>,
+    /// The values of the steps so far, without their times.
+    before: Vec<(usize, Vec<f64>)>,
+}
+
+/// Where a file states a load.
+struct Stated {
+    /// The load's place in the programme.
+    column: usize,
+    /// Of the force, or of the torque of a rotational one.
+    vector: [usize; 3],
+    /// A case and the vector of the first step with this load.
+    first: Option<(usize, Vec3)>,
+}
+
+impl<'a> CaseCheck<'a> {
+    /// For the loads of a request that the file reports: single forces and torques.
+    pub(crate) fn new(request: &SweepRequest<'a>, catalogue: &Catalogue) -> Self {
+        let programme = request.programme;
+        let stated = |(column, load): (usize, &super::Load)| {
+            let names = vector(request.model, &load.target)?;
+            let id = i64::from(load.target.id?);
+            let entity = catalogue.entity_of("Single_Component_Force", id)?;
+            let mut columns = [0; 3];
+            for (place, name) in columns.iter_mut().zip(names) {
+                *place = entity.component(name)?.id;
+            }
+            Some(Stated {
+                column,
+                vector: columns,
+                first: None,
+            })
+        };
+        Self {
+            programme,
+            loads: programme
+                .loads
+                .iter()
+                .enumerate()
+                .filter_map(stated)
+                .collect(),
+            before: Vec::new(),
+        }
+    }
+
+    /// Checks one step, taken for load case number `case`.
+    ///
+    /// # Errors
+    /// Says whose load case the step is, or which one it repeats.
+    pub(crate) fn step(&mut self, case: usize, values: &[f64]) -> Result<(), String> {
+        let cases = &self.programme.cases;
+        let label = |case: usize| &cases[case].label;
+        for load in &mut self.loads {
+            let at = |case: usize| cases[case].values[load.column];
+            let found = Vec3::from_iterator(load.vector.iter().map(|column| values[column - 1]));
+            let near =
+                |value: f64| (found.norm() - value.abs()).abs() <= AGREES * (1.0 + value.abs());
+            let name = &self.programme.loads[load.column].name;
+            if !near(at(case)) {
+                if let Some(other) = (0..cases.len()).find(|other| near(at(*other))) {
+                    return Err(format!(
+                        "the step of load case `{}` holds the load `{name}` of case `{}`: cases are swapped or repeated",
+                        label(case),
+                        label(other)
+                    ));
+                }
+                // In whose axes and units a program states its forces is its own matter.
+                continue;
+            }
+            if at(case) == 0.0 {
+                continue;
+            }
+            // A load keeps its direction, and turns around with its sign.
+            let (other, first) = *load.first.get_or_insert((case, found));
+            let turned = found.dot(&first) < 0.0;
+            if turned != (at(case) * at(other) < 0.0) {
+                return Err(format!(
+                    "the load `{name}` has the wrong sign in load case `{}` or `{}`: cases are swapped",
+                    label(case),
+                    label(other)
+                ));
+            }
+        }
+        let own = values.get(1..).unwrap_or_default();
+        for (other, step) in &self.before {
+            let mut loads = cases[case].values.iter().zip(&cases[*other].values);
+            let same_loads = loads.all(|(a, b)| (a - b).abs() <= AGREES * (a.abs() + b.abs()));
+            if !same_loads && step == own {
+                return Err(format!(
+                    "the steps of load cases `{}` and `{}` are the same, their loads are not",
+                    label(*other),
+                    label(case)
+                ));
+            }
+        }
+        self.before.push((case, own.to_vec()));
+        Ok(())
+    }
+}
+
+/// The columns of a load that is the whole function of a single force.
+fn vector(model: &Model, target: &Address) -> Option<[&'static str; 3]> {
+    let whole = target
+        .argument
+        .as_deref()
+        .is_none_or(|name| name == "FUNCTION");
+    if target.kind != "SFORCE" || !whole || target.index.is_some() {
+        return None;
+    }
+    let force = model
+        .sforces
+        .iter()
+        .find(|force| Some(force.header.id) == target.id)?;
+    Some(if force.kind == SforceKind::Rotational {
+        ["TX", "TY", "TZ"]
+    } else {
+        ["FX", "FY", "FZ"]
+    })
+}

@@ -1,0 +1,49 @@
+use super::BackendError;
+use admire_solver::model::Model;
+use admire_solver::statics::Settings;
+use admire_solver::system::{Slot, System};
+use admire_syntax::Address;
+use admire_syntax::diagnostic::Severity;
+
+/// Compiles a model for the built-in solver.
+///
+/// # Errors
+/// [`BackendError::NotSolvable`] when leaving out what is not solved would change the answer.
+pub fn compile(model: &Model) -> Result<System, BackendError> {
+    let checked = System::compile(model);
+    let errors: Vec<_> = checked
+        .diagnostics
+        .iter()
+        .filter(|diagnostic| diagnostic.severity == Severity::Error)
+        .cloned()
+        .collect();
+    if errors.is_empty() {
+        Ok(checked.value)
+    } else {
+        Err(BackendError::NotSolvable(errors))
+    }
+}
+
+/// The deck's EQUILIBRIUM, its tolerances tightened: estimates need more digits than a drawing does.
+pub fn tight_settings(system: &System) -> Settings {
+    let deck = Settings::from(system.settings());
+    let tight = Settings::tight();
+    Settings {
+        error: deck.error.min(tight.error),
+        imbalance: deck.imbalance.min(tight.imbalance),
+        maxit: deck.maxit.max(tight.maxit),
+        budget: None,
+        ..deck
+    }
+}
+
+/// The slot of an address.
+///
+/// # Errors
+/// [`BackendError::UnknownTarget`].
+pub fn slot(system: &System, address: &Address) -> Result<Slot, BackendError> {
+    system
+        .catalogue()
+        .slot(address)
+        .ok_or_else(|| BackendError::UnknownTarget(address.clone()))
+}

@@ -1,0 +1,193 @@
+//! A whole deck with its own command file, run by a program with ADAMS' command line.
+
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::answer::run_command;
+use super::licence::patiently;
+use super::process::tail;
+use super::run_folder::{RunFiles, STEM};
+use super::{Recording, RunError};
+use admire_results::{Catalogue, StepKind, XrfReader};
+use admire_syntax::Dataset;
+use admire_syntax::text::{Source, open_to_read};
+
+/// The program.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ProgramRun {
+    command: Option<Vec<String>>,
+    recording: Option<Recording>,
+    timeout: Duration,
+    licence_wait: Duration,
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug)]
+pub struct DeckRun<'r> {
+    /// The deck; RESULTS/XRF is added where it does not ask for it.
+    pub deck: &'r Source,
+    /// Its command file; whatever model it names is this deck.
+    pub commands: &'r Source,
+    /// The deck of the user, beside which files stand that it names.
+    pub original: &'r Dataset,
+    /// The columns that are read, by their ids.
+    pub columns: &'r [usize],
+}
+
+/// What came of a run.
+#[derive(Clone, PartialEq, Debug)]
+pub struct DeckAnswer {
+    /// All columns of the results.
+    pub catalogue: Catalogue,
+    /// Time and the values of the columns of every step, without that of the dataset itself.
+    pub steps: Vec<(f64, Vec<f64>)>,
+    /// The results say that the run was successful.
+    pub successful: bool,
+    /// The last lines of its messages, if it was not.
+    pub complaint: String,
+}
+
+impl ProgramRun {
+    /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed. Runs that stand in the
+    /// recording are taken from there, others are recorded; without a program nothing else is answered. A licence that is refused is
+    /// asked for again for `licence_wait_s` seconds.
+    pub fn new(
+        command: Option<Vec<String>>,
+        recording: Option<Recording>,
+        timeout_s: f64,
+        licence_wait_s: f64,
+    ) -> Self {
+        let seconds = |s: f64| Duration::try_from_secs_f64(s).unwrap_or(Duration::MAX);
+        Self {
+            command,
+            recording,
+            timeout: seconds(timeout_s),
+            licence_wait: seconds(licence_wait_s),
+        }
+    }
+
+    /// Runs a deck in a folder of its own, which is gone afterwards.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
+        let own = RunFiles::of_deck(run.deck, run.commands, run.original);
+        if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
+            return read(&results_in(&folder)?, run.columns, &folder);
+        }
+        let Some(command) = &self.command else {
+            let place = self
+                .recording
+                .as_ref()
+                .map(|all| all.folder.display().to_string());
+            return Err(RunError::NotRecorded {
+                key: own.key(),
+                folder: place.unwrap_or_default(),
+            });
+        };
+        patiently(self.licence_wait, || self.attempt(command, &own, run))
+    }
+
+    fn attempt(
+        &self,
+        command: &[String],
+        own: &RunFiles,
+        run: &DeckRun<'_>,
+    ) -> Result<DeckAnswer, RunError> {
+        let files = |error: std::io::Error| RunError::Files(error.to_string());
+        let folder = tempfile::Builder::new()
+            .prefix("admire-run-")
+            .tempdir()
+            .map_err(files)?;
+        let folder = folder.path();
+        own.write(folder).map_err(files)?;
+        run_command(command, folder, self.timeout)?;
+        let mut path = results_in(folder)?;
+        if let Some(recording) = &self.recording {
+            // A recording has one name for all results.
+            let usual = folder.join(format!("{STEM}.res"));
+            std::fs::rename(&path, &usual).map_err(files)?;
+            recording.keep(own, folder).map_err(files)?;
+            path = usual;
+        }
+        read(&path, run.columns, folder)
+    }
+}
+
+/// The results file of a run; a command file may give it a name of its own.
+fn results_in(folder: &Path) -> Result<PathBuf, RunError> {
+    let usual = folder.join(format!("{STEM}.res"));
+    if usual.is_file() {
+        return Ok(usual);
+    }
+    let all = std::fs::read_dir(folder).map_err(|error| RunError::Files(error.to_string()))?;
+    let is_one = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("res"))
+    };
+    let mut found: Vec<PathBuf> = all
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(is_one)
+        .collect();
+    match (found.pop(), found.is_empty()) {
+        (Some(path), true) => Ok(path),
+        (first, _) => Err(RunError::Results {
+            reason: match first {
+                None => "the run wrote no results".to_string(),
+                Some(_) => {
+                    "the run wrote several results files: which one counts is not known".to_string()
+                }
+            },
+            tail: tail(folder),
+        }),
+    }
+}
+
+fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, RunError> {
+    let wrong = |reason: String| RunError::Results {
+        reason,
+        tail: tail(folder),
+    };
+    let file = open_to_read(path).map_err(|error| wrong(error.to_string()))?;
+    let name = path.display().to_string();
+    let mut reader =
+        XrfReader::open(name, BufReader::new(file)).map_err(|error| wrong(error.to_string()))?;
+    let catalogue = reader.catalogue().clone();
+    let time = catalogue
+        .columns()
+        .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
+        .map_or(1, |column| column.component.id);
+    // A step is read from its beginning to its end.
+    let mut ids: Vec<usize> = columns.iter().copied().chain([time]).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let place = |id: &usize| ids.binary_search(id).unwrap_or_default();
+    let mut steps = Vec::new();
+    loop {
+        let step = reader
+            .next_step()
+            .map_err(|error| wrong(error.to_string()))?;
+        let Some(step) = step else { break };
+        if step.kind == StepKind::Input {
+            continue;
+        }
+        let mut values = Vec::with_capacity(ids.len());
+        step.pick(&ids, &mut values)
+            .map_err(|error| wrong(error.to_string()))?;
+        let row = columns.iter().map(|id| values[place(id)]).collect();
+        steps.push((values[place(&time)], row));
+    }
+    let successful = reader.run_status() == Some("Successful") && !steps.is_empty();
+    Ok(DeckAnswer {
+        catalogue,
+        steps,
+        successful,
+        complaint: if successful {
+            String::new()
+        } else {
+            tail(folder)
+        },
+    })
+}

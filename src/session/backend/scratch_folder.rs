@@ -1,0 +1,155 @@
+//! The folder of one run of an external solver.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError};
+
+use admire_syntax::text::patiently;
+
+/// What folders of runs are called in the folder of temporary files.
+const PREFIX: &str = "admire-run-";
+
+/// Stands in a folder that was to go and that somebody still held.
+const LEFTOVER: &str = "admire-leftover";
+
+/// Folders of runs that go on, and that shall go.
+static GOING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// A folder that goes when this goes out of scope, unless it is kept.
+#[derive(Debug)]
+pub(super) struct ScratchFolder {
+    path: PathBuf,
+    kept: bool,
+}
+
+impl ScratchFolder {
+    /// A new folder for temporary files. The first one of a process also removes what earlier processes had to leave behind.
+    ///
+    /// # Errors
+    /// When there cannot be one.
+    pub(crate) fn temporary() -> std::io::Result<Self> {
+        static FIRST: Once = Once::new();
+        let all = std::env::temp_dir();
+        FIRST.call_once(|| sweep(&all));
+        let mut folder = tempfile::Builder::new();
+        let path = folder.prefix(PREFIX).tempdir_in(all)?.keep();
+        going().push(path.clone());
+        Ok(Self { path, kept: false })
+    }
+
+    /// A new folder that stays, in another one, which is made if missing.
+    ///
+    /// # Errors
+    /// When there cannot be one.
+    pub(crate) fn lasting(folder: &Path, prefix: &str) -> std::io::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        let mut new = tempfile::Builder::new();
+        let path = new.prefix(prefix).tempdir_in(folder)?.keep();
+        Ok(Self { path, kept: true })
+    }
+
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Lets it stay.
+    pub(crate) fn keep(mut self) -> PathBuf {
+        self.kept = true;
+        self.path.clone()
+    }
+}
+
+impl Drop for ScratchFolder {
+    fn drop(&mut self) {
+        if !self.kept {
+            remove(&self.path);
+        }
+        going().retain(|path| *path != self.path);
+    }
+}
+
+/// Removes the folders of runs that were given up: before this process ends itself.
+pub(super) fn remove_all() {
+    for path in going().iter() {
+        remove(path);
+    }
+}
+
+/// A process that is just ending may hold a folder for a moment, a virus scanner for longer.
+fn remove(path: &Path) {
+    if patiently(|| std::fs::remove_dir_all(path)).is_err() {
+        // Where it has gone already there is none to leave anything in.
+        let _ = std::fs::write(path.join(LEFTOVER), "");
+    }
+}
+
+fn going() -> MutexGuard<'static, Vec<PathBuf>> {
+    GOING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the folders that were left behind.
+fn sweep(all: &Path) {
+    let Ok(entries) = std::fs::read_dir(all) else {
+        return;
+    };
+    for entry in entries.flatten() {
+        let is_run = entry.file_name().to_string_lossy().starts_with(PREFIX);
+        if is_run && entry.path().join(LEFTOVER).is_file() {
+            // Who still holds it holds it until the next time.
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_goes_unless_it_is_kept_and_what_was_left_behind_goes_later() {
+        let folder = ScratchFolder::temporary().unwrap();
+        let path = folder.path().to_path_buf();
+        std::fs::write(path.join("run.adm"), "").unwrap();
+        drop(folder);
+        assert!(!path.exists());
+
+        let all = tempfile::tempdir().unwrap();
+        let lasting = ScratchFolder::lasting(&all.path().join("runs"), "run-0001-").unwrap();
+        let path = lasting.path().to_path_buf();
+        drop(lasting);
+        assert!(path.is_dir());
+
+        for (name, left) in [
+            ("admire-run-a", true),
+            ("admire-run-b", false),
+            ("other", true),
+        ] {
+            std::fs::create_dir(all.path().join(name)).unwrap();
+            if left {
+                std::fs::write(all.path().join(name).join(LEFTOVER), "").unwrap();
+            }
+        }
+        sweep(all.path());
+        let there = |name: &str| all.path().join(name).exists();
+        assert!(!there("admire-run-a") && there("admire-run-b") && there("other"));
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn a_folder_that_is_held_for_a_while_goes_too() {
+        use std::os::windows::fs::OpenOptionsExt;
+        let folder = ScratchFolder::temporary().unwrap();
+        let path = folder.path().to_path_buf();
+        let mut options = std::fs::File::options();
+        // Nobody else may delete it meanwhile.
+        options.write(true).create(true).share_mode(1);
+        let file = options.open(path.join("console.log")).unwrap();
+        let holder = std::thread::spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(500));
+            drop(file);
+        });
+        drop(folder);
+        assert!(!path.exists());
+        holder.join().unwrap();
+    }
+}

@@ -1,0 +1,82 @@
+use std::path::{Path, PathBuf};
+
+use crate::{FilePolicy, find_file, folder_of};
+use admire_syntax as syntax;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::lint::Suppressed;
+use admire_syntax::text::{Source, Span};
+use admire_syntax::{CommandFile, Dataset};
+
+/// Everything there is to say of a command file: by itself, and against the decks it names, in the order of the file. `deck_of` reads
+/// a deck; `None` where it cannot be read, then less is said.
+pub fn command_file(
+    commands: Checked<CommandFile>,
+    mut deck_of: impl FnMut(&Path) -> Option<Dataset>,
+) -> Vec<Diagnostic> {
+    let file = &commands.value;
+    let mut found = commands.diagnostics;
+    found.extend(syntax::lint::check_commands(file));
+    let folder = folder_of(file.source());
+    let folders = [folder.clone(), PathBuf::new()];
+    let policy = super::policy(&folder);
+    let mut of_files = Vec::new();
+    let sequence = syntax::lint::check_sequence(file, |name| {
+        let path = named(file.source(), name, "adm", &folders, &policy, &mut of_files)?;
+        deck_of(&path)
+    });
+    for command in file.commands() {
+        if let Some(inner) = command
+            .argument("COMMAND")
+            .filter(|_| command.kind() == Some("FILE"))
+        {
+            named(
+                file.source(),
+                inner.value_span(),
+                "acf",
+                &folders,
+                &policy,
+                &mut of_files,
+            );
+        }
+    }
+    found.extend(of_files);
+    found.extend(sequence);
+    let suppressed = Suppressed::of(file.source(), file.commands());
+    found.retain(|diagnostic| !suppressed.covers(diagnostic));
+    found.extend(suppressed.diagnostics);
+    found.sort_by_key(|diagnostic| diagnostic.labels.first().map(|l| l.span.start()));
+    found
+}
+
+/// The file a command names, if it may be read; says why not.
+fn named(
+    source: &Source,
+    name: Span,
+    extension: &str,
+    folders: &[PathBuf],
+    policy: &FilePolicy,
+    complaints: &mut Vec<Diagnostic>,
+) -> Option<PathBuf> {
+    let written = source.text(name);
+    let looked_up = find_file(&written, extension, folders);
+    let label = |diagnostic: Diagnostic| diagnostic.label(source.name(), name, "");
+    complaints.extend(looked_up.diagnostics.into_iter().map(label));
+    let Some(path) = looked_up.value else {
+        let message = format!("there is no file `{written}`, with or without `.{extension}`");
+        let elsewhere = written.contains(':') || written.starts_with(['/', '\\']);
+        let mut missing = Diagnostic::error(Code::CannotRead, message);
+        if elsewhere {
+            // It may well be on the computer that runs the file.
+            missing.severity = Severity::Warning;
+        }
+        let help = "it is looked up from the folder of the command file and the working directory";
+        complaints.push(label(missing.help(help)));
+        return None;
+    };
+    if let Err(mut outside) = policy.check_read(&path) {
+        outside.severity = Severity::Note;
+        complaints.push(label(outside));
+        return None;
+    }
+    Some(path)
+}

@@ -1,0 +1,116 @@
+use std::collections::BTreeSet;
+
+use admire_solver::model;
+use admire_solver::model::Model;
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
+use admire_syntax::files::Files;
+use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
+
+/// Who made a complaint.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Told {
+    /// The reader of the text.
+    Reader,
+    /// A rule that looks at a statement and its neighbours.
+    Neighbourhood,
+    /// What looks at the whole file: rules, files beside it, the model.
+    File,
+}
+
+/// A complaint and who made it.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Who made it.
+    pub told: Told,
+    /// The complaint.
+    pub diagnostic: Diagnostic,
+    /// True if a comment of the file silences it.
+    pub silenced: bool,
+}
+
+impl Found {
+    /// A complaint that no comment silences.
+    pub fn new(told: Told, diagnostic: Diagnostic) -> Self {
+        Self {
+            told,
+            diagnostic,
+            silenced: false,
+        }
+    }
+}
+
+/// Everything there is to say of a dataset, each fault once, in the order of the file. `files` are those it names. `None` as soon as the
+/// answer is `outdated`, which is asked between steps.
+pub fn dataset(
+    read: Checked<Dataset>,
+    files: Checked<Files>,
+    options: &Options,
+    outdated: impl Fn() -> bool,
+) -> Option<Vec<Found>> {
+    let dataset = &read.value;
+    let of = |told| move |diagnostic| Found::new(told, diagnostic);
+    let resolved = Model::lower_with(dataset, &files.value);
+    let mut found: Vec<Found> = read.diagnostics.into_iter().map(of(Told::Reader)).collect();
+    found.extend(as_one(files.diagnostics).into_iter().map(of(Told::File)));
+    let linted = check_until(dataset, options, Reach::File, &outdated)?;
+    found.extend(linted.into_iter().map(|(reach, diagnostic)| {
+        let told = match reach {
+            Reach::Statement | Reach::Neighbours => Told::Neighbourhood,
+            Reach::File => Told::File,
+        };
+        Found::new(told, diagnostic)
+    }));
+    let seen: BTreeSet<_> = found.iter().map(|found| place(&found.diagnostic)).collect();
+    let mut own = BTreeSet::new();
+    let groundless = found.iter().any(|f| f.diagnostic.code == Code::NoGround);
+    // The reader of the model meets some faults of statements again.
+    for diagnostic in resolved.diagnostics {
+        let whole = diagnostic.labels.first().map(|label| label.span);
+        let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
+        if new && !(groundless && diagnostic.code == Code::NoGround) {
+            found.push(of(Told::File)(diagnostic));
+        }
+    }
+    if outdated() {
+        return None;
+    }
+    let of_model = model::lint::check(dataset, &resolved.value);
+    found.extend(of_model.into_iter().map(of(Told::File)));
+    let suppressed = Suppressed::of(dataset.source(), dataset.statements());
+    for found in &mut found {
+        found.silenced = suppressed.covers(&found.diagnostic);
+    }
+    found.extend(
+        suppressed
+            .diagnostics
+            .into_iter()
+            .map(of(Told::Neighbourhood)),
+    );
+    found.sort_by_key(|found| {
+        let label = found.diagnostic.labels.first();
+        label.map(|label| label.span.start())
+    });
+    Some(found)
+}
+
+/// Missing files that change no answer are one note, however many they are: a deck of a CAD model names dozens.
+fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    let harmless = |d: &Diagnostic| d.code == Code::CannotRead && d.severity == Severity::Note;
+    let (notes, mut rest): (Vec<_>, Vec<_>) = diagnostics.into_iter().partition(harmless);
+    match notes.len() {
+        0 | 1 => rest.extend(notes),
+        count => rest.extend(notes.into_iter().next().map(|mut first| {
+            first.message =
+                format!("{count} files that only graphics or subroutines would read are not here");
+            first
+        })),
+    }
+    rest
+}
+
+/// What is said and where that begins: one points at the keyword, the other at keyword and id.
+fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
+    let label = diagnostic.labels.first();
+    (diagnostic.code, label.map(|label| label.span.start()))
+}

@@ -1,0 +1,197 @@
+//! What `admire.toml` says of checking: which complaints are shown, and which files are looked at.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::grammar::nearest;
+use admire_syntax::text::{Source, Span};
+
+/// Who is to solve a deck.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Solver {
+    /// ADAMS: what only the built-in solver lacks is not told, nor files that only graphics read.
+    Adams,
+    /// The built-in solver: what it does not solve is told, files that only graphics read are not.
+    Admire,
+}
+
+/// The file of settings beside decks.
+const NAME: &str = "admire.toml";
+
+#[derive(Deserialize, Default, Debug)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    #[serde(default)]
+    check: CheckTable,
+}
+
+#[derive(Deserialize, Default, Debug)]
+#[serde(deny_unknown_fields, default)]
+struct CheckTable {
+    r#for: Option<Solver>,
+    select: Vec<Spanned<String>>,
+    ignore: Vec<Spanned<String>>,
+    exclude: Vec<Spanned<String>>,
+    quiet: bool,
+    strict: bool,
+    fortran: bool,
+}
+
+/// What is shown of the complaints about one file.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// Who is to solve the decks; without it everything is told.
+    pub solver: Option<Solver>,
+    /// Only these codes are told; all of them if it is empty.
+    pub select: Vec<Code>,
+    /// These codes are not told.
+    pub ignore: Vec<Code>,
+    exclude: Vec<glob::Pattern>,
+    /// The folder the patterns start from.
+    folder: PathBuf,
+    /// Errors only.
+    pub quiet: bool,
+    /// Warnings make a check fail, too.
+    pub strict: bool,
+    /// The decks are for the FORTRAN solver.
+    pub fortran: bool,
+}
+
+impl Settings {
+    /// Reads a table, whose name is its path.
+    ///
+    /// # Errors
+    /// What is wrong with it, each fault at its place.
+    pub fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
+        let wrong = |message: String, span| {
+            vec![Diagnostic::error(Code::StudySyntax, message).label(source.name(), span, "")]
+        };
+        let text = source
+            .utf8()
+            .map_err(|span| wrong("this is not UTF-8 text".to_string(), span))?;
+        let table = toml::from_str::<Table>(text).map_err(|error| {
+            let span = error.span().map_or(Span::at(0), Span::from);
+            wrong(error.message().to_string(), span)
+        })?;
+        let check = table.check;
+        let mut wrong = Vec::new();
+        let mut codes = |words: &[Spanned<String>]| -> Vec<Code> {
+            words
+                .iter()
+                .filter_map(|word| match code_named(word.get_ref()) {
+                    Ok(code) => Some(code),
+                    Err(refused) => {
+                        wrong.push(placed(refused, source, word));
+                        None
+                    }
+                })
+                .collect()
+        };
+        let (select, ignore) = (codes(&check.select), codes(&check.ignore));
+        let mut exclude = Vec::new();
+        for word in &check.exclude {
+            match glob::Pattern::new(word.get_ref()) {
+                Ok(pattern) => exclude.push(pattern),
+                Err(error) => {
+                    let message = format!("`{}` is not a pattern: {error}", word.get_ref());
+                    wrong.push(placed(
+                        Diagnostic::error(Code::BadSetting, message),
+                        source,
+                        word,
+                    ));
+                }
+            }
+        }
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
+        let folder =
+            std::path::absolute(source.name()).unwrap_or_else(|_| PathBuf::from(source.name()));
+        Ok(Settings {
+            solver: check.r#for,
+            select,
+            ignore,
+            exclude,
+            folder: folder.parent().map(Path::to_path_buf).unwrap_or_default(),
+            quiet: check.quiet,
+            strict: check.strict,
+            fortran: check.fortran,
+        })
+    }
+
+    /// True if a complaint is to be told.
+    pub fn shows(&self, diagnostic: &Diagnostic) -> bool {
+        let code = diagnostic.code;
+        let selected = self.select.is_empty() || self.select.contains(&code);
+        let loud = !self.quiet || diagnostic.severity == Severity::Error;
+        selected && loud && !self.ignore.contains(&code) && self.concerns(diagnostic)
+    }
+
+    /// True if a file is to be looked at.
+    pub fn includes(&self, file: &Path) -> bool {
+        let inside = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
+        let inside = inside.strip_prefix(&self.folder).unwrap_or(&inside);
+        !self
+            .exclude
+            .iter()
+            .any(|pattern| pattern.matches_path(inside))
+    }
+
+    /// True if a complaint concerns who is to solve the deck.
+    fn concerns(&self, diagnostic: &Diagnostic) -> bool {
+        let code = diagnostic.code;
+        let of_pictures = code == Code::CannotRead && diagnostic.severity == Severity::Note;
+        let of_ours = matches!(
+            code,
+            Code::NotSolvedNatively
+                | Code::NotSolvedInStatics
+                | Code::InactiveInStatics
+                | Code::UserSubroutine
+        );
+        match self.solver {
+            None => true,
+            Some(Solver::Adams) => !of_pictures && !of_ours,
+            Some(Solver::Admire) => !of_pictures && code != Code::LineTooLong,
+        }
+    }
+}
+
+/// The nearest table above a file.
+pub fn table_above(file: &Path) -> Option<PathBuf> {
+    let file = std::path::absolute(file).ok()?;
+    file.ancestors()
+        .skip(1)
+        .map(|folder| folder.join(NAME))
+        .find(|path| path.is_file())
+}
+
+/// The code of this name.
+///
+/// # Errors
+/// `unknown-key` with the nearest name where there is none.
+pub fn code_named(word: &str) -> Result<Code, Diagnostic> {
+    Code::parse(word.trim()).ok_or_else(|| {
+        let capitals: Vec<String> = Code::ALL
+            .iter()
+            .map(|code| code.as_str().to_uppercase())
+            .collect();
+        let near = nearest(word, capitals.iter().map(String::as_str));
+        let unknown = Diagnostic::error(
+            Code::UnknownKey,
+            format!("`{word}` is not a code of a complaint"),
+        );
+        unknown.help(match near {
+            Some(near) => format!("did you mean {}?", near.to_lowercase()),
+            None => "a complaint shows its code: error[undefined-id]".to_string(),
+        })
+    })
+}
+
+fn placed(diagnostic: Diagnostic, source: &Source, word: &Spanned<String>) -> Diagnostic {
+    let span = word.span();
+    diagnostic.label(source.name(), Span::new(span.start, span.end), "")
+}

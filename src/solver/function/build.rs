@@ -1,0 +1,277 @@
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::breaks::linear;
+use super::call::{refusal, vector_refusal};
+use super::compiler::Compiler;
+use super::interpolant::Interpolant;
+use super::program::{Kind, NO_SWITCH, Program, Step};
+use super::{Input, Scratch};
+use admire_syntax::Expression;
+use admire_syntax::diagnostic::Diagnostic;
+use admire_syntax::expression::{BinaryOperator, Constant, Node};
+
+/// Where a value stands while the sizes of the tables are not known yet.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Place {
+    Input(usize),
+    Literal(usize),
+    Constant(f64),
+    Target(usize),
+}
+
+/// One expression on its way to a program.
+pub(super) struct Build<'a> {
+    pub(super) compiler: &'a Compiler<'a>,
+    pub(super) expression: &'a Expression,
+    inputs: Vec<Input>,
+    /// Where each input stands.
+    places: HashMap<Input, usize>,
+    parameters: Vec<usize>,
+    constants: Vec<f64>,
+    /// Steps with their targets counted from 0.
+    steps: Vec<Step>,
+    operands: Vec<Place>,
+    pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
+    targets: usize,
+    branches: bool,
+    /// Of each switch whether the time alone chooses its piece.
+    switches: Vec<bool>,
+    /// How often something else than the time was read.
+    pub(super) readings: usize,
+}
+
+impl<'a> Build<'a> {
+    pub(super) fn new(compiler: &'a Compiler<'a>, expression: &'a Expression) -> Self {
+        Self {
+            compiler,
+            expression,
+            inputs: Vec::new(),
+            places: HashMap::new(),
+            parameters: Vec::new(),
+            constants: Vec::new(),
+            steps: Vec::new(),
+            operands: Vec::new(),
+            interpolants: Vec::new(),
+            targets: 0,
+            branches: false,
+            switches: Vec::new(),
+            readings: 0,
+        }
+    }
+
+    pub(super) fn whole(mut self) -> Result<Program, Diagnostic> {
+        let result = self.node(&self.expression.root)?;
+        Ok(self.finish(result))
+    }
+
+    pub(super) fn node(&mut self, node: &Node) -> Result<Place, Diagnostic> {
+        match node {
+            Node::Literal(literal) => {
+                // Every literal stands once in the tree.
+                self.parameters.push(*literal);
+                Ok(Place::Literal(self.parameters.len() - 1))
+            }
+            Node::Constant(constant) => Ok(Place::Constant(match constant {
+                Constant::Pi => std::f64::consts::PI,
+                Constant::Rtod => 180.0 / std::f64::consts::PI,
+                Constant::Dtor => std::f64::consts::PI / 180.0,
+            })),
+            Node::Name(function) => match function.name {
+                "TIME" => Ok(self.input(Input::Time)),
+                "MODE" => Ok(self.input(Input::Mode)),
+                _ => Err(refusal(function)),
+            },
+            Node::Negate(inner) => {
+                let inner = self.node(inner)?;
+                Ok(self.step(Kind::Negate, &[inner]))
+            }
+            Node::Vector(_) => Err(vector_refusal()),
+            Node::Binary(operator, left, right) => {
+                let operands = [self.node(left)?, self.node(right)?];
+                let kind = match operator {
+                    BinaryOperator::Add => Kind::Add,
+                    BinaryOperator::Subtract => Kind::Subtract,
+                    BinaryOperator::Multiply => Kind::Multiply,
+                    BinaryOperator::Divide => Kind::Divide,
+                    BinaryOperator::Power => Kind::Power,
+                    BinaryOperator::Cross => return Err(vector_refusal()),
+                };
+                Ok(self.step(kind, &operands))
+            }
+            Node::If(parts) => self.choice(parts),
+            Node::Call {
+                function,
+                arguments,
+                ..
+            } => self.call(function, arguments),
+        }
+    }
+
+    /// IF: the test, then three pieces of which one runs; each moves its value to the same target.
+    fn choice(
+        &mut self,
+        [test, negative, zero, positive]: &[Node; 4],
+    ) -> Result<Place, Diagnostic> {
+        self.branches = true;
+        // Where the time alone decides, the times of its zeros are known beforehand.
+        let known = linear(self.expression, test).is_some();
+        let before = self.readings;
+        let test = self.node(test)?;
+        let of_time = self.readings == before;
+        let branch = self.steps.len();
+        let target = self.target();
+        self.push(
+            Kind::Branch {
+                zero: 0,
+                positive: 0,
+            },
+            &[test],
+            target,
+        );
+        if !known {
+            self.switch(of_time);
+        }
+        let mut starts = [0; 3];
+        let mut jumps = Vec::new();
+        for (part, start) in [negative, zero, positive].into_iter().zip(&mut starts) {
+            *start = self.steps.len() as u32;
+            let value = self.node(part)?;
+            self.push(Kind::Move, &[value], target);
+            jumps.push(self.steps.len());
+            self.push(Kind::Jump(0), &[], 0);
+        }
+        let end = self.steps.len() as u32;
+        for jump in jumps {
+            self.steps[jump].kind = Kind::Jump(end);
+        }
+        self.steps[branch].kind = Kind::Branch {
+            zero: starts[1],
+            positive: starts[2],
+        };
+        Ok(Place::Target(target))
+    }
+
+    pub(super) fn input(&mut self, input: Input) -> Place {
+        self.readings += usize::from(input != Input::Time);
+        let next = self.inputs.len();
+        let at = *self.places.entry(input).or_insert(next);
+        if at == next {
+            self.inputs.push(input);
+        }
+        Place::Input(at)
+    }
+
+    fn target(&mut self) -> usize {
+        self.targets += 1;
+        self.targets - 1
+    }
+
+    fn push(&mut self, kind: Kind, operands: &[Place], target: usize) {
+        self.steps.push(Step {
+            kind,
+            first: self.operands.len() as u32,
+            count: operands.len() as u32,
+            target: target as u32,
+            switch: NO_SWITCH,
+        });
+        self.operands.extend_from_slice(operands);
+    }
+
+    /// The last step has pieces that a motion can be held on; the time alone may choose among them.
+    pub(super) fn switch(&mut self, of_time: bool) {
+        let step = self.steps.last_mut().expect("a step was pushed");
+        step.switch = self.switches.len() as u32;
+        self.switches.push(of_time);
+    }
+
+    /// A step with a result of its own; computed now if all operands are constants and the value exists.
+    pub(super) fn step(&mut self, kind: Kind, operands: &[Place]) -> Place {
+        let constants: Vec<f64> = operands
+            .iter()
+            .map_while(|place| match place {
+                Place::Constant(value) => Some(*value),
+                _ => None,
+            })
+            .collect();
+        if constants.len() == operands.len()
+            && let Some(value) = fold(kind, &constants, &self.interpolants)
+        {
+            return Place::Constant(value);
+        }
+        let target = self.target();
+        self.push(kind, operands, target);
+        Place::Target(target)
+    }
+
+    fn finish(mut self, result: Place) -> Program {
+        let (inputs, parameters) = (self.inputs.len(), self.parameters.len());
+        for place in self.operands.iter().chain([&result]) {
+            if let Place::Constant(value) = place {
+                // Zeros of either sign are kept apart, hence the bits.
+                if !self
+                    .constants
+                    .iter()
+                    .any(|c| c.to_bits() == value.to_bits())
+                {
+                    self.constants.push(*value);
+                }
+            }
+        }
+        let base = inputs + parameters + self.constants.len();
+        let slot = |place: &Place| match place {
+            Place::Input(index) => *index as u32,
+            Place::Literal(index) => (inputs + index) as u32,
+            Place::Constant(value) => {
+                let index = self
+                    .constants
+                    .iter()
+                    .position(|c| c.to_bits() == value.to_bits())
+                    .expect("every constant was entered above");
+                (inputs + parameters + index) as u32
+            }
+            Place::Target(index) => (base + index) as u32,
+        };
+        let operands = self.operands.iter().map(slot).collect();
+        let result = slot(&result);
+        for step in &mut self.steps {
+            step.target += base as u32;
+        }
+        Program {
+            slots: base + self.targets.max(1),
+            inputs: self.inputs,
+            parameters: self.parameters,
+            constants: self.constants,
+            steps: self.steps,
+            operands,
+            interpolants: self.interpolants,
+            result,
+            branches: self.branches,
+            switches: self.switches,
+        }
+    }
+}
+
+/// The value of one step of constants.
+fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)]) -> Option<f64> {
+    let count = constants.len() as u32;
+    let program = Program {
+        inputs: Vec::new(),
+        parameters: Vec::new(),
+        constants: constants.to_vec(),
+        steps: vec![Step {
+            kind,
+            first: 0,
+            count,
+            target: count,
+            switch: NO_SWITCH,
+        }],
+        operands: (0..count).collect(),
+        interpolants: interpolants.to_vec(),
+        slots: constants.len() + 1,
+        result: count,
+        branches: false,
+        switches: Vec::new(),
+    };
+    program.eval(&[], &[], &mut Scratch::default()).ok()
+}

@@ -1,0 +1,598 @@
+use super::breaks::linear;
+use super::build::{Build, Place};
+use super::compiler::Space;
+use super::input::FRICTION_NUMBERS;
+use super::interpolant::Method;
+use super::intrinsic::{Binary, Unary};
+use super::program::Kind;
+use super::step::Shape;
+use super::{
+    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
+    RateMeasure, Sequence,
+};
+use crate::model::{ArrayKind, MarkerIx};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::expression::Node;
+use admire_syntax::grammar;
+use admire_syntax::grammar::{FunctionDef, Solved};
+
+/// The arguments of a call.
+type Arguments<'a> = &'a [Node];
+
+impl Build<'_> {
+    pub(super) fn call(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let name = function.name;
+        if let Some(kind) = plain_kind(name) {
+            let before = self.readings;
+            let places = arguments
+                .iter()
+                .map(|argument| self.node(argument))
+                .collect::<Result<Vec<_>, _>>()?;
+            let of_time = self.readings == before;
+            let place = self.step(kind, &places);
+            // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
+            let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
+            let watched = kind.is_watched(arguments.iter().map(slope));
+            if watched && matches!(place, Place::Target(_)) {
+                self.switch(of_time);
+            }
+            return Ok(place);
+        }
+        if let Some(kind) = measure_kind(name) {
+            return self.measure(function, kind, arguments);
+        }
+        if let Some(component) = between_component(name) {
+            let measure = ForceMeasure::Between {
+                component,
+                i: self.needed_marker(function, arguments, 0)?,
+                j: self.marker(function, arguments, 1)?,
+                k: self.marker(function, arguments, 2)?,
+            };
+            return Ok(self.input(Input::Force(measure)));
+        }
+        match name {
+            name if rate_of(name).is_some() => self.rate(function, arguments),
+            "ORIENT" => self.orient(function, arguments),
+            "AKISPL" => self.spline(function, Method::Akima, arguments),
+            "CUBSPL" => self.spline(function, Method::Cubic, arguments),
+            "INTERP" => self.interp(function, arguments),
+            "VARVAL" => {
+                let variable = self.object(function, arguments, 0, Space::Variable)?;
+                Ok(self.input(Input::Variable(variable)))
+            }
+            "DIF" => {
+                let diff = self.object(function, arguments, 0, Space::Diff)?;
+                Ok(self.input(Input::Dif(diff)))
+            }
+            "DIF1" => {
+                let diff = self.object(function, arguments, 0, Space::Diff)?;
+                Ok(self.input(Input::DifRate(diff)))
+            }
+            "SENVAL" => {
+                let sensor = self.object(function, arguments, 0, Space::Sensor)?;
+                Ok(self.input(Input::SensorValue(sensor)))
+            }
+            "PINVAL" => self.plant(function, arguments, Space::PlantInput),
+            "POUVAL" => self.plant(function, arguments, Space::PlantOutput),
+            "ARYVAL" => self.array(function, arguments),
+            "FRICTION" => self.friction(function, arguments),
+            _ => self.element(function, arguments),
+        }
+    }
+
+    /// VX(i, j, k, l) and its like: the frame whose derivative is taken comes last.
+    fn rate(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let (kind, axis) = rate_of(function.name).ok_or_else(|| refusal(function))?;
+        let mut markers = [None; 4];
+        for (at, place) in (0..arguments.len()).zip(rate_places(kind, axis)) {
+            markers[*place] = self.marker(function, arguments, at)?;
+        }
+        Ok(self.input(Input::Rate(RateMeasure {
+            kind,
+            axis,
+            markers,
+        })))
+    }
+
+    fn measure(
+        &mut self,
+        function: &'static FunctionDef,
+        kind: MeasureKind,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let measure = Measure {
+            kind,
+            i: self.marker(function, arguments, 0)?,
+            j: self.marker(function, arguments, 1)?,
+            k: self.marker(function, arguments, 2)?,
+        };
+        Ok(self.input(Input::Measure(measure)))
+    }
+
+    /// ORIENT(type, component, i[, j]).
+    fn orient(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let kind = self.code_or_id(function, arguments, 0)?;
+        let component = self.code_or_id(function, arguments, 1)?;
+        let count = Sequence::components_of_orient(kind);
+        if !(1..=count).contains(&component) {
+            return Err(wrong(
+                function,
+                format!("component {component} is not one of 1 to {count}"),
+            ));
+        }
+        let which = component as usize - 1;
+        let kind = match (kind, Sequence::of_orient(kind)) {
+            (27, _) => MeasureKind::EulerParameter(which),
+            (_, Some(sequence)) => MeasureKind::Angle {
+                sequence,
+                which,
+                minus: false,
+            },
+            _ => {
+                return Err(Diagnostic::error(
+                    Code::NotSolvedNatively,
+                    format!("ORIENT of type {kind} is not evaluated by the built-in solver"),
+                ));
+            }
+        };
+        self.measure(function, kind, &arguments[2..])
+    }
+
+    /// AKISPL(x, z, id[, iord]) and CUBSPL.
+    fn spline(
+        &mut self,
+        function: &'static FunctionDef,
+        method: Method,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let x = self.node(&arguments[0])?;
+        let z = self.node(&arguments[1])?;
+        self.interpolate(function, method, &[x, z], arguments, 2)
+    }
+
+    /// INTERP(x, method, id[, iord]).
+    fn interp(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let method = match self.code_or_id(function, arguments, 1)? {
+            1 => Method::Linear,
+            3 => Method::Cubic,
+            other => {
+                return Err(wrong(
+                    function,
+                    format!("method {other} is neither 1 (linear) nor 3 (cubic)"),
+                ));
+            }
+        };
+        let x = self.node(&arguments[0])?;
+        self.interpolate(function, method, &[x], arguments, 2)
+    }
+
+    /// `id_at` is the place of the spline's id; the order of the derivative may follow.
+    fn interpolate(
+        &mut self,
+        function: &'static FunctionDef,
+        method: Method,
+        operands: &[Place],
+        arguments: Arguments,
+        id_at: usize,
+    ) -> Result<Place, Diagnostic> {
+        let spline = self.object(function, arguments, id_at, Space::Spline)?;
+        let id = self.compiler.model.splines[spline].header.id;
+        let order = if arguments.len() > id_at + 1 {
+            self.code_or_id(function, arguments, id_at + 1)? as usize
+        } else {
+            0
+        };
+        let Some(interpolant) = self.compiler.interpolant(spline, method) else {
+            return Err(wrong(
+                function,
+                format!("SPLINE/{id} has no strictly increasing x values with one y each"),
+            ));
+        };
+        if order > 2 {
+            return Err(wrong(
+                function,
+                format!("the order of the derivative is {order}, not 0, 1 or 2"),
+            ));
+        }
+        if order > 0 && interpolant.is_surface() {
+            return Err(wrong(
+                function,
+                format!("SPLINE/{id} is a surface, which has no derivatives here"),
+            ));
+        }
+        self.interpolants.push((interpolant, order));
+        let index = self.interpolants.len() as u32 - 1;
+        Ok(self.step(Kind::Interpolate(index, function.name), operands))
+    }
+
+    /// ARYVAL(id, component).
+    fn array(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let array = self.object(function, arguments, 0, Space::Array)?;
+        let component = self.code_or_id(function, arguments, 1)?;
+        let data = &self.compiler.model.arrays[array];
+        let size = self.compiler.model.array_size(data);
+        let element = (component as usize).wrapping_sub(1);
+        if element >= size {
+            return Err(wrong(
+                function,
+                format!(
+                    "ARRAY/{} has {size} elements, not {component}",
+                    data.header.id
+                ),
+            ));
+        }
+        match &data.kind {
+            ArrayKind::Numbers(numbers) => Ok(Place::Constant(numbers[element])),
+            ArrayKind::Variables(variables) => {
+                let id = variables[element];
+                let variable = self
+                    .compiler
+                    .find(Space::Variable, id)
+                    .ok_or_else(|| undefined(function, Space::Variable.keyword(), id))?;
+                Ok(self.input(Input::Variable(variable)))
+            }
+            ArrayKind::States(_) | ArrayKind::Outputs(_) => {
+                Ok(self.input(Input::ArrayValue { array, element }))
+            }
+        }
+    }
+
+    /// FRICTION(id, index).
+    fn friction(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let friction = self.object(function, arguments, 0, Space::Friction)?;
+        let index = self.code_or_id(function, arguments, 1)?;
+        if !(1..=FRICTION_NUMBERS).contains(&index) {
+            return Err(wrong(
+                function,
+                format!("index {index} is not one of 1 to {FRICTION_NUMBERS}"),
+            ));
+        }
+        let which = index as usize - 1;
+        Ok(self.input(Input::Friction { friction, which }))
+    }
+
+    /// PINVAL(id, component) and POUVAL: a variable of the list.
+    fn plant(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        space: Space,
+    ) -> Result<Place, Diagnostic> {
+        let list = self.object(function, arguments, 0, space)?;
+        let component = self.code_or_id(function, arguments, 1)?;
+        let list = &self.compiler.model.plant_ports[list];
+        let Some(&id) = (component as usize)
+            .checked_sub(1)
+            .and_then(|index| list.variables.get(index))
+        else {
+            return Err(wrong(
+                function,
+                format!(
+                    "{}/{} has {} variables, not {component}",
+                    list.kind,
+                    list.header.id,
+                    list.variables.len()
+                ),
+            ));
+        };
+        let variable = self
+            .compiler
+            .find(Space::Variable, id)
+            .ok_or_else(|| undefined(function, Space::Variable.keyword(), id))?;
+        Ok(self.input(Input::Variable(variable)))
+    }
+
+    /// BUSH(id, jflag, comp, rm) and its like; NFORCE(id, marker, comp, rm).
+    fn element(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<Place, Diagnostic> {
+        let pair = grammar::statement(function.name).filter(|def| !def.laws.is_empty());
+        if let Some(def) = pair {
+            let id = self.code_or_id(function, arguments, 0)?;
+            let found = self.compiler.find_pair_force(def.name, id);
+            let index = found.ok_or_else(|| undefined(function, def.name, id))?;
+            let on_j = self.on_j(function, arguments)?;
+            return self.force_of(function, arguments, (ElementIx::PairForce(index), on_j));
+        }
+        let space = match function.name {
+            "BUSH" => Space::Bushing,
+            "SPDP" => Space::SpringDamper,
+            "SFORCE" => Space::Sforce,
+            "GFORCE" => Space::Gforce,
+            "VFORCE" => Space::Vforce,
+            "VTORQ" => Space::Vtorque,
+            "NFORCE" => Space::Nforce,
+            "JOINT" => Space::Joint,
+            "JPRIM" => Space::Primitive,
+            "MOTION" => Space::Motion,
+            _ => return Err(refusal(function)),
+        };
+        let index = self.object(function, arguments, 0, space)?;
+        let mut on_j = false;
+        let element = match space {
+            Space::Bushing => ElementIx::Bushing(index),
+            Space::SpringDamper => ElementIx::SpringDamper(index),
+            Space::Sforce => ElementIx::Sforce(index),
+            Space::Joint => ElementIx::Joint(index),
+            Space::Primitive => ElementIx::Primitive(index),
+            Space::Motion => ElementIx::Motion(index),
+            Space::Nforce => ElementIx::Nforce {
+                nforce: index,
+                at: self.needed_marker(function, arguments, 1)?,
+            },
+            _ => ElementIx::VectorForce(index),
+        };
+        if space != Space::Nforce {
+            on_j = self.on_j(function, arguments)?;
+        }
+        self.force_of(function, arguments, (element, on_j))
+    }
+
+    /// The jflag of a force measure.
+    fn on_j(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+    ) -> Result<bool, Diagnostic> {
+        match self.code_or_id(function, arguments, 1)? {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => Err(wrong(function, format!("jflag {other} is neither 0 nor 1"))),
+        }
+    }
+
+    /// A component of the force of an element, as the last arguments of a force measure say.
+    fn force_of(
+        &mut self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        (element, on_j): (ElementIx, bool),
+    ) -> Result<Place, Diagnostic> {
+        let component = self.code_or_id(function, arguments, 2)?;
+        let Some(&component) = (component as usize)
+            .checked_sub(1)
+            .and_then(|index| ForceComponent::ALL.get(index))
+        else {
+            return Err(wrong(
+                function,
+                format!("component {component} is not one of 1 to 8"),
+            ));
+        };
+        let measure = ForceMeasure::Element {
+            element,
+            on_j,
+            component,
+            rm: self.marker(function, arguments, 3)?,
+        };
+        Ok(self.input(Input::Force(measure)))
+    }
+
+    /// The marker named by an argument; `None` if it is absent or 0, which is ground.
+    fn marker(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        at: usize,
+    ) -> Result<Option<MarkerIx>, Diagnostic> {
+        if at >= arguments.len() {
+            return Ok(None);
+        }
+        match self.code_or_id(function, arguments, at)? {
+            0 => Ok(None),
+            id => self
+                .compiler
+                .find(Space::Marker, id)
+                .map(|index| Some(MarkerIx(index)))
+                .ok_or_else(|| undefined(function, Space::Marker.keyword(), id)),
+        }
+    }
+
+    fn needed_marker(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        at: usize,
+    ) -> Result<MarkerIx, Diagnostic> {
+        self.marker(function, arguments, at)?
+            .ok_or_else(|| wrong(function, "a marker is needed here, not 0"))
+    }
+
+    fn object(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        at: usize,
+        space: Space,
+    ) -> Result<usize, Diagnostic> {
+        let id = self.code_or_id(function, arguments, at)?;
+        self.compiler
+            .find(space, id)
+            .ok_or_else(|| undefined(function, space.keyword(), id))
+    }
+
+    /// An argument that is an id or a code: a whole number that is not negative.
+    fn code_or_id(
+        &self,
+        function: &'static FunctionDef,
+        arguments: Arguments,
+        at: usize,
+    ) -> Result<u32, Diagnostic> {
+        let value = match arguments.get(at) {
+            Some(Node::Literal(literal)) => self.expression.literals[*literal].value,
+            _ => f64::NAN,
+        };
+        if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
+            Ok(value as u32)
+        } else {
+            Err(Diagnostic::error(
+                Code::WrongType,
+                format!(
+                    "argument {} of {}({}) has to be a whole number that is written out",
+                    at + 1,
+                    function.name,
+                    function.arguments
+                ),
+            ))
+        }
+    }
+}
+
+/// Functions whose arguments are all values.
+fn plain_kind(name: &'static str) -> Option<Kind> {
+    if let Some(function) = Unary::named(name) {
+        return Some(Kind::Unary(function, name));
+    }
+    if let Some(function) = Binary::named(name) {
+        return Some(Kind::Binary(function, name));
+    }
+    Some(match name {
+        "MAX" => Kind::Max,
+        "MIN" => Kind::Min,
+        "STEP" => Kind::Step(Shape::Cubic, name),
+        "STEP5" => Kind::Step(Shape::Quintic, name),
+        "HAVSIN" => Kind::Step(Shape::Haversine, name),
+        "IMPACT" => Kind::Impact,
+        "BISTOP" => Kind::Bistop,
+        "POLY" => Kind::Poly,
+        "SHF" => Kind::Shf,
+        "FORCOS" => Kind::Forcos,
+        "FORSIN" => Kind::Forsin,
+        "CHEBY" => Kind::Cheby,
+        "SWEEP" => Kind::Sweep,
+        _ => return None,
+    })
+}
+
+fn measure_kind(name: &str) -> Option<MeasureKind> {
+    let angle = |sequence, which, minus| MeasureKind::Angle {
+        sequence,
+        which,
+        minus,
+    };
+    Some(match name {
+        "DX" => MeasureKind::Displacement(0),
+        "DY" => MeasureKind::Displacement(1),
+        "DZ" => MeasureKind::Displacement(2),
+        "DM" => MeasureKind::Distance,
+        "AX" => MeasureKind::ProjectedAngle(0),
+        "AY" => MeasureKind::ProjectedAngle(1),
+        "AZ" => MeasureKind::ProjectedAngle(2),
+        "PSI" => angle(Sequence::BODY_313, 0, false),
+        "THETA" => angle(Sequence::BODY_313, 1, false),
+        "PHI" => angle(Sequence::BODY_313, 2, false),
+        "YAW" => angle(Sequence::BODY_321, 0, false),
+        "PITCH" => angle(Sequence::BODY_321, 1, true),
+        "ROLL" => angle(Sequence::BODY_321, 2, false),
+        "INCANG" => MeasureKind::IncludedAngle,
+        _ => return None,
+    })
+}
+
+fn between_component(name: &str) -> Option<ForceComponent> {
+    let names = ["FM", "FX", "FY", "FZ", "TM", "TX", "TY", "TZ"];
+    names
+        .iter()
+        .position(|known| *known == name)
+        .map(|index| ForceComponent::ALL[index])
+}
+
+fn undefined(function: &FunctionDef, kind: &str, id: u32) -> Diagnostic {
+    Diagnostic::error(
+        Code::UndefinedId,
+        format!(
+            "{kind}/{id}, which {} refers to, is not defined",
+            function.name
+        ),
+    )
+}
+
+fn wrong(function: &FunctionDef, what: impl std::fmt::Display) -> Diagnostic {
+    Diagnostic::error(
+        Code::BadExpression,
+        format!("{}({}): {what}", function.name, function.arguments),
+    )
+}
+
+/// Why a function is not evaluated here.
+/// Vectors are read, not evaluated.
+pub(super) fn vector_refusal() -> Diagnostic {
+    Diagnostic::error(
+        Code::NotSolvedNatively,
+        "vector expressions are not evaluated by the built-in solver",
+    )
+    .help("give the components FX, FY, FZ, or use a command backend that runs ADAMS")
+}
+
+pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
+    if function.name == "USER" {
+        return Diagnostic::error(
+            Code::UserSubroutine,
+            "USER calls a user-written subroutine, and only as the whole of a FUNCTION",
+        );
+    }
+    let why = match function.solved {
+        Solved::External(why) | Solved::Subroutine(why) | Solved::NoEffect(why) => why,
+        Solved::Native(_) => "the built-in solver does not evaluate it",
+    };
+    Diagnostic::error(Code::NotSolvedNatively, format!("{}: {why}", function.name))
+        .help("use a command backend that runs ADAMS, or replace the function")
+}
+
+/// The velocity or acceleration a function measures.
+fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
+    if name == "VR" {
+        return Some((RateKind::Velocity, RateAxis::Along));
+    }
+    let axis = match name.as_bytes().last()? {
+        b'X' => RateAxis::Axis(0),
+        b'Y' => RateAxis::Axis(1),
+        b'Z' => RateAxis::Axis(2),
+        b'M' => RateAxis::Magnitude,
+        _ => return None,
+    };
+    let kind = match &name[..name.len() - 1] {
+        "V" => RateKind::Velocity,
+        "W" => RateKind::AngularVelocity,
+        "ACC" => RateKind::Acceleration,
+        "WDT" => RateKind::AngularAcceleration,
+        _ => return None,
+    };
+    Some((kind, axis))
+}
+
+/// Which of I, J, K, L each argument is: a magnitude has no K, an angular velocity no L.
+fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
+    match (kind, axis) {
+        (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],
+        // VR is the same in every frame: its L is not looked at.
+        (RateKind::AngularVelocity, _) | (_, RateAxis::Along) => &[0, 1],
+        (_, RateAxis::Magnitude) => &[0, 1, 3],
+        (_, RateAxis::Axis(_)) => &[0, 1, 2, 3],
+    }
+}

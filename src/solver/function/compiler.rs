@@ -1,0 +1,174 @@
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::Program;
+use super::build::Build;
+use super::interpolant::{Interpolant, Method};
+use crate::model::{Model, VectorForceKind};
+use admire_syntax::Expression;
+use admire_syntax::diagnostic::Diagnostic;
+
+/// Compiles expressions against the objects of one model; looks ids up fast and shares prepared splines.
+#[derive(Debug)]
+pub struct Compiler<'m> {
+    pub(super) model: &'m Model,
+    ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
+    pair_forces: OnceCell<BTreeMap<(&'static str, u32), usize>>,
+    interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
+}
+
+/// A list of the model whose objects have ids of their own.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Space {
+    Marker,
+    Variable,
+    Diff,
+    Array,
+    PlantInput,
+    PlantOutput,
+    Sensor,
+    Spline,
+    Bushing,
+    SpringDamper,
+    Sforce,
+    Gforce,
+    Vforce,
+    Vtorque,
+    Nforce,
+    Joint,
+    Primitive,
+    Motion,
+    Friction,
+}
+
+impl Space {
+    const COUNT: usize = Self::Friction as usize + 1;
+
+    pub(super) fn keyword(self) -> &'static str {
+        match self {
+            Self::Marker => "MARKER",
+            Self::Variable => "VARIABLE",
+            Self::Diff => "DIFF",
+            Self::Array => "ARRAY",
+            Self::PlantInput => "PINPUT",
+            Self::PlantOutput => "POUTPUT",
+            Self::Sensor => "SENSOR",
+            Self::Spline => "SPLINE",
+            Self::Bushing => "BUSHING",
+            Self::SpringDamper => "SPRINGDAMPER",
+            Self::Sforce => "SFORCE",
+            Self::Gforce => "GFORCE",
+            Self::Vforce => "VFORCE",
+            Self::Vtorque => "VTORQUE",
+            Self::Nforce => "NFORCE",
+            Self::Joint => "JOINT",
+            Self::Primitive => "JPRIM",
+            Self::Motion => "MOTION",
+            Self::Friction => "FRICTION",
+        }
+    }
+
+    fn index(self, model: &Model) -> BTreeMap<u32, usize> {
+        macro_rules! ids {
+            ($list:ident) => {
+                model
+                    .$list
+                    .iter()
+                    .enumerate()
+                    .map(|(index, object)| (object.header.id, index))
+                    .collect()
+            };
+        }
+        let vector = |kind: VectorForceKind| {
+            model
+                .vector_forces
+                .iter()
+                .enumerate()
+                .filter(|(_, force)| force.kind == kind)
+                .map(|(index, force)| (force.header.id, index))
+                .collect()
+        };
+        let plant = |kind: &str| {
+            model
+                .plant_ports
+                .iter()
+                .enumerate()
+                .filter(|(_, list)| list.kind == kind)
+                .map(|(index, list)| (list.header.id, index))
+                .collect()
+        };
+        match self {
+            Self::Marker => ids!(markers),
+            Self::Variable => ids!(variables),
+            Self::Diff => ids!(diffs),
+            Self::Array => ids!(arrays),
+            Self::PlantInput => plant("PINPUT"),
+            Self::PlantOutput => plant("POUTPUT"),
+            Self::Sensor => ids!(sensors),
+            Self::Spline => ids!(splines),
+            Self::Bushing => ids!(bushings),
+            Self::SpringDamper => ids!(springdampers),
+            Self::Sforce => ids!(sforces),
+            Self::Gforce => vector(VectorForceKind::Gforce),
+            Self::Vforce => vector(VectorForceKind::Vforce),
+            Self::Vtorque => vector(VectorForceKind::Vtorque),
+            Self::Nforce => ids!(nforces),
+            Self::Joint => ids!(joints),
+            Self::Primitive => ids!(primitives),
+            Self::Motion => ids!(motions),
+            Self::Friction => ids!(frictions),
+        }
+    }
+}
+
+impl<'m> Compiler<'m> {
+    /// A compiler for the objects of `model`.
+    pub fn new(model: &'m Model) -> Self {
+        Self {
+            model,
+            ids: std::array::from_fn(|_| OnceCell::new()),
+            pair_forces: OnceCell::new(),
+            interpolants: RefCell::default(),
+        }
+    }
+
+    /// Compiles one expression.
+    ///
+    /// # Errors
+    /// A diagnostic without a place: an id that the model does not define, an argument that has to be an id or a code and is none, or
+    /// a function that only real ADAMS evaluates, by name.
+    pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
+        Build::new(self, expression).whole()
+    }
+
+    pub(super) fn find(&self, space: Space, id: u32) -> Option<usize> {
+        self.ids[space as usize]
+            .get_or_init(|| space.index(self.model))
+            .get(&id)
+            .copied()
+    }
+
+    /// Where the model has a force by a law, by its statement and id.
+    pub(super) fn find_pair_force(&self, kind: &str, id: u32) -> Option<usize> {
+        let all = || self.model.pair_forces.iter().enumerate();
+        self.pair_forces
+            .get_or_init(|| {
+                all()
+                    .map(|(at, force)| ((force.def.name, force.header.id), at))
+                    .collect()
+            })
+            .get(&(kind, id))
+            .copied()
+    }
+
+    pub(super) fn interpolant(&self, spline: usize, method: Method) -> Option<Arc<Interpolant>> {
+        let mut prepared = self.interpolants.borrow_mut();
+        if let Some(found) = prepared.get(&(spline, method)) {
+            return Some(Arc::clone(found));
+        }
+        let made = Arc::new(Interpolant::new(&self.model.splines[spline], method)?);
+        prepared.insert((spline, method), Arc::clone(&made));
+        Some(made)
+    }
+}

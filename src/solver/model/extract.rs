@@ -1,0 +1,292 @@
+//! A part and what hangs on it as a dataset of its own.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{Model, PartKind};
+use crate::mechanics::psi_theta_phi;
+use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use admire_syntax::text::Edit;
+use admire_syntax::{Dataset, NewStatement, Object, Removal, Statement, Topology};
+
+/// The edits that leave of a dataset only some bodies, what is attached to them, and what these need. Markers on other bodies become
+/// markers on ground where the design puts them, so that the elements hold the bodies as the rest of the model would at rest.
+///
+/// Complaints: functions that measure what is now at rest.
+///
+/// # Errors
+/// `no-ground` without a ground part; `unknown-target` if an element needs what is not attached to the bodies, or a marker on a
+/// body whose place only ADAMS knows.
+pub fn extract(
+    dataset: &Dataset,
+    model: &Model,
+    bodies: &BTreeSet<Object>,
+) -> Result<Checked<Vec<Edit>>, Diagnostic> {
+    let statements = dataset.statements();
+    let ground = model.ground().ok_or_else(|| {
+        Diagnostic::error(Code::NoGround, "the dataset has no ground to hold the rest")
+    })?;
+    let ground: Object = ("part", model.parts[ground.0].header.id);
+    let topology = Topology::of(dataset);
+    let places: BTreeMap<Object, usize> = statements
+        .iter()
+        .enumerate()
+        .rev()
+        .filter_map(|(at, statement)| Some((statement.object()?, at)))
+        .collect();
+    let mut chosen = Chosen {
+        dataset,
+        places: &places,
+        bodies,
+        ground,
+        topology: &topology,
+        kept: BTreeSet::new(),
+        measured: Vec::new(),
+    };
+    for (at, statement) in statements.iter().enumerate() {
+        let own = statement
+            .object()
+            .is_some_and(|object| bodies.contains(&object) || object == ground);
+        let of_marker = statement.kind() == Some("MARKER")
+            && statement
+                .number()
+                .and_then(|id| topology.body(id))
+                .is_some_and(|body| bodies.contains(&body));
+        let touches = !statement.is_body()
+            && statement.kind() != Some("MARKER")
+            && topology
+                .attached(statement)
+                .iter()
+                .any(|body| bodies.contains(body));
+        // Settings have no id; what of another one's objects they name is taken out of them.
+        if own || of_marker || touches || statement.object().is_none() {
+            chosen.kept.insert(at);
+        }
+    }
+    chosen.close()?;
+    chosen.driven();
+    chosen.close()?;
+    let removed: BTreeSet<usize> = (0..statements.len())
+        .filter(|at| !chosen.kept.contains(at))
+        .collect();
+    let mut removal = Removal {
+        statements: removed,
+        arguments: BTreeSet::new(),
+    };
+    for at in &chosen.kept {
+        let statement = &statements[*at];
+        if statement.object().is_some() && !statement.is_body() {
+            continue;
+        }
+        for (k, argument) in statement.arguments.iter().enumerate() {
+            let lost = argument.references().iter().any(|reference| {
+                places
+                    .get(&(reference.space, reference.id))
+                    .is_some_and(|place| removal.statements.contains(place))
+            });
+            if lost {
+                removal.arguments.insert((*at, k));
+            }
+        }
+    }
+    let mut edits = dataset.removal_edits(&removal);
+    for at in &chosen.kept {
+        let statement = &statements[*at];
+        if statement.kind() == Some("MARKER")
+            && let Some(id) = statement.number()
+            && let Some(body) = topology.body(id)
+            && body != ground
+            && !bodies.contains(&body)
+        {
+            edits.push(on_ground(dataset, model, statement, ground.1)?);
+        }
+    }
+    Ok(Checked {
+        value: edits,
+        diagnostics: chosen.measured,
+    })
+}
+
+struct Chosen<'a> {
+    dataset: &'a Dataset,
+    places: &'a BTreeMap<Object, usize>,
+    bodies: &'a BTreeSet<Object>,
+    ground: Object,
+    topology: &'a Topology,
+    kept: BTreeSet<usize>,
+    measured: Vec<Diagnostic>,
+}
+
+impl Chosen<'_> {
+    /// Takes what the kept statements name.
+    fn close(&mut self) -> Result<(), Diagnostic> {
+        let mut open: Vec<usize> = self.kept.iter().copied().collect();
+        while let Some(at) = open.pop() {
+            let statement = &self.dataset.statements()[at];
+            if statement.object().is_none() {
+                continue;
+            }
+            for argument in &statement.arguments {
+                for reference in argument.references() {
+                    let Some(&place) = self.places.get(&(reference.space, reference.id)) else {
+                        continue;
+                    };
+                    let named = &self.dataset.statements()[place];
+                    if named.is_body() {
+                        // A marker says itself where it is; CM and the like are markers.
+                        continue;
+                    }
+                    if !self.kept.contains(&place) {
+                        if !is_data(named) {
+                            return Err(self.refuse(statement, named));
+                        }
+                        self.kept.insert(place);
+                        open.push(place);
+                    }
+                    if matches!(argument.value, admire_syntax::Value::Function(_)) {
+                        self.measures(statement, named);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Motions, friction, couplers and graphics of kept joints and forces: all that names nothing else.
+    fn driven(&mut self) {
+        for (at, statement) in self.dataset.statements().iter().enumerate() {
+            let names: Vec<usize> = statement
+                .arguments
+                .iter()
+                .flat_map(admire_syntax::Argument::references)
+                .filter_map(|reference| self.places.get(&(reference.space, reference.id)).copied())
+                .collect();
+            let of_elements = names.iter().any(|place| {
+                let named = &self.dataset.statements()[*place];
+                !named.is_body() && !is_data(named)
+            });
+            if of_elements
+                && !self.kept.contains(&at)
+                && names.iter().all(|place| self.kept.contains(place))
+            {
+                self.kept.insert(at);
+            }
+        }
+    }
+
+    fn measures(&mut self, statement: &Statement, marker: &Statement) {
+        let body = marker.number().and_then(|id| self.topology.body(id));
+        if marker.kind() == Some("MARKER")
+            && body.is_some_and(|body| body != self.ground && !self.bodies.contains(&body))
+        {
+            let message = format!(
+                "{} measures {}, which is at rest in the extract",
+                title(self.dataset, statement),
+                title(self.dataset, marker)
+            );
+            if self.measured.iter().all(|found| found.message != message) {
+                self.measured.push(
+                    Diagnostic::warning(Code::UnknownTarget, message)
+                        .label(self.dataset.source().name(), statement.keyword, "")
+                        .help("extract the other part, too, if its motion matters"),
+                );
+            }
+        }
+    }
+
+    fn refuse(&self, statement: &Statement, named: &Statement) -> Diagnostic {
+        let message = format!(
+            "{} needs {}, which is not attached to what is extracted",
+            title(self.dataset, statement),
+            title(self.dataset, named)
+        );
+        Diagnostic::error(Code::UnknownTarget, message)
+            .label(self.dataset.source().name(), statement.keyword, "")
+            .help("extract one of its parts, too")
+    }
+}
+
+/// What others use and nothing is attached to: it comes along wherever it is named.
+fn is_data(statement: &Statement) -> bool {
+    matches!(
+        statement.kind(),
+        Some(
+            "MARKER"
+                | "SPLINE"
+                | "CURVE"
+                | "SURFACE"
+                | "VARIABLE"
+                | "ARRAY"
+                | "MATRIX"
+                | "STRING"
+                | "DIFF"
+                | "LSE"
+                | "GSE"
+                | "TFSISO"
+                | "SENSOR"
+                | "PINPUT"
+                | "POUTPUT"
+                | "PSTATE"
+                | "MATERIAL"
+                | "SECTION"
+                | "GRAPHICS"
+        )
+    )
+}
+
+fn title(dataset: &Dataset, statement: &Statement) -> String {
+    let kind = statement.kind().unwrap_or("statement");
+    let id = statement.number().unwrap_or_default();
+    match statement.view_name {
+        Some(name) => format!("{kind}/{id} ({})", dataset.source().text(name)),
+        None => format!("{kind}/{id}"),
+    }
+}
+
+/// The marker where the design puts it, on ground.
+fn on_ground(
+    dataset: &Dataset,
+    model: &Model,
+    statement: &Statement,
+    ground: u32,
+) -> Result<Edit, Diagnostic> {
+    let id = statement.number().unwrap_or_default();
+    let found = model.marker(id).map(|index| &model.markers[index.0]);
+    let part = found.map(|marker| &model.parts[marker.part.0]);
+    let (Some(marker), Some(part)) = (found, part.filter(|part| part.kind != PartKind::External))
+    else {
+        let message = format!("where {} is only ADAMS knows", title(dataset, statement));
+        return Err(Diagnostic::error(Code::UnknownTarget, message)
+            .label(dataset.source().name(), statement.keyword, "")
+            .help("extract the body it is on, too"));
+    };
+    let mut arguments = vec![("PART".to_string(), Some(ground.to_string()))];
+    if marker.floating {
+        arguments.push(("FLOATING".to_string(), None));
+    } else {
+        let p = part.pose.point(&marker.qp);
+        let angles = psi_theta_phi(&(part.pose.R * marker.R));
+        let list = |values: [f64; 3], suffix: &str| {
+            values
+                .map(|value| format!("{}{suffix}", rounded(value)))
+                .join(", ")
+        };
+        arguments.push(("QP".to_string(), Some(list([p.x, p.y, p.z], ""))));
+        arguments.push((
+            "REULER".to_string(),
+            Some(list(angles.map(f64::to_degrees), "D")),
+        ));
+    }
+    let new = NewStatement {
+        kind: "MARKER".to_string(),
+        id: Some(id),
+        view_name: None,
+        arguments,
+    };
+    Ok(Edit::new(statement.span, dataset.written(&new)))
+}
+
+/// Fifteen digits, without the noise of a rotation there and back.
+fn rounded(value: f64) -> f64 {
+    let value: f64 = format!("{value:.14e}").parse().unwrap_or(value);
+    if value.abs() < 1e-12 { 0.0 } else { value }
+}

@@ -1,0 +1,137 @@
+use super::Design;
+use crate::mechanics::Vec3;
+use crate::model::{Model, PartKind};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+/// Nothing longer is a mechanism, in metres.
+const LONGEST: f64 = 1e3;
+/// What is longer than this weighs something, in metres and kilograms per metre: a rope of 10 mm weighs half a kilogram.
+const LONG: f64 = 50.0;
+const LIGHTEST: f64 = 0.3;
+/// Kilograms in the cube of the mechanism's size, per cubic metre: iron has 8e3, osmium 2e4.
+const DENSEST: f64 = 1e8;
+/// Gravity over that of the Earth: the Moon has 0.17, Jupiter 2.5.
+const GRAVITY: std::ops::Range<f64> = 0.1..10.0;
+/// Of a bushing, in newtons per metre: a cubic metre of steel has 2e11.
+const STIFFEST: f64 = 1e14;
+/// Of all parts together, in kilograms: the largest ships have 7e8.
+const HEAVIEST: f64 = 1e10;
+
+/// Earth's gravity, m/s2.
+const G0: f64 = 9.80665;
+
+/// A mechanism that is unlike anything built in the units it states: an error where two quantities say so. Decks without UNITS are not
+/// asked.
+pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
+    let model = design.model;
+    let Some(stated) = design.dataset.statement("UNITS", None) else {
+        return;
+    };
+    if !model.units.stated {
+        return;
+    }
+    let reasons = reasons(design);
+    let (Some(first), several) = (reasons.first(), reasons.len() > 1) else {
+        return;
+    };
+    let units = &model.units;
+    let message = format!(
+        "in {}, {}, {} and {} {}",
+        units.force.word,
+        units.mass.word,
+        units.length.word,
+        units.time.word,
+        if several {
+            reasons.join(", and ")
+        } else {
+            first.clone()
+        }
+    );
+    let diagnostic = if several {
+        Diagnostic::error(Code::ImplausibleUnits, message)
+    } else {
+        Diagnostic::warning(Code::ImplausibleUnits, message)
+    };
+    found.push(
+        diagnostic
+            .label(design.dataset.source().name(), stated.keyword, "")
+            .help("UNITS says what the numbers are in; it does not convert them"),
+    );
+}
+
+fn reasons(design: &Design<'_>) -> Vec<String> {
+    let model = design.model;
+    let units = &model.units;
+    let (metre, kilogram) = (units.length.si, units.mass.si);
+    let mut reasons = Vec::new();
+    let mass = kilogram * model.parts.iter().map(|part| part.mass).sum::<f64>();
+    let length = metre * extent(design);
+    if length > LONGEST || (length > LONG && mass > 0.0 && mass / length < LIGHTEST) {
+        reasons.push(format!(
+            "the mechanism is {} m long and weighs {} kg",
+            short(length),
+            short(mass)
+        ));
+    }
+    let size = length.max(2.0 * metre * widest(model));
+    if size > 0.0 && mass / size.powi(3) > DENSEST {
+        reasons.push(format!("{} kg are within {} m", short(mass), short(size)));
+    }
+    let gravity = model.gravity.norm() * metre / units.time.si.powi(2);
+    if gravity > 0.0 && !GRAVITY.contains(&(gravity / G0)) {
+        reasons.push(format!("gravity is {} m/s2, not 9.81", short(gravity)));
+    }
+    let stiffest = metre.recip() * units.force.si * stiffest(model);
+    if stiffest > STIFFEST {
+        reasons.push(format!("a stiffness is {} N/m", short(stiffest)));
+    }
+    if mass > HEAVIEST {
+        reasons.push(format!("the parts weigh {} kg", short(mass)));
+    }
+    reasons
+}
+
+/// Three digits, with an exponent only where they would be many.
+fn short(value: f64) -> String {
+    if (1e-3..1e6).contains(&value) {
+        let places = (2 - libm::log10(value).floor() as i32).max(0) as usize;
+        format!("{value:.places$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// The diagonal of the box around the markers of all moving parts, in the deck's units.
+fn extent(design: &Design<'_>) -> f64 {
+    let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+    for (at, marker) in design.model.markers.iter().enumerate() {
+        let part = &design.model.parts[marker.part.0];
+        if part.kind == PartKind::Ground {
+            continue;
+        }
+        if let Some(pose) = design.pose(crate::model::MarkerIx(at)) {
+            (low, high) = (low.inf(&pose.p), high.sup(&pose.p));
+        }
+    }
+    let diagonal = (high - low).norm();
+    if diagonal.is_finite() { diagonal } else { 0.0 }
+}
+
+/// The largest radius of gyration of a part.
+fn widest(model: &Model) -> f64 {
+    let radius = |part: &crate::model::Part| {
+        let most = part.ip[..3].iter().copied().fold(0.0, f64::max);
+        if part.mass > 0.0 {
+            (most / part.mass).sqrt()
+        } else {
+            0.0
+        }
+    };
+    model.parts.iter().map(radius).fold(0.0, f64::max)
+}
+
+/// The largest translational stiffness of a bushing.
+fn stiffest(model: &Model) -> f64 {
+    let bushings = model.bushings.iter().flat_map(|bushing| bushing.k);
+    bushings.fold(0.0, f64::max)
+}

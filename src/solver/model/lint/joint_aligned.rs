@@ -1,0 +1,240 @@
+use super::Design;
+use crate::mechanics::{Pose, Vec3};
+use crate::model::{Header, JointKind, MarkerIx, Model, PrimitiveKind};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+/// Origins may be so far apart, as a share of the size of the model: what ten printed digits leave.
+const GAP: f64 = 1e-5;
+/// Axes may differ by so much, in degrees: ADAMS tells nothing of joints that are tilted by nearly as much (grammar/NOTES.md).
+const TILT: f64 = 1.0;
+
+/// What a constraint asks of its markers at the design position.
+#[derive(Clone, Copy, Default)]
+struct Wanted {
+    /// Which components of the distance of I from J, in J axes, are zero.
+    distance: [bool; 3],
+    /// Axes of I along the same axes of J.
+    x_along_x: bool,
+    z_along_z: bool,
+    /// The z axes are parallel in either direction.
+    z_parallel: bool,
+    /// The z axes are normal.
+    z_normal: bool,
+    /// x of I is normal to y of J.
+    x_normal_y: bool,
+}
+
+/// Joints and primitives whose markers do not lie as the constraint needs them at the design position.
+pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
+    let size = size(design.model);
+    for (kind, header, markers, wanted) in pairs(design.model) {
+        pair(design, kind, header, markers, wanted, size, found);
+    }
+}
+
+/// How far the origins of a constraint's markers are apart where they should not be.
+pub struct Apart {
+    /// The name of the constraint.
+    pub name: String,
+    /// From J to I, in the axes of J; zero along axes that are free.
+    pub distance: Vec3,
+    /// The axes of J that are not free.
+    pub counts: [bool; 3],
+}
+
+/// The active constraints whose markers are apart at the design position, in the order of the model.
+pub fn apart(model: &Model) -> Vec<Apart> {
+    let size = size(model);
+    let mut found = Vec::new();
+    for (_, header, (i, j), wanted) in pairs(model).filter(|(_, header, ..)| header.active) {
+        let (Some(i), Some(j)) = (model.marker_pose(i), model.marker_pose(j)) else {
+            continue;
+        };
+        let distance = distance(&i, &j, wanted);
+        if distance.norm() > GAP * size {
+            found.push(Apart {
+                name: header.name.clone(),
+                distance,
+                counts: wanted.distance,
+            });
+        }
+    }
+    found
+}
+
+/// Every constraint of two markers, and what it asks of them.
+fn pairs(
+    model: &Model,
+) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Wanted)> {
+    let joints = model.joints.iter().map(|joint| {
+        let markers = (joint.i, joint.j);
+        ("JOINT", &joint.header, markers, of_joint(joint.kind))
+    });
+    let primitives = model.primitives.iter().map(|primitive| {
+        let markers = (primitive.i, primitive.j);
+        let wanted = of_primitive(primitive.kind);
+        ("JPRIM", &primitive.header, markers, wanted)
+    });
+    joints.chain(primitives)
+}
+
+fn of_joint(kind: JointKind) -> Wanted {
+    let point = Wanted {
+        distance: [true; 3],
+        ..Wanted::default()
+    };
+    let line = Wanted {
+        distance: [true, true, false],
+        z_along_z: true,
+        ..Wanted::default()
+    };
+    match kind {
+        JointKind::Spherical | JointKind::Convel => point,
+        JointKind::Revolute => Wanted {
+            z_along_z: true,
+            ..point
+        },
+        JointKind::Fixed => Wanted {
+            z_along_z: true,
+            x_along_x: true,
+            ..point
+        },
+        JointKind::Cylindrical => line,
+        JointKind::Translational => Wanted {
+            x_along_x: true,
+            ..line
+        },
+        JointKind::Planar => Wanted {
+            distance: [false, false, true],
+            z_along_z: true,
+            ..Wanted::default()
+        },
+        JointKind::Hooke => Wanted {
+            x_normal_y: true,
+            ..point
+        },
+        JointKind::Universal => Wanted {
+            z_normal: true,
+            ..point
+        },
+        // One relation of travel and turn: any position is a start.
+        JointKind::Screw { .. } | JointKind::RackPin { .. } => Wanted::default(),
+    }
+}
+
+fn of_primitive(kind: PrimitiveKind) -> Wanted {
+    let none = Wanted::default();
+    match kind {
+        PrimitiveKind::AtPoint => Wanted {
+            distance: [true; 3],
+            ..none
+        },
+        PrimitiveKind::Inline => Wanted {
+            distance: [true, true, false],
+            ..none
+        },
+        PrimitiveKind::Inplane => Wanted {
+            distance: [false, false, true],
+            ..none
+        },
+        PrimitiveKind::Orientation => Wanted {
+            x_along_x: true,
+            z_along_z: true,
+            ..none
+        },
+        PrimitiveKind::ParallelAxes => Wanted {
+            z_parallel: true,
+            ..none
+        },
+        PrimitiveKind::Perpendicular => Wanted {
+            z_normal: true,
+            ..none
+        },
+    }
+}
+
+/// The diagonal of the box that holds every marker.
+fn size(model: &Model) -> f64 {
+    let mut low = Vec3::repeat(f64::INFINITY);
+    let mut high = Vec3::repeat(f64::NEG_INFINITY);
+    for index in 0..model.markers.len() {
+        if let Some(pose) = model.marker_pose(MarkerIx(index)) {
+            low = low.inf(&pose.p);
+            high = high.sup(&pose.p);
+        }
+    }
+    let diagonal = (high - low).norm();
+    if diagonal.is_finite() { diagonal } else { 0.0 }
+}
+
+fn pair(
+    design: &Design<'_>,
+    kind: &str,
+    header: &Header,
+    (i, j): (MarkerIx, MarkerIx),
+    wanted: Wanted,
+    size: f64,
+    found: &mut Vec<Diagnostic>,
+) {
+    let Some((i, j)) = design.pair(i, j) else {
+        return;
+    };
+    let faults = faults(&i, &j, wanted, size, design.model.units.length.word);
+    if faults.is_empty() {
+        return;
+    }
+    let message = format!(
+        "the markers of {} are not aligned at the design position: {}",
+        design.title(kind, header),
+        faults.join("; ")
+    );
+    found.push(
+        design.warning(Code::JointNotAligned, header, message).help(
+            "the parts are moved when the model is assembled; mend QP and REULER of a marker",
+        ),
+    );
+}
+
+/// Distance of I from J, in J axes; zero along axes that are free.
+fn distance(i: &Pose, j: &Pose, wanted: Wanted) -> Vec3 {
+    let p_ij_j = j.R.transpose() * (i.p - j.p);
+    Vec3::from_fn(|axis, _| {
+        if wanted.distance[axis] {
+            p_ij_j[axis]
+        } else {
+            0.0
+        }
+    })
+}
+
+fn faults(i: &Pose, j: &Pose, wanted: Wanted, size: f64, unit: &str) -> Vec<String> {
+    let mut faults = Vec::new();
+    let off = distance(i, j, wanted);
+    if off.norm() > GAP * size {
+        faults.push(format!("I is {:.4} {unit} away", off.norm()));
+    }
+    let R_ji = j.R.transpose() * i.R;
+    let between = |a: usize, b: usize| libm::acos(R_ji[(b, a)].clamp(-1.0, 1.0)).to_degrees();
+    let mut tilt = |angle: f64, from: f64, text: &str| {
+        if (angle - from).abs() > TILT {
+            faults.push(format!("{text} {angle:.2} degrees, not {from}"));
+        }
+    };
+    if wanted.z_along_z {
+        tilt(between(2, 2), 0.0, "the z axes make");
+    }
+    if wanted.x_along_x {
+        tilt(between(0, 0), 0.0, "the x axes make");
+    }
+    if wanted.z_parallel {
+        let angle = between(2, 2);
+        tilt(angle.min(180.0 - angle), 0.0, "the z axes make");
+    }
+    if wanted.z_normal {
+        tilt(between(2, 2), 90.0, "the z axes make");
+    }
+    if wanted.x_normal_y {
+        tilt(between(0, 1), 90.0, "x of I and y of J make");
+    }
+    faults
+}

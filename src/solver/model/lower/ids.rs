@@ -1,0 +1,113 @@
+use std::collections::hash_map::Entry;
+
+use crate::model::MarkerIx;
+use admire_syntax::Dataset;
+use admire_syntax::grammar::StatementDef;
+use admire_syntax::hash::QuickMap;
+
+/// Where the objects of a dataset are that others refer to, in constant time.
+#[derive(Clone, Debug)]
+pub(super) struct Ids {
+    /// Index into the model's list by id, for each id space.
+    index: QuickMap<&'static str, QuickMap<u32, usize>>,
+    /// The same for markers, which most references are to.
+    markers: QuickMap<u32, usize>,
+    /// True if two statements of one space have the same id.
+    repeats: bool,
+    /// Places of the joints in the model's list, once they are lowered.
+    joints: QuickMap<u32, usize>,
+}
+
+/// The id spaces of bodies: they share one list of the model.
+const BODIES: [&str; 4] = ["part", "point_mass", "flex_body", "fe_part"];
+
+/// True for PART, POINT_MASS and the bodies only real ADAMS solves.
+pub(super) fn is_body(def: &StatementDef) -> bool {
+    def.id.is_some_and(|space| BODIES.contains(&space))
+}
+
+impl Ids {
+    /// The ids of a dataset: bodies and markers get the index they will have, everything else the index of its statement.
+    pub(crate) fn of(dataset: &Dataset) -> Self {
+        let mut index: QuickMap<&'static str, QuickMap<u32, usize>> = QuickMap::default();
+        let mut bodies = 0;
+        let mut markers = QuickMap::default();
+        let mut repeats = false;
+        for (at, statement) in dataset.statements().iter().enumerate() {
+            let (Some(def), Some(id)) = (statement.def, statement.number()) else {
+                continue;
+            };
+            let Some(space) = def.id else {
+                continue;
+            };
+            let known = if space == "marker" {
+                &mut markers
+            } else {
+                index.entry(space).or_default()
+            };
+            let next = if BODIES.contains(&space) {
+                bodies
+            } else if space == "marker" {
+                known.len()
+            } else {
+                at
+            };
+            match known.entry(id) {
+                Entry::Occupied(_) => repeats = true,
+                Entry::Vacant(place) => {
+                    place.insert(next);
+                    bodies += usize::from(BODIES.contains(&space));
+                }
+            }
+        }
+        Self {
+            index,
+            markers,
+            repeats,
+            joints: QuickMap::default(),
+        }
+    }
+
+    /// Index of a body or a marker in the model's list; of the statement for the rest of a dataset.
+    pub(crate) fn index(&self, space: &str, id: u32) -> Option<usize> {
+        match space {
+            "marker" => self.markers.get(&id).copied(),
+            space => self.index.get(space)?.get(&id).copied(),
+        }
+    }
+
+    pub(crate) fn marker(&self, id: u32) -> Option<MarkerIx> {
+        self.index("marker", id).map(MarkerIx)
+    }
+
+    /// True if an object of this id space has the id.
+    pub(crate) fn defines(&self, space: &str, id: u32) -> bool {
+        self.index(space, id).is_some()
+    }
+
+    /// True if two statements of a dataset have the same id in one space.
+    pub(crate) fn repeats(&self) -> bool {
+        self.repeats
+    }
+
+    /// Ids of a space in order, for suggestions.
+    pub(crate) fn all(&self, space: &str) -> Vec<u32> {
+        let ids = match space {
+            "marker" => Some(&self.markers),
+            space => self.index.get(space),
+        };
+        let mut all: Vec<u32> = ids.into_iter().flat_map(QuickMap::keys).copied().collect();
+        all.sort_unstable();
+        all
+    }
+
+    /// Index of a joint in the model's list.
+    pub(crate) fn joint(&self, id: u32) -> Option<usize> {
+        self.joints.get(&id).copied()
+    }
+
+    /// After the joints were lowered: their ids in the order of the model's list.
+    pub(crate) fn set_joints(&mut self, ids: impl Iterator<Item = u32>) {
+        self.joints = ids.enumerate().map(|(at, id)| (id, at)).collect();
+    }
+}

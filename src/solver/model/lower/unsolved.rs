@@ -1,0 +1,48 @@
+use super::frame;
+use admire_syntax::Stated;
+use admire_syntax::diagnostic::Code;
+use admire_syntax::grammar::{Solved, StatementDef};
+
+/// Why only real ADAMS can solve a statement; `None` if the built-in solver does, or if statics does not need it.
+pub(super) fn unsolved(statement: &Stated, def: &'static StatementDef) -> Option<(Code, String)> {
+    match def.solved {
+        Solved::External(why) => return Some((Code::NotSolvedNatively, why.to_string())),
+        Solved::Subroutine(why) => return Some((Code::UserSubroutine, why.to_string())),
+        Solved::Native(_) | Solved::NoEffect(_) => {}
+    }
+    let formulation = statement
+        .choices("FORMULATION")
+        .and_then(|words| words.first().copied());
+    let reason = match def.name {
+        "COUPLER" | "FIELD" | "SPLINE" | "GFORCE" | "VFORCE" | "VTORQUE"
+            if statement.is_user("FUNCTION") =>
+        {
+            let why = "its values come from a user subroutine";
+            return Some((Code::UserSubroutine, why.to_string()));
+        }
+        "FIELD" if formulation == Some("NONLINEAR") => {
+            "FORMULATION=NONLINEAR: its law is not published"
+        }
+        "FRICTION" if formulation == Some("LUGRE") => "FORMULATION=LUGRE: its law is not published",
+        "FRICTION"
+            if statement.has("MAX_FRICTION_FORCE") || statement.has("MAX_FRICTION_TORQUE") =>
+        {
+            "how ADAMS limits its force is not published"
+        }
+        "BEAM" if formulation == Some("STRING") => {
+            "FORMULATION=STRING: its simplified non-linear law is not published"
+        }
+        "BEAM" if formulation == Some("NONLINEAR") => {
+            "FORMULATION=NONLINEAR: the discretisation of its Euler-Bernoulli law is not published"
+        }
+        "MARKER" if frame::moves(statement) => {
+            "it moves along a curve or on a surface, which the built-in solver does not follow"
+        }
+        "SPLINE" if statement.has("FILE") => "its points are in a file that was not read",
+        "GFORCE" | "VFORCE" | "VTORQUE" if statement.has("FXYZ") || statement.has("TXYZ") => {
+            "vector expressions are not evaluated by the built-in solver"
+        }
+        _ => return None,
+    };
+    Some((Code::NotSolvedNatively, reason.to_string()))
+}

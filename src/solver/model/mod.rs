@@ -1,0 +1,213 @@
+//! The resolved model: typed, named objects with numbers in the dataset's units and angles in radians.
+//!
+//! Knows nothing about how it was written. Each object keeps its `origin`, the statement it came from; the bytes of a number
+//! are found through its [`Address`](crate::syntax) in the dataset.
+
+mod constraint;
+mod convert_units;
+mod data;
+mod extract;
+mod force;
+mod frame;
+mod friction;
+pub mod lint;
+mod lower;
+mod object;
+mod settings;
+pub mod summary;
+mod unsolved;
+mod user_force;
+
+pub use constraint::MotionAxis;
+pub use constraint::MotionOrder;
+pub use constraint::PrimitiveKind;
+pub use constraint::{Coupler, Joint, JointKind, Motion};
+pub(crate) use constraint::{CouplerKind, Gcon, Gear, Primitive};
+pub use convert_units::convert_units;
+pub use data::ArrayKind;
+pub use data::LinearStates;
+pub use data::SensorCompare;
+pub(crate) use data::{ArrayData, Diff, PlantPort, Spline, StringData};
+pub use data::{Request, RequestKind, Sensor, Variable};
+pub use extract::extract;
+pub use force::Sforce;
+pub use force::SforceKind;
+pub use force::SpringDamper;
+pub use force::VectorForceKind;
+pub(crate) use force::law_arguments;
+pub use force::{Bushing, PairForce, SpringKind};
+pub(crate) use force::{Nforce, VectorForce};
+pub use frame::InitialVelocity;
+pub use frame::Marker;
+pub(crate) use frame::Relative;
+pub use frame::{MarkerIx, Orientation, Part, PartIx, PartKind};
+pub use friction::Friction;
+pub(crate) use friction::FrictionInputs;
+pub use lower::{Definitions, lower};
+pub use settings::IntegratorSettings;
+pub use settings::KinematicsSettings;
+pub use settings::ResultsSettings;
+pub(crate) use settings::{EquilibriumSettings, OutputSettings, StaticMethod};
+pub use unsolved::Ignore;
+pub(crate) use unsolved::Unsolved;
+pub use unsolved::said_left_out;
+pub(crate) use unsolved::{effect_of, may_be_ignored};
+pub use user_force::replace_user_forces;
+
+use crate::mechanics::{Pose, Vec3};
+use admire_syntax::units::Units;
+
+/// What every object has.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Header {
+    /// The id of its statement.
+    pub id: u32,
+    /// The view name, or kind and id (`PART_2`) where the file gives none.
+    pub name: String,
+    /// Index of its statement in the dataset it came from.
+    pub origin: usize,
+    /// False after DEACTIVATE.
+    pub active: bool,
+}
+
+/// A FUNCTION of the model: its text as written (continuation removed) and the parsed expression.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Function {
+    /// An expression, the one the dataset holds.
+    Expression(std::sync::Arc<admire_syntax::Expression>),
+    /// `USER(...)`: a subroutine only real ADAMS can run. The text as written.
+    User(String),
+}
+
+/// One dataset, resolved.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Model {
+    /// The first line of the dataset.
+    pub title: String,
+    /// Units and the consistency factor.
+    pub units: Units,
+    /// Acceleration of gravity in ground axes.
+    pub gravity: Vec3,
+    /// Parts and point masses in order of appearance. Exactly one is ground.
+    pub parts: Vec<Part>,
+    /// Markers in order of appearance.
+    pub markers: Vec<Marker>,
+    /// JOINTs.
+    pub joints: Vec<Joint>,
+    /// JPRIMs.
+    pub primitives: Vec<Primitive>,
+    /// COUPLERs.
+    pub couplers: Vec<Coupler>,
+    /// GEARs.
+    pub gears: Vec<Gear>,
+    /// GCONs.
+    pub gcons: Vec<Gcon>,
+    /// MOTIONs.
+    pub motions: Vec<Motion>,
+    /// BUSHINGs.
+    pub bushings: Vec<Bushing>,
+    /// FIELDs, BEAMs and all others by a law of the grammar.
+    pub pair_forces: Vec<PairForce>,
+    /// SPRINGDAMPERs.
+    pub springdampers: Vec<SpringDamper>,
+    /// SFORCEs.
+    pub sforces: Vec<Sforce>,
+    /// GFORCEs, VFORCEs and VTORQUEs.
+    pub vector_forces: Vec<VectorForce>,
+    /// NFORCEs.
+    pub nforces: Vec<Nforce>,
+    /// VARIABLEs.
+    pub variables: Vec<Variable>,
+    /// DIFFs.
+    pub diffs: Vec<Diff>,
+    /// LSE, GSE and TFSISO.
+    pub linear_states: Vec<LinearStates>,
+    /// ARRAYs.
+    pub arrays: Vec<ArrayData>,
+    /// SPLINEs.
+    pub splines: Vec<Spline>,
+    /// STRINGs.
+    pub strings: Vec<StringData>,
+    /// SENSORs.
+    pub sensors: Vec<Sensor>,
+    /// PINPUTs, POUTPUTs and PSTATEs.
+    pub plant_ports: Vec<PlantPort>,
+    /// FRICTIONs.
+    pub frictions: Vec<Friction>,
+    /// REQUESTs.
+    pub requests: Vec<Request>,
+    /// EQUILIBRIUM.
+    pub equilibrium: EquilibriumSettings,
+    /// INTEGRATOR.
+    pub integrator: IntegratorSettings,
+    /// KINEMATICS.
+    pub kinematics: KinematicsSettings,
+    /// Arguments of IC that are given: none of them has an effect, initial conditions are met to round-off.
+    pub initial_conditions: Vec<&'static str>,
+    /// OUTPUT.
+    pub output: OutputSettings,
+    /// RESULTS.
+    pub results: ResultsSettings,
+    /// What the built-in solver leaves out.
+    pub unsolved: Vec<Unsolved>,
+}
+
+impl Model {
+    /// The marker with this id.
+    pub fn marker(&self, id: u32) -> Option<MarkerIx> {
+        self.markers
+            .iter()
+            .position(|marker| marker.header.id == id)
+            .map(MarkerIx)
+    }
+
+    /// Where a marker is in ground at the design position; `None` for floating ones and for bodies only real ADAMS places.
+    pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
+        let marker = &self.markers[marker.0];
+        let part = &self.parts[marker.part.0];
+        if marker.floating || part.kind == PartKind::External {
+            return None;
+        }
+        Some(part.pose.compose(&Pose {
+            p: marker.qp,
+            R: marker.R,
+        }))
+    }
+
+    /// True for a marker that is given in the frame of another one of these, whatever is between: it moves along with that one.
+    pub fn moves_with(&self, marker: MarkerIx, others: &[MarkerIx]) -> bool {
+        let parent = |marker: &MarkerIx| {
+            let relative = self.markers[marker.0].relative.as_ref();
+            relative.map(|relative| relative.rm)
+        };
+        // Markers in each other's frames make an endless chain.
+        let chain = std::iter::successors(parent(&marker), parent);
+        chain
+            .take(self.markers.len())
+            .any(|rm| others.contains(&rm))
+    }
+
+    /// How many elements an array has. Those of states and outputs have as many as the equations that they belong to (state_array).
+    pub fn array_size(&self, array: &ArrayData) -> usize {
+        let id = array.header.id;
+        let mut equations = self.linear_states.iter();
+        match &array.kind {
+            ArrayKind::Numbers(numbers) => numbers.len(),
+            ArrayKind::Variables(variables) => variables.len(),
+            ArrayKind::States(size) => equations
+                .find(|of| of.x == id)
+                .map_or(*size, |of| of.a.len()),
+            ArrayKind::Outputs(size) => equations
+                .find(|of| of.y == Some(id))
+                .map_or(*size, |of| of.c.len().max(of.d.len())),
+        }
+    }
+
+    /// The ground part.
+    pub fn ground(&self) -> Option<PartIx> {
+        self.parts
+            .iter()
+            .position(|part| part.kind == PartKind::Ground)
+            .map(PartIx)
+    }
+}

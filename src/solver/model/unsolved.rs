@@ -1,0 +1,171 @@
+//! Statements the built-in solver cannot solve: what each would do, and leaving them out knowingly.
+
+use super::object::Object;
+use super::{Function, Header, Model};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::grammar::{Role, find_statement};
+
+/// A statement the built-in solver cannot solve, and why.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unsolved {
+    /// What every object has.
+    pub header: Header,
+    /// The statement's keyword in capitals.
+    pub kind: &'static str,
+    /// `UserSubroutine`, or `NotSolvedNatively`.
+    pub code: Code,
+    /// Why only real ADAMS can solve it.
+    pub why: String,
+}
+
+impl Object for Unsolved {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn header_mut(&mut self) -> &mut Header {
+        &mut self.header
+    }
+
+    fn is(&self, kind: &str) -> bool {
+        self.kind == kind
+    }
+}
+
+/// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that
+/// act through others, which are refused themselves.
+pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
+    Some(match kind {
+        "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
+        | "SECTION" | "SURFACE" => return None,
+        "CBKSUB" => "its subroutine may change anything between iterations",
+        "CONTACT" => "it would push the parts apart where they touch",
+        "COUPLER" | "CVCV" | "GCON" | "PTCV" | "UCON" => "it would constrain the parts",
+        "FE_LOAD" => "it would load a flexible beam",
+        "FE_PART" | "FLEX_BODY" => "it would deform under its loads",
+        "FRICTION" => "it would hold or brake its joint",
+        "GSE" => "its outputs would feed functions",
+        "MARKER" => "it would move with what hangs on it",
+        "MFORCE" => "it would load the modes of a flexible body",
+        "MOTION" => "it would move its joint",
+        "SPLINE" => "functions read its points",
+        "TIRE" => "it would carry its wheel on the road",
+        _ => "it would exert a force",
+    })
+}
+
+/// Says that a statement is left out as asked, and what it would do.
+pub fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
+    let effect = effect_of(kind).unwrap_or_default();
+    let name = &header.name;
+    Diagnostic::warning(
+        Code::NotSolvedNatively,
+        format!(
+            "{kind}/{} '{name}' is left out as asked: {effect}",
+            header.id
+        ),
+    )
+}
+
+/// Statements that may be left out knowingly: forces and constraints. Bodies, markers and data have others that hang on them.
+const LEFT_OUT: [&str; 19] = [
+    "BEAM", "CBKSUB", "CONTACT", "COUPLER", "CVCV", "FE_LOAD", "FIELD", "FRICTION", "GCON",
+    "GFORCE", "GSE", "MFORCE", "MOTION", "PTCV", "SFORCE", "TIRE", "UCON", "VFORCE", "VTORQUE",
+];
+
+/// True for kinds of statements that may be left out knowingly.
+pub(crate) fn may_be_ignored(kind: &str) -> bool {
+    LEFT_OUT.contains(&kind)
+}
+
+/// What a user lets the built-in solver leave out: all statements of a kind that are not solved, or one of them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Ignore {
+    kind: &'static str,
+    id: Option<u32>,
+}
+
+impl Ignore {
+    /// Reads `CONTACT, FRICTION/3`.
+    ///
+    /// # Errors
+    /// A word that is no statement, or one that cannot be left out: the message names it and what can be.
+    pub fn parse(list: &str) -> Result<Vec<Self>, String> {
+        let words = list.split([',', ';', ' ']).filter(|word| !word.is_empty());
+        words.map(Self::word).collect()
+    }
+
+    fn word(word: &str) -> Result<Self, String> {
+        let (kind, id) = match word.split_once('/') {
+            Some((kind, id)) => (kind, Some(id)),
+            None => (word, None),
+        };
+        let found = find_statement(kind.as_bytes(), Role::Dataset).found();
+        let number = id.map(str::parse).transpose();
+        match (found, number) {
+            (Some(def), Ok(id)) if may_be_ignored(def.name) => Ok(Self { kind: def.name, id }),
+            _ => Err(format!(
+                "`{word}` cannot be left out; what can is not solved and a force or a constraint: {}",
+                LEFT_OUT.join(", ")
+            )),
+        }
+    }
+
+    fn covers(self, kind: &str, header: &Header) -> bool {
+        self.kind == kind && self.id.is_none_or(|id| id == header.id)
+    }
+}
+
+impl Model {
+    /// Switches off what is not solved and may be ignored. Gives the kind and the header of each statement that was on.
+    pub fn leave_out(&mut self, ignored: &[Ignore]) -> Vec<(&'static str, Header)> {
+        let mut out = Vec::new();
+        let mut leave = |kind: &'static str, header: &mut Header| {
+            if header.active && ignored.iter().any(|i| i.covers(kind, header)) {
+                header.active = false;
+                out.push((kind, header.clone()));
+            }
+        };
+        for unsolved in &mut self.unsolved {
+            leave(unsolved.kind, &mut unsolved.header);
+        }
+        let user = |function: &Function| matches!(function, Function::User(_));
+        for friction in &mut self.frictions {
+            leave("FRICTION", &mut friction.header);
+        }
+        for force in self.sforces.iter_mut().filter(|f| user(&f.function)) {
+            leave("SFORCE", &mut force.header);
+        }
+        for motion in self.motions.iter_mut().filter(|m| user(&m.function)) {
+            leave("MOTION", &mut motion.header);
+        }
+        for gcon in self.gcons.iter_mut().filter(|g| user(&g.function)) {
+            leave("GCON", &mut gcon.header);
+        }
+        for force in &mut self.vector_forces {
+            if force.components.iter().flatten().any(user) {
+                let kind = LEFT_OUT.into_iter().find(|kind| force.is(kind));
+                leave(kind.unwrap_or("GFORCE"), &mut force.header);
+            }
+        }
+        out
+    }
+
+    /// True if an object with a function is switched off.
+    pub(crate) fn is_off(&self, kind: &str, id: u32) -> bool {
+        fn off<T: Object>(list: &[T], kind: &str, id: u32) -> bool {
+            list.iter()
+                .any(|o| !o.header().active && o.header().id == id && o.is(kind))
+        }
+        match kind {
+            "SFORCE" => off(&self.sforces, kind, id),
+            "GFORCE" | "VFORCE" | "VTORQUE" => off(&self.vector_forces, kind, id),
+            "MOTION" => off(&self.motions, kind, id),
+            "GCON" => off(&self.gcons, kind, id),
+            "VARIABLE" => off(&self.variables, kind, id),
+            "DIFF" => off(&self.diffs, kind, id),
+            "SENSOR" => off(&self.sensors, kind, id),
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! USER forces that only read an Adams/Car property file, rewritten as functions of its curves.
+//!
+//! Knows which numbers of the parameter list may be the id of a STRING with the name of such a file, and nothing of what else the
+//! list tells its subroutine: preloads, offsets, scales of the instance. A force with such numbers keeps its subroutine unless the
+//! user says that they do nothing.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use super::Model;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::files::Files;
+use admire_syntax::property::{PropertyFile, PropertyKind};
+use admire_syntax::text::Edit;
+use admire_syntax::units::Units;
+use admire_syntax::{Address, Dataset, Statement, Value};
+
+/// What became of the USER forces of a dataset.
+#[derive(Clone, Debug, Default)]
+pub struct Replacement {
+    /// The new statements in place of the old ones.
+    pub edits: Vec<Edit>,
+    /// What was assumed, and why others stay.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Longest line of the numbers of a spline.
+const LINE: usize = 76;
+/// AKISPL wants so many points.
+const AKIMA: usize = 4;
+
+/// Rewrites every GFORCE of a `.bus` file and every SFORCE of a `.spr`, `.bum` or `.reb` file that is at hand.
+///
+/// With d the deformation of I from RM in the axes of RM, a the projected angles and c the curves in units of the model:
+/// bushing `F = -c(d)`, `T = -c(a)` on I; spring `F = c(L - DM)`, L its free length; bump stop `F = c(L - DM)` where that is
+/// positive, rebound stop `F = -c(DM - L)`, L the distance at which it begins to touch. `lengths` gives L; for springs the
+/// FREE_LENGTH of the file holds where it is not given. Damping is added to bushings at their rates: nothing in statics.
+///
+/// A parameter list may begin with a number that chooses the subroutine and must hold the id of the STRING; whatever else in it is not
+/// zero may change the force. Such a force stays, with these numbers named, unless it is among `plain`.
+pub fn replace_user_forces(
+    dataset: &Dataset,
+    files: &Files,
+    lengths: &[(Address, f64)],
+    plain: &[Address],
+) -> Replacement {
+    let units = Model::lower(dataset).value.units;
+    let mut work = Work {
+        dataset,
+        files,
+        units,
+        lengths,
+        plain,
+        splines: ids(dataset, "SPLINE").last().copied().unwrap_or(0),
+        out: Replacement::default(),
+    };
+    for statement in dataset.statements() {
+        let user = match statement.argument("FUNCTION").map(|a| &a.value) {
+            Some(Value::User(span)) => *span,
+            _ => continue,
+        };
+        let (Some(kind @ ("GFORCE" | "SFORCE")), Some(id)) = (statement.kind(), statement.number())
+        else {
+            continue;
+        };
+        let address = Address {
+            kind: kind.to_string(),
+            id: Some(id),
+            argument: None,
+            index: None,
+        };
+        match work.functions(statement, &address, &dataset.source().text(user)) {
+            Ok((functions, splines)) => work.rewrite(statement, &functions, &splines),
+            Err(diagnostic) => {
+                let name = dataset.source().name();
+                work.out.diagnostics.push(diagnostic.label(name, user, ""));
+            }
+        }
+    }
+    work.out
+}
+
+/// Component and its function.
+type Functions = Vec<(&'static str, String)>;
+type Splines = Vec<String>;
+
+struct Work<'a> {
+    dataset: &'a Dataset,
+    files: &'a Files,
+    units: Units,
+    lengths: &'a [(Address, f64)],
+    plain: &'a [Address],
+    /// The highest id of a SPLINE so far.
+    splines: u32,
+    out: Replacement,
+}
+
+impl Work<'_> {
+    fn functions(
+        &mut self,
+        statement: &Statement,
+        address: &Address,
+        user: &str,
+    ) -> Result<(Functions, Splines), Diagnostic> {
+        let stays = |why: String| {
+            Diagnostic::warning(
+                Code::UserSubroutine,
+                format!("{address} keeps its subroutine: {why}"),
+            )
+        };
+        let (name, file) = self.property_file(user).map_err(stays)?;
+        let others = self.others(user, &name);
+        if !others.is_empty() && !self.plain.contains(address) {
+            let message = format!(
+                "its parameters hold {} besides the id of `{name}`, which may be a preload, an offset or a scale",
+                others.join(", ")
+            );
+            let help = format!(
+                "if they do not change the force, say so: --plain {address}; else add them to the function that replaces it"
+            );
+            return Err(stays(message).help(help));
+        }
+        match (statement.kind(), &file.kind) {
+            (Some("GFORCE"), PropertyKind::Bushing) => {
+                self.bushing(statement, &file, &name).map_err(stays)
+            }
+            (Some("SFORCE"), PropertyKind::Spring | PropertyKind::Stop)
+                if statement.has("TRANSLATIONAL") && !statement.has("ACTIONONLY") =>
+            {
+                let given = self.lengths.iter().find(|(a, _)| a == address);
+                let length = match (given, file.free_length(&self.units)) {
+                    (Some((_, length)), _) => *length,
+                    (None, Some(length)) if file.kind == PropertyKind::Spring => length,
+                    _ => {
+                        return Err(stays(format!(
+                            "the length at which `{name}` begins to act stands in its parameters"
+                        ))
+                        .help(format!("give it: --length {address}=VALUE")));
+                    }
+                };
+                self.spring(statement, &file, &name, length).map_err(stays)
+            }
+            (Some(kind), _) => Err(stays(format!("`{name}` does not describe a {kind}"))),
+            (None, _) => unreachable!("only forces of known kind are looked at"),
+        }
+    }
+
+    /// Numbers of the list that are not zero, after the one that chooses the subroutine and without the id of the file's STRING.
+    fn others(&self, user: &str, name: &str) -> Vec<String> {
+        let is_file = |number: f64| {
+            let id = (number >= 1.0 && number.fract() == 0.0).then_some(number as u32);
+            let string = id.and_then(|id| self.dataset.statement("STRING", Some(id)));
+            let text = string.and_then(|s| s.text("STRING", self.dataset.source()));
+            text.is_some_and(|text| text.trim() == name)
+        };
+        let numbers = numbers(user).enumerate();
+        let others = numbers.filter(|(k, n)| *n != 0.0 && !is_file(*n) && *k > 0);
+        others.map(|(_, number)| format!("{number}")).collect()
+    }
+
+    /// The one property file that the parameters of a call lead to.
+    fn property_file(&self, user: &str) -> Result<(String, PropertyFile), String> {
+        let numbers = numbers(user);
+        let mut found: Option<(String, PropertyFile)> = None;
+        let mut seen = BTreeSet::new();
+        for number in numbers.filter(|n| *n >= 1.0 && n.fract() == 0.0) {
+            let id = Some(number as u32);
+            let Some(string) = self.dataset.statement("STRING", id) else {
+                continue;
+            };
+            let text = string.text("STRING", self.dataset.source());
+            let name = text.unwrap_or_default().trim().to_string();
+            let Some(source) = self.files.get(&name) else {
+                continue;
+            };
+            if !PropertyFile::is_one(source.bytes()) || !seen.insert(name.clone()) {
+                continue;
+            }
+            if let Some((other, _)) = &found {
+                return Err(format!("it reads `{other}` and `{name}`"));
+            }
+            found = Some((name, PropertyFile::parse(source.clone()).value));
+        }
+        found.ok_or_else(|| "its parameters lead to no property file that was read".to_string())
+    }
+
+    fn bushing(
+        &mut self,
+        statement: &Statement,
+        file: &PropertyFile,
+        name: &str,
+    ) -> Result<(Functions, Splines), String> {
+        const COMPONENTS: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+        const DISPLACEMENTS: [&str; 6] = ["DX", "DY", "DZ", "AX", "AY", "AZ"];
+        const RATES: [&str; 6] = ["VX", "VY", "VZ", "WX", "WY", "WZ"];
+        let marker = |argument: &str| statement.first(argument).unwrap_or(0.0) as u32;
+        let (i, rm) = (marker("I"), marker("RM"));
+        if self.part_of(rm).is_none() || self.part_of(rm) != self.part_of(marker("JFLOAT")) {
+            return Err(
+                "its RM is not on the part of JFLOAT, so that there is no deformation to measure"
+                    .into(),
+            );
+        }
+        let curves = file.bushing_curves(&self.units);
+        let damping = file.bushing_damping(&self.units);
+        let (mut functions, mut splines) = (Vec::new(), Vec::new());
+        for k in 0..6 {
+            let mut terms = String::new();
+            let (frame, from) = if k < 3 {
+                (format!("({i},{rm},{rm})"), format!("({i},{rm},{rm},{rm})"))
+            } else {
+                (format!("({i},{rm})"), format!("({i},{rm},{rm})"))
+            };
+            if let Some((x, y)) = &curves[k] {
+                let at = format!("{}{frame}", DISPLACEMENTS[k]);
+                let comment = format!("{} of {name}", file_block(k));
+                let (call, spline) = self.curve(&at, (x, y), &comment)?;
+                splines.push(spline);
+                _ = write!(terms, "-{call}");
+            }
+            if damping[k] != 0.0 {
+                _ = write!(terms, "-{}*{}{from}", damping[k], RATES[k]);
+            }
+            if !terms.is_empty() {
+                functions.push((COMPONENTS[k], terms));
+            }
+        }
+        Ok((functions, splines))
+    }
+
+    fn spring(
+        &mut self,
+        statement: &Statement,
+        file: &PropertyFile,
+        name: &str,
+        length: f64,
+    ) -> Result<(Functions, Splines), String> {
+        let marker = |argument: &str| statement.first(argument).unwrap_or(0.0) as u32;
+        let distance = format!("DM({},{})", marker("I"), marker("J"));
+        let Some(curve) = file.curves().into_iter().next() else {
+            return Err(format!("`{name}` has no curve"));
+        };
+        let read = ["MDI_HEADER", "UNITS", "SPRING_DATA", curve.block.as_str()];
+        let other = file.blocks.iter().find(|block| {
+            let empty = block.parameters.is_empty() && block.tables.is_empty();
+            !empty && !read.contains(&block.name.as_str())
+        });
+        if let Some(other) = other {
+            let block = &other.name;
+            return Err(format!(
+                "`{name}` has a block [{block}], and what that does to the force is not known"
+            ));
+        }
+        let (x, y) = curve.in_units(file.units.as_ref(), &self.units);
+        let rebound = name.to_ascii_lowercase().ends_with(".reb");
+        let (at, sign) = if rebound {
+            (format!("{distance}-{length}"), "-")
+        } else {
+            (format!("{length}-{distance}"), "")
+        };
+        let comment = format!("{} of {name}", curve.block);
+        let (call, spline) = self.curve(&at, (&x, &y), &comment)?;
+        let function = if file.kind == PropertyKind::Stop {
+            format!("IF({at}: 0, 0, {sign}{call})")
+        } else {
+            call
+        };
+        Ok((vec![("FUNCTION", function)], vec![spline]))
+    }
+
+    /// The call of a curve, and the SPLINE that holds it.
+    fn curve(
+        &mut self,
+        at: &str,
+        (x, y): (&[f64], &[f64]),
+        comment: &str,
+    ) -> Result<(String, String), String> {
+        if x.len() < 2 || x.windows(2).any(|pair| pair[1] <= pair[0]) {
+            return Err(format!("the x values of {comment} do not increase"));
+        }
+        self.splines += 1;
+        let id = self.splines;
+        let call = if x.len() < AKIMA {
+            format!("INTERP({at}, 1, {id})")
+        } else {
+            format!("AKISPL({at}, 0, {id})")
+        };
+        let mut spline = format!("! {comment}\nSPLINE/{id}");
+        for (argument, values) in [("X", x), ("Y", y)] {
+            _ = write!(spline, "\n, {argument} =");
+            let mut width = 5;
+            for (k, value) in values.iter().enumerate() {
+                let word = format!("{value}");
+                if width + word.len() + 2 > LINE {
+                    spline += "\n";
+                    width = 0;
+                }
+                // In a list the comma that begins a line separates, too.
+                spline += if k == 0 { " " } else { ", " };
+                spline += &word;
+                width += word.len() + 2;
+            }
+        }
+        Ok((call, spline))
+    }
+
+    fn part_of(&self, marker: u32) -> Option<u32> {
+        let marker = self.dataset.statement("MARKER", Some(marker))?;
+        marker.first("PART").map(|part| part as u32)
+    }
+
+    fn rewrite(&mut self, statement: &Statement, functions: &Functions, splines: &Splines) {
+        let source = self.dataset.source();
+        let newline = if source
+            .slice(admire_syntax::text::Span::new(0, source.bytes().len()))
+            .windows(2)
+            .any(|w| w == b"\r\n")
+        {
+            "\r\n"
+        } else {
+            "\n"
+        };
+        let head_end = statement
+            .id
+            .map_or(statement.keyword.end(), |(_, span)| span.end());
+        let head = source.text(admire_syntax::text::Span::new(
+            statement.keyword.start(),
+            head_end,
+        ));
+        let mut lines = vec![head.into_owned()];
+        for argument in &statement.arguments {
+            if !matches!(argument.kind(), Some("FUNCTION" | "ROUTINE")) {
+                lines.push(format!(", {}", source.text(argument.span)));
+            }
+        }
+        let last = functions.len().saturating_sub(1);
+        for (k, (component, function)) in functions.iter().enumerate() {
+            let more = if k < last { "\\" } else { "" };
+            lines.push(format!(", {component} = {function}{more}"));
+        }
+        for spline in splines {
+            lines.extend(spline.lines().map(str::to_string));
+        }
+        self.out
+            .edits
+            .push(Edit::new(statement.span, lines.join(newline)));
+    }
+}
+
+/// The parameters of a call.
+fn numbers(user: &str) -> impl Iterator<Item = f64> + '_ {
+    let inside = user.split_once('(').map_or("", |(_, inside)| inside);
+    let words = inside.trim_end().trim_end_matches(')').split(',');
+    words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
+}
+
+/// Name of the k-th curve of a bushing file.
+fn file_block(k: usize) -> &'static str {
+    [
+        "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
+    ][k]
+}
+
+/// Ids of a kind in order.
+fn ids(dataset: &Dataset, kind: &str) -> Vec<u32> {
+    let all = dataset
+        .statements()
+        .iter()
+        .filter(|s| s.kind() == Some(kind));
+    let mut ids: Vec<u32> = all.filter_map(Statement::number).collect();
+    ids.sort_unstable();
+    ids
+}

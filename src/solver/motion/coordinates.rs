@@ -1,0 +1,206 @@
+//! The coordinates that small motions are written in: those of the parts, seen from ground or a marker, or VARIABLEs of a PSTATE.
+
+use nalgebra::DMatrix;
+
+use super::error::Reason;
+use crate::linear::Levels;
+use crate::mechanics::{Mat3, skew};
+use crate::system::{Parameters, Scratch, State, System};
+
+/// A row that others describe but for this share is none of its own.
+const DESCRIBED: f64 = 1e-6;
+/// Rows that differ by this share are equal but for round-off.
+const EQUAL: f64 = 1e-9;
+
+/// Which coordinates the states of LINEAR are, with their rates.
+///
+/// ADAMS takes as many global displacements and rotations of parts as there are freedoms, those of a PSTATE before them
+/// (`state_pstate`: "the system will fill in"; what depends on others is discarded).
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Coordinates {
+    /// VARIABLEs, by their places in the model: taken first.
+    pub variables: Vec<usize>,
+    /// The marker from which parts are seen, in its axes, by its place in the model; ground if none.
+    pub seen_from: Option<usize>,
+}
+
+impl Coordinates {
+    /// True if they are those of the parts as they are.
+    pub(super) fn are_plain(&self) -> bool {
+        self.variables.is_empty() && self.seen_from.is_none()
+    }
+
+    /// Where each kind of rows ends: VARIABLEs, parts seen from a marker, parts in ground.
+    fn ends(&self, system: &System) -> [usize; 3] {
+        let first = self.variables.len();
+        let n = system.first_equation;
+        let seen = first + if self.seen_from.is_some() { n } else { 0 };
+        [first, seen, seen + n]
+    }
+
+    /// What a row is.
+    pub(super) fn name(&self, system: &System, row: usize) -> String {
+        let [first, seen, _] = self.ends(system);
+        if row < first {
+            system.variables[self.variables[row]].name.to_string()
+        } else if row < seen {
+            let name = system.freedom_name(row - first);
+            format!("{name}, seen from the RM")
+        } else {
+            system.freedom_name(row - seen)
+        }
+    }
+
+    /// Their derivatives by the motions of the parts, one row each.
+    ///
+    /// Of a part with origin p seen from a marker on a part with origin p_r, with the axes R of the marker:
+    /// `R' (dp - dp_r + (p - p_r) x dphi_r)` and `R' (dphi - dphi_r)`.
+    ///
+    /// # Errors
+    /// [`Reason`] where a VARIABLE has no value, or is no coordinate.
+    pub(super) fn rows(
+        &self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<DMatrix<f64>, Reason> {
+        let n = system.first_equation;
+        let [first, seen, all] = self.ends(system);
+        let mut P = DMatrix::zeros(all, n);
+        if first > 0 {
+            self.of_variables((system, parameters, state), &mut P)?;
+        }
+        if let Some(marker) = self.seen_from {
+            let base = system.owners[marker];
+            let R = state.poses[base].R * parameters.markers()[marker].R;
+            for (part, body) in system.bodies.iter().enumerate() {
+                let arm = state.poses[part].p - state.poses[base].p;
+                let at = first + body.first;
+                let turned = R.transpose();
+                let by_turn = turned * skew(&arm);
+                let of_base = &system.bodies[base];
+                let mut put = |row: usize, column: usize, block: Mat3| {
+                    for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
+                        P[(row + i, column + j)] += block[(i, j)];
+                    }
+                };
+                for half in 0..body.freedoms / 3 {
+                    put(at + 3 * half, body.first + 3 * half, turned);
+                    if half < of_base.freedoms / 3 {
+                        put(at + 3 * half, of_base.first + 3 * half, -turned);
+                    }
+                }
+                if body.freedoms > 0 && of_base.freedoms == 6 {
+                    put(at, of_base.first + 3, by_turn);
+                }
+            }
+        }
+        for k in 0..n {
+            P[(seen + k, k)] = 1.0;
+        }
+        Ok(P)
+    }
+
+    /// Unknown VARIABLEs follow: `dv = -J_vv^-1 J_vq d`.
+    fn of_variables(
+        &self,
+        (system, parameters, state): (&System, &Parameters, &State),
+        P: &mut DMatrix<f64>,
+    ) -> Result<(), Reason> {
+        let (n, m) = (system.first_equation, system.moving_unknowns);
+        let (first, count) = (system.first_variable, system.implicit.len());
+        let mut scratch = Scratch::new(system);
+        let (mut levels, mut g) = (Levels::new(m), vec![0.0; m]);
+        system.assemble(parameters, state, &mut scratch, &mut g, &mut levels)?;
+        levels.finish();
+        // By the places, by unknown VARIABLEs, and whether by anything else.
+        let mut own: DMatrix<f64> = DMatrix::zeros(count, count);
+        let mut by_place: DMatrix<f64> = DMatrix::zeros(count, n);
+        let mut reads_others = vec![false; count];
+        for (row, column, values) in levels.entries() {
+            let Some(row) = row.checked_sub(first).filter(|row| *row < count) else {
+                continue;
+            };
+            reads_others[row] |= values[1] != 0.0 || values[2] != 0.0;
+            if column < n {
+                by_place[(row, column)] += values[0];
+            } else if (first..first + count).contains(&column) {
+                own[(row, column - first)] += values[0];
+            } else {
+                reads_others[row] |= values[0] != 0.0;
+            }
+        }
+        let follow = own.clone().try_inverse();
+        let follow = follow.unwrap_or_else(|| DMatrix::identity(count, count));
+        let followed: DMatrix<f64> = -(&follow * by_place);
+        let mut here = system.look(parameters, state, &mut scratch)?;
+        for (row, &variable) in self.variables.iter().enumerate() {
+            let mut by = nalgebra::RowDVector::zeros(n);
+            let mut others = false;
+            for (column, value) in here.variable_gradient(variable)? {
+                if column < n {
+                    by[column] += value;
+                } else if (first..first + count).contains(&column) {
+                    let at = column - first;
+                    by += followed.row(at) * value;
+                    others |= (0..count).any(|k| reads_others[k] && follow[(at, k)] != 0.0);
+                } else {
+                    // It may follow the time.
+                    others |= value != 0.0 && column < 3 * m;
+                }
+            }
+            if others || by.amax() == 0.0 {
+                return Err(Reason::NoCoordinate {
+                    what: system.variables[variable].name.to_string(),
+                });
+            }
+            P.row_mut(row).copy_from(&by);
+        }
+        Ok(())
+    }
+
+    /// As many rows as Z has columns, as independent as can be in their kind: coordinates that describe every free motion.
+    pub(super) fn chosen(
+        &self,
+        system: &System,
+        (P, Z): (&DMatrix<f64>, &DMatrix<f64>),
+        lengths: &nalgebra::DVector<f64>,
+    ) -> Vec<usize> {
+        let mut left = P * Z;
+        let ends = self.ends(system);
+        for (row, mut values) in left.row_iter_mut().enumerate() {
+            if row >= ends[0] {
+                values *= lengths[(row - ends[0]) % lengths.len().max(1)];
+            }
+        }
+        let sizes: Vec<f64> = left.row_iter().map(|row| row.norm()).collect();
+        let mut chosen = Vec::new();
+        let mut start = 0;
+        for (kind, end) in ends.into_iter().enumerate() {
+            let widest = (start..end).fold(0.0_f64, |a, k| a.max(sizes[k]));
+            while chosen.len() < Z.ncols() {
+                let norms: Vec<f64> = (start..end).map(|k| left.row(k).norm()).collect();
+                let at = if kind == 0 {
+                    // In the order of the user.
+                    (0..norms.len()).find(|k| norms[*k] > DESCRIBED * sizes[start + *k])
+                } else {
+                    // The first of those that are equal but for round-off.
+                    let most = norms.iter().fold(0.0_f64, |a, b| a.max(*b));
+                    let at = norms.iter().position(|s| *s >= most * (1.0 - EQUAL));
+                    let last = kind == 2;
+                    at.filter(|_| last || most > DESCRIBED * widest)
+                };
+                let Some(at) = at else { break };
+                chosen.push(start + at);
+                let direction = left.row(start + at) / norms[at].max(f64::MIN_POSITIVE);
+                for mut row in left.row_iter_mut() {
+                    let along = row.dot(&direction);
+                    row -= &direction * along;
+                }
+            }
+            start = end;
+        }
+        chosen.sort_unstable();
+        chosen
+    }
+}

@@ -1,0 +1,94 @@
+//! What lies between the ends of a step.
+
+use super::error::MotionError;
+use super::integrator::Integrator;
+use super::newton::Stages;
+use super::tableau::lagrange;
+use crate::system::State;
+
+impl Integrator<'_> {
+    /// Where the last step began.
+    pub(crate) fn last_time(&self) -> f64 {
+        match self.last {
+            Some(_) => self.origin.time,
+            None => self.state.time,
+        }
+    }
+
+    /// The state at a time of the last step by its polynomial, of third order; not reconciled.
+    pub(crate) fn between(&self, time: f64) -> State {
+        if time == self.state.time {
+            return self.state.clone();
+        }
+        self.continued(time)
+    }
+
+    /// The same in the regimes of the last step beyond its end too.
+    pub(super) fn continued(&self, time: f64) -> State {
+        let Some(h) = self.last else {
+            return self.state.clone();
+        };
+        let s = (time - self.origin.time) / h;
+        let weights = lagrange(s);
+        let mix = |all: &Stages| -> Vec<f64> {
+            (0..all[0].len())
+                .map(|k| weights[0] * all[0][k] + weights[1] * all[1][k] + weights[2] * all[2][k])
+                .collect()
+        };
+        let (z, w) = (mix(&self.polynomial.z), mix(&self.polynomial.w));
+        let step = 1e-4;
+        let (up, down) = (lagrange(s + step), lagrange(s - step));
+        let slope = |all: &Stages, k: usize| {
+            (0..3)
+                .map(|i| (up[i] - down[i]) / (2.0 * step * h) * all[i][k])
+                .sum()
+        };
+        let mut state = State::empty();
+        self.equations.stage_state(
+            self.system,
+            &self.origin,
+            time,
+            (&z, &w),
+            (&|k| slope(&self.polynomial.w, k), &|k| {
+                slope(&self.polynomial.z, k)
+            }),
+            &mut state,
+        );
+        state
+    }
+
+    /// The state at a time of the last step, on its constraints at all three levels.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::output`].
+    pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
+        let mut state = self.between(time);
+        let step = self.settings.hmax * 1e-2;
+        self.consistent
+            .reconcile(self.system, self.parameters, &mut state, step)
+            .map_err(|reason| reason.at(self.origin.time))?;
+        state.let_pieces_go();
+        Ok(state)
+    }
+
+    /// Takes the last step back: it stands where that began.
+    pub(super) fn take_back(&mut self) {
+        self.state = self.origin.clone();
+        self.sizes = self.sizes_before;
+        self.statistics.steps -= 1;
+        self.statistics.rejected += 1;
+    }
+
+    /// Takes the last step back and does it again to another end, next to the one it had.
+    ///
+    /// # Errors
+    /// [`MotionError`] as of [`Self::advance_to`].
+    pub(super) fn solve_again_to(&mut self, time: f64) -> Result<(), MotionError> {
+        self.take_back();
+        self.within = true;
+        self.before = None;
+        self.factored = None;
+        self.h = time - self.state.time;
+        self.advance_plainly(time)
+    }
+}

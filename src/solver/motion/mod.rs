@@ -1,0 +1,55 @@
+//! Motion over time: initial conditions, kinematics, integration.
+//!
+//! Radau IIA of three stages on the stabilised index-2 form of the equations of motion, in a rotation chart per step. Knows no files and no
+//! commands.
+
+mod arrival;
+mod assembly;
+mod bordered;
+mod consistent;
+mod coordinates;
+mod coupled;
+mod dense;
+mod derivatives;
+mod error;
+mod estimate;
+mod exchange;
+mod freedoms;
+mod integrator;
+mod iteration;
+mod kinematic;
+mod linearisation;
+mod linearised;
+mod massless;
+mod mixing;
+mod modes;
+mod newton;
+mod passage;
+mod reduced;
+mod regimes;
+mod root;
+mod sequence;
+mod settings;
+mod settling;
+mod sizes;
+mod state_matrices;
+mod tableau;
+#[cfg(test)]
+mod tests;
+
+pub use arrival::has_arrived;
+pub use assembly::{Kept, assemble};
+pub use consistent::Consistent;
+pub use coordinates::Coordinates;
+pub use error::MotionError;
+pub use error::Reason;
+pub use integrator::Integrator;
+pub use kinematic::advance;
+pub use kinematic::advance_watched;
+pub use kinematic::check_determined;
+pub use modes::Mode;
+pub use modes::modes;
+pub use modes::modes_in;
+pub use passage::Watched;
+pub use settings::Settings;
+pub use state_matrices::state_matrices;

@@ -1,0 +1,191 @@
+//! Small motions about a state: eigenvalues and mode shapes.
+
+use nalgebra::{Complex, DMatrix, DVector};
+
+use super::coordinates::Coordinates;
+use super::error::Reason;
+use super::linearised::Linearised;
+use crate::mechanics::Vec3;
+use crate::mechanics::eigen::{eigenvalues, singular_values};
+use crate::system::{Parameters, Rates, State, System};
+
+/// A singular value of the mass matrix below this share of the largest is none.
+const NO_MASS: f64 = 1e-12;
+
+/// One eigenvalue and its motion.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Mode {
+    /// Per time: growth and angular frequency.
+    pub value: Complex<f64>,
+    /// Displacement and rotation vector of each part of the model, ground axes, scaled so that the largest component (rotations times the
+    /// length of the model) is one. Ground does not move.
+    pub shape: Vec<[Complex<f64>; 6]>,
+}
+
+impl Mode {
+    /// Cycles per time of the undamped motion.
+    pub fn frequency(&self) -> f64 {
+        self.value.norm() / std::f64::consts::TAU
+    }
+
+    /// Damping ratio; one for motions that do not oscillate and die out, minus one for those that grow.
+    pub fn damping_ratio(&self) -> f64 {
+        let size = self.value.norm();
+        if size > 0.0 {
+            -self.value.re / size
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The eigenvalues of the equations of motion linearised about a state, by frequency, those of a pair side by side.
+///
+/// `state` is at rest in equilibrium, or moves and satisfies the constraints at all three levels. Motions without mass have no finite
+/// eigenvalue and are left out. `damped` false leaves the derivatives of forces by velocities out.
+///
+/// # Errors
+/// [`Reason`] where an element has no value, or the eigenvalues are not found.
+pub fn modes(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    damped: bool,
+) -> Result<Vec<Mode>, Reason> {
+    modes_in(system, parameters, state, damped, &Coordinates::default())
+}
+
+/// The same in coordinates of the user. They matter where the state moves: the derivatives are those of the present time, and change with it in
+/// one set of coordinates when they do not in another.
+///
+/// # Errors
+/// As [`modes`].
+pub fn modes_in(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    damped: bool,
+    coordinates: &Coordinates,
+) -> Result<Vec<Mode>, Reason> {
+    // At rest all coordinates have the same eigenvalues.
+    let still = |v: &Rates| v.linear == Vec3::zeros() && v.angular == Vec3::zeros();
+    let moves = !state.velocities.iter().all(still);
+    let coordinates = moves.then_some(coordinates);
+    let about = Linearised::new(system, parameters, state, damped, coordinates)?;
+    let (E, F) = (&about.E, &about.F);
+    let shapes = Shapes {
+        system,
+        Z: &about.Z,
+        lengths: &about.lengths,
+    };
+    let mut found: Vec<Mode> = finite_eigenvalues(E, F)
+        .ok_or(Reason::NoEigenvalues)?
+        .into_iter()
+        .map(|value| Mode {
+            shape: shapes.of(E, F, value),
+            value,
+        })
+        .collect();
+    // Sizes that differ by round-off are one: pairs stand side by side.
+    let most = found
+        .iter()
+        .fold(0.0_f64, |a, mode| a.max(mode.value.norm()));
+    let size = |mode: &Mode| (mode.value.norm() / most.max(f64::MIN_POSITIVE) * 1e9).round();
+    found.sort_by(|a, b| {
+        let by_size = size(a).total_cmp(&size(b));
+        by_size
+            .then(a.value.re.total_cmp(&b.value.re))
+            .then(b.value.im.total_cmp(&a.value.im))
+    });
+    Ok(found)
+}
+
+/// The finite eigenvalues of `F u = value E u`.
+///
+/// Rows that E does not reach say `A u = 0` without a rate: u is written in what they leave free, `u = N y`, and they are dropped, as
+/// often as it takes. A motion without inertia takes two rounds where stiffness alone holds it: its place, then its velocity.
+/// None if an iteration does not converge.
+fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let (mut E, mut F) = (E.clone(), F.clone());
+    while E.nrows() > 0 {
+        let found = singular_values(E.clone(), true, false)?;
+        let most = found.singular_values.amax();
+        let (with_rate, without): (Vec<usize>, Vec<usize>) =
+            (0..E.nrows()).partition(|k| found.singular_values[*k] > NO_MASS * most);
+        if without.is_empty() {
+            return eigenvalues(E.full_piv_lu().solve(&F)?);
+        }
+        let U = found.u?;
+        let algebraic = U.select_columns(&without).tr_mul(&F);
+        let rows = U.select_columns(&with_rate);
+        let free = nothing_of(&algebraic, without.len())?;
+        (E, F) = (rows.tr_mul(&E) * &free, rows.tr_mul(&F) * &free);
+    }
+    Some(Vec::new())
+}
+
+/// An orthonormal basis of what `count` rows at most give zero for: as many columns as are left.
+fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
+    let n = rows.ncols();
+    // Rows of zeros make the right vectors a whole basis.
+    let whole = rows.clone().resize_vertically(n, 0.0);
+    let Vt = singular_values(whole, false, true)?.v_t?;
+    Some(Vt.rows(count, n - count).transpose())
+}
+
+/// From eigenvalues to motions of the parts.
+struct Shapes<'a> {
+    system: &'a System,
+    Z: &'a DMatrix<f64>,
+    lengths: &'a DVector<f64>,
+}
+
+impl Shapes<'_> {
+    /// By inverse iteration next to the eigenvalue.
+    fn of(
+        &self,
+        E: &DMatrix<f64>,
+        F: &DMatrix<f64>,
+        value: Complex<f64>,
+    ) -> Vec<[Complex<f64>; 6]> {
+        let size = E.nrows();
+        let near = value * (1.0 + 1e-7) + 1e-10;
+        let complex = |M: &DMatrix<f64>| M.map(|x| Complex::new(x, 0.0));
+        let lu = (complex(F) - complex(E) * near).full_piv_lu();
+        let mut u = DVector::from_fn(size, |k, _| Complex::new(1.0 + 0.37 * k as f64, 0.11));
+        for _ in 0..3 {
+            let Some(next) = lu.solve(&(complex(E) * &u)) else {
+                break;
+            };
+            let norm = next.iter().fold(0.0_f64, |a, x| a.max(x.norm()));
+            if !(norm > 0.0 && norm.is_finite()) {
+                break;
+            }
+            u = next / Complex::new(norm, 0.0);
+        }
+        let r = self.Z.ncols();
+        let d: DVector<Complex<f64>> = complex(self.Z) * u.rows(0, r);
+        let largest = (0..d.len()).fold(Complex::new(0.0, 0.0), |best: Complex<f64>, k| {
+            let x = d[k] * self.lengths[k];
+            if x.norm() > best.norm() { x } else { best }
+        });
+        let scale = if largest.norm() > 0.0 {
+            largest.inv()
+        } else {
+            Complex::new(0.0, 0.0)
+        };
+        self.system
+            .bodies
+            .iter()
+            .map(|body| {
+                std::array::from_fn(|k| {
+                    if k < body.freedoms {
+                        d[body.first + k] * scale
+                    } else {
+                        Complex::new(0.0, 0.0)
+                    }
+                })
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,102 @@
+//! State matrices of small motions about a state: from inputs to outputs.
+
+use nalgebra::DMatrix;
+
+use super::coordinates::Coordinates;
+use super::error::Reason;
+use super::linearised::Linearised;
+use super::reduced::{Irreducible, Reduced};
+use crate::system::{Parameters, State, System};
+
+/// Coordinates whose rates have less of inertia than this, of the largest, have none.
+const NO_MASS: f64 = 1e-12;
+
+/// `u' = A u + B w, z = C u + D w` about a state.
+#[derive(Clone, PartialEq, Debug)]
+pub struct StateMatrices {
+    /// States by states.
+    pub A: DMatrix<f64>,
+    /// States by inputs.
+    pub B: DMatrix<f64>,
+    /// Outputs by states.
+    pub C: DMatrix<f64>,
+    /// Outputs by inputs.
+    pub D: DMatrix<f64>,
+    /// What each state is: displacements and rotations (radians) of parts along ground axes, their velocities, dynamic states.
+    pub states: Vec<String>,
+}
+
+/// The state matrices from some VARIABLEs to others, by their places in the model. An input is what is added to its variable.
+///
+/// The displacements among the states are as many coordinates as there are freedoms, their rates are the derivatives of these by the time.
+/// Of motions without inertia those are states that damping makes so: the others follow from the stiffness.
+///
+/// # Errors
+/// [`Reason`] where an element has no value, a motion has no mass and nothing holds it, or the rate of an input is needed.
+pub fn state_matrices(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    (inputs, outputs): (&[usize], &[usize]),
+    coordinates: &Coordinates,
+) -> Result<StateMatrices, Reason> {
+    let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
+    let (p, r) = (about.chosen.len(), about.rates);
+    // A coordinate and its rate have inertia where the rate of the rate does.
+    let by_rate = about.E.rows(p, about.E.nrows() - p);
+    let weight: Vec<f64> = by_rate.column_iter().map(|column| column.amax()).collect();
+    let most = weight[p..p + r].iter().fold(0.0_f64, |a, b| a.max(*b));
+    let rate_of = |k: usize| {
+        let mut rates = about.chosen_rates.iter();
+        let at = rates.position(|rate| *rate == about.chosen[k]);
+        at.map(|at| p + at)
+    };
+    let is_light = |k: usize| !(weight[k] > NO_MASS * most);
+    // Rates without inertia go first: what damping holds is a place.
+    let lightness: Vec<u8> = (0..weight.len())
+        .map(|k| match k {
+            k if k < p => u8::from(rate_of(k).is_some_and(is_light)),
+            k if k < p + r && is_light(k) => 2,
+            _ => 0,
+        })
+        .collect();
+    let by_inputs = about.B.select_columns(inputs);
+    let of = |row: &usize| coordinates.name(system, *row);
+    let mut names: Vec<String> = about.chosen.iter().map(of).collect();
+    let rates = about.chosen_rates.iter().map(of);
+    names.extend(rates.map(|name| format!("rate of {name}")));
+    let mut states: Vec<_> = system.states.iter().collect();
+    states.sort_by_key(|equation| equation.moving_unknown);
+    names.extend(states.iter().map(|equation| equation.name.to_string()));
+    let reduced = Reduced::new((&about.E, &about.F, &by_inputs), &lightness);
+    let reduced = reduced.map_err(|why| match why {
+        Irreducible::Undetermined => {
+            let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);
+            Reason::MassSingular {
+                freedom: names.get(light).cloned().unwrap_or_default(),
+            }
+        }
+        Irreducible::StateByInputRate(state) => Reason::InputRate {
+            what: names[state].clone(),
+        },
+    })?;
+    let (by_u, by_rate) = (
+        about.by_u.select_rows(outputs),
+        about.by_rate.select_rows(outputs),
+    );
+    let direct = about.by_input.select_rows(outputs).select_columns(inputs);
+    let (C, D) = reduced
+        .output(&by_u, &by_rate, &direct)
+        .map_err(|row| Reason::InputRate {
+            what: system.variables[outputs[row]].name.to_string(),
+        })?;
+    let states = reduced.kept.iter().map(|k| names[*k].clone()).collect();
+    let B = reduced.B.columns(0, inputs.len()).into_owned();
+    Ok(StateMatrices {
+        A: reduced.A,
+        B,
+        C,
+        D,
+        states,
+    })
+}

@@ -1,0 +1,231 @@
+//! What is left of the forces on each part, summed anew.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::mechanics::Vec3;
+use crate::model::PartIx;
+use crate::system::{Name, NoValue, Parameters, Scratch, State, System};
+use admire_syntax::units::{Dimension, Units};
+
+/// Share of the largest sum of sizes on a part that may be left by round-off.
+const ROUND_OFF: f64 = 1e-9;
+/// What round-off of arms leaves of the largest sum of forces times the length of the model, as a share of it.
+const ARMS: f64 = 1e-12;
+/// So many times IMBALANCE may be left: it holds for single components.
+const COMPONENTS: f64 = 10.0;
+
+/// What is left at one part.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Left {
+    /// Length of the force or torque that is left.
+    #[serde(rename = "left")]
+    pub size: f64,
+    /// The part where it is.
+    #[serde(serialize_with = "in_words")]
+    pub part: Name,
+}
+
+fn in_words<S: serde::Serializer>(name: &Name, out: S) -> Result<S::Ok, S::Error> {
+    out.collect_str(name)
+}
+
+/// The largest force and torque that are left over on a part, in units of the deck: force, and force times length.
+///
+/// They are summed from the single loads of the free-body diagrams, torques about the centres of the parts. The residual that Newton's
+/// method brought to zero is put together in another way.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct Balance {
+    /// Where the largest force is left; `None` if no part moves.
+    pub force: Option<Left>,
+    /// Where the largest torque is left; `None` if no part turns.
+    pub torque: Option<Left>,
+    /// The largest sum of sizes of forces on a part.
+    #[serde(skip)]
+    forces: f64,
+    /// The largest sum of sizes of torques on a part, and what round-off of arms may be a share of.
+    #[serde(skip)]
+    torques: f64,
+}
+
+/// The loads on one part.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sum {
+    force: Vec3,
+    torque: Vec3,
+    /// Sums of their sizes.
+    forces: f64,
+    torques: f64,
+}
+
+impl Balance {
+    /// Sums the loads on every part.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this state.
+    pub fn of(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Self, NoValue> {
+        Self::summed(system, parameters, state, (scratch, &mut Vec::new()))
+    }
+
+    /// The same with memory for the sums.
+    pub(super) fn summed(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        (scratch, sums): (&mut Scratch, &mut Vec<Sum>),
+    ) -> Result<Self, NoValue> {
+        sums.clear();
+        sums.resize(system.bodies.len(), Sum::default());
+        system.look(parameters, state, scratch)?.each_load(|load| {
+            let part = load.part.0;
+            let torque = load.torque_about(&system.reference_point(state, load.part));
+            let sum = &mut sums[part];
+            sum.force += load.force;
+            sum.torque += torque;
+            sum.forces += load.force.norm();
+            sum.torques += torque.norm();
+        })?;
+        let mut out = Self::default();
+        let (mut force, mut torque) = (None, None);
+        for (part, body) in system.bodies.iter().enumerate() {
+            let left = |size: f64, before: &mut Option<(f64, usize)>| {
+                // A NaN must not hide.
+                if before.is_none_or(|(most, _)| !(size <= most)) {
+                    *before = Some((size, part));
+                }
+            };
+            if body.freedoms >= 3 {
+                left(sums[part].force.norm(), &mut force);
+                out.forces = out.forces.max(sums[part].forces);
+            }
+            if body.freedoms == 6 {
+                left(sums[part].torque.norm(), &mut torque);
+                out.torques = out.torques.max(sums[part].torques);
+            }
+        }
+        out.torques += ARMS / ROUND_OFF * system.length * out.forces;
+        let named = |(size, part): (f64, usize)| Left {
+            size,
+            part: system.part_name(PartIx(part)).clone(),
+        };
+        out.force = force.map(named);
+        out.torque = torque.map(named);
+        Ok(out)
+    }
+
+    /// True if no more is left than the tolerance IMBALANCE and round-off explain.
+    pub fn holds(&self, imbalance: f64) -> bool {
+        let within = |left: &Option<Left>, sizes: f64| {
+            let most = COMPONENTS * imbalance + ROUND_OFF * sizes;
+            left.as_ref().is_none_or(|left| left.size <= most)
+        };
+        within(&self.force, self.forces) && within(&self.torque, self.torques)
+    }
+
+    /// Keeps the worse of the two, in each of the two kinds.
+    pub fn or_worse(&mut self, other: &Self) {
+        let larger = |own: &mut Option<Left>, other: &Option<Left>| {
+            let most = own.as_ref().map_or(-1.0, |own| own.size);
+            if other.as_ref().is_some_and(|other| !(other.size <= most)) {
+                own.clone_from(other);
+            }
+        };
+        larger(&mut self.force, &other.force);
+        larger(&mut self.torque, &other.torque);
+        self.forces = self.forces.max(other.forces);
+        self.torques = self.torques.max(other.torques);
+    }
+
+    /// What is left, in words: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part moves.
+    pub fn told(&self, units: &Units) -> String {
+        let kinds = [
+            (&self.force, Dimension::FORCE),
+            (&self.torque, Dimension::TORQUE),
+        ];
+        let told = kinds.into_iter().filter_map(|(left, dimension)| {
+            let left = left.as_ref()?;
+            let unit = units.name(dimension);
+            Some(format!("{:.1e} {unit} on {}", left.size, left.part))
+        });
+        told.collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl fmt::Display for Balance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = |left: &Option<Left>| left.as_ref().map_or(0.0, |left| left.size);
+        let part =
+            |left: &Option<Left>| left.as_ref().map_or(String::new(), |l| l.part.to_string());
+        write!(
+            f,
+            "a force of {:.3e} on {}, a torque of {:.3e} on {}",
+            size(&self.force),
+            part(&self.force),
+            size(&self.torque),
+            part(&self.torque)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Model;
+    use crate::statics::{Settings, Solver};
+    use admire_syntax::Dataset;
+    use admire_syntax::text::Source;
+
+    /// A block of 2 kg hangs on a spring of 10 N/mm: k x = m g, so that what is left beside the equilibrium is k times the way to it.
+    const DECK: &str = "A block on a spring
+UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
+PART/1, GROUND
+MARKER/1, PART=1
+MARKER/11, PART=1, QP=0, 0, 200
+PART/2, MASS=2, CM=20, IP=100, 100, 100
+MARKER/20, PART=2
+JOINT/1, TRANSLATIONAL, I=20, J=1
+SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=11, K=10, LENGTH=200
+ACCGRAV/KGRAV=-9810
+END
+";
+
+    #[test]
+    fn what_is_beside_an_equilibrium_is_refused() {
+        let parsed = Dataset::parse(Source::new("deck", DECK));
+        let model = Model::lower(&parsed.value).value;
+        let system = System::compile(&model).value;
+        let (parameters, mut state) = (system.parameters(), system.state());
+        let mut solver = Solver::new(&system);
+        let settings = Settings::tight();
+        let report = solver
+            .solve(&system, &parameters, &mut state, &settings)
+            .unwrap();
+        assert!(report.balance.holds(settings.imbalance));
+        assert!(report.balance.force.as_ref().unwrap().size < 1e-8);
+        assert_eq!(solver.worst_balance(), Some(&report.balance));
+        for (away, told) in [(1e-6, 1e-5), (-0.5, 5.0)] {
+            let mut wrong = state.clone();
+            wrong.poses[1].p.z += away;
+            let mut scratch = Scratch::new(&system);
+            let left = Balance::of(&system, &parameters, &wrong, &mut scratch).unwrap();
+            let force = left.force.as_ref().unwrap();
+            assert!((force.size - told).abs() < 1e-6 * told, "{left}");
+            assert_eq!(force.part.to_string(), "PART/2");
+            assert!(!left.holds(settings.imbalance), "{left}");
+            // A solution that is not one is no answer, in fits and sweeps as in a run.
+            let refused =
+                solver.judge(&system, &parameters, &wrong, &settings, &mut report.clone());
+            let Err(crate::statics::SolveError::Unbalanced(found)) = refused else {
+                panic!("{refused:?}");
+            };
+            assert_eq!(*found, left);
+        }
+        assert_eq!(solver.worst_balance(), Some(&report.balance));
+    }
+}

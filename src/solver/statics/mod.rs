@@ -1,0 +1,39 @@
+//! Static equilibrium and its sensitivities.
+//!
+//! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
+
+mod balance;
+mod causes;
+mod continuation;
+mod first_solution;
+mod freedoms;
+mod krylov;
+mod measures;
+mod multipliers;
+mod newton;
+#[cfg(test)]
+mod orders;
+mod path;
+mod rank;
+mod report;
+mod sensitivity;
+mod settings;
+mod settle;
+mod shortest;
+mod stability;
+mod tangent;
+
+pub use balance::{Balance, Left};
+pub use freedoms::Freedoms;
+pub use newton::{Solver, solve};
+pub(crate) use report::Iteration;
+pub use report::{Continuation, Far, FreeMotion, Report, SolveError, history_table};
+pub use sensitivity::Sensitivity;
+pub use settings::Settings;
+pub use settle::Settled;
+pub use stability::{Softest, smallest_eigenvalue};
+pub use tangent::Tangent;
+pub use tangent::Tangents;
+pub use tangent::displace;
+pub use tangent::point_change;
+pub use tangent::twist;

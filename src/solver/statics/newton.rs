@@ -1,0 +1,590 @@
+//! Newton's method on the static equations, with step control that is only used where the plain step fails.
+
+use super::balance::Sum;
+use super::measures::{
+    balanced, far, force_imbalance, largest, limit, motion_norm, relative_correction,
+};
+use super::path::{add_damping, add_stability};
+use super::rank::{free_motions, redundant_equations};
+use super::shortest::Unresisted;
+use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
+use crate::linear::{Lu, Matrix};
+use crate::mechanics::Pose;
+use crate::system::{NoValue, Parameters, Scratch, State, System};
+
+/// An equation with less than this share of a free motion takes no part in it.
+const LEAST_SHARE: f64 = 1e-6;
+/// ADAMS' default of STABILITY: up to here it only holds massive free motions.
+const DEFAULT_STABILITY: f64 = 1e-5;
+/// So many shortened steps in one sequence are too many.
+const CREEPING: usize = 10;
+/// Shortest fraction of a step the line search tries.
+const SHORTEST: f64 = 1.0 / 256.0;
+/// Relative corrections below which old factors are tried.
+const NEAR: f64 = 1e-3;
+/// Relative size of corrections and imbalances that may be round-off.
+const NOISE: f64 = 1e-9;
+/// Relative error of the numbers of a deck, which have ten digits or so.
+const WRITTEN: f64 = 1e-9;
+/// A free motion that is known may be resisted by this share of the stiffnesses beside it: round-off of large forces, not friction's hold.
+const RESISTED: f64 = 1e-8;
+/// A removed constraint equation may be violated by so much of the model's length.
+const CONSISTENT: f64 = 1e-6;
+
+/// Solves one equilibrium with memory of its own. Those who solve many keep a [`Solver`].
+///
+/// # Errors
+/// [`SolveError`]; the state is then as it was.
+pub fn solve(
+    system: &System,
+    parameters: &Parameters,
+    state: &mut State,
+    settings: &Settings,
+) -> Result<Report, SolveError> {
+    Solver::new(system).solve(system, parameters, state, settings)
+}
+
+/// Memory for solving one system again and again: nothing is allocated per iteration.
+#[derive(Clone, Debug)]
+pub struct Solver {
+    pub(super) scratch: Scratch,
+    /// Factors of the last Jacobian in use.
+    pub(super) matrix: Lu,
+    /// Memory of the last tangent.
+    spare: Option<Tangent>,
+    /// Assembled at the trial state.
+    pub(super) next: Matrix,
+    pub(super) g: Vec<f64>,
+    pub(super) g_trial: Vec<f64>,
+    pub(super) dx: Vec<f64>,
+    dx_bar: Vec<f64>,
+    step: Vec<f64>,
+    /// What is not yet released of the imbalance at the start.
+    pub(super) held: Vec<f64>,
+    pub(super) start: State,
+    /// The multipliers of the start are not those that were given, which were zero.
+    began: bool,
+    trial: State,
+    pub(super) history: Vec<Iteration>,
+    shortened: usize,
+    pub(super) limited: usize,
+    at_roundoff: bool,
+    factorisations: usize,
+    /// Iterations that may still be done.
+    pub(super) remaining: usize,
+    /// Where the factors are the tangent of an equilibrium.
+    pub(super) poses: Vec<Pose>,
+    /// What was left over at worst.
+    worst: Option<Balance>,
+    /// Memory for the sums of a balance.
+    sums: Vec<Sum>,
+}
+
+/// Why a sequence of iterations ended without an answer.
+pub(super) enum Failure {
+    NotConverged,
+    NoValue(NoValue),
+}
+
+impl From<NoValue> for Failure {
+    fn from(reason: NoValue) -> Self {
+        Self::NoValue(reason)
+    }
+}
+
+/// How a sequence of iterations is run.
+#[derive(Clone, Copy)]
+pub(super) struct Way {
+    /// Fraction of `held` that still acts against the imbalance.
+    pub held: f64,
+    pub damped: bool,
+    /// The factors are those of an earlier iteration.
+    pub keep: bool,
+    pub error: f64,
+    pub imbalance: f64,
+    pub maxit: usize,
+}
+
+impl Solver {
+    /// Memory for a system.
+    pub fn new(system: &System) -> Self {
+        let n = system.unknowns;
+        Self {
+            scratch: Scratch::new(system),
+            matrix: Lu::new(n),
+            spare: None,
+            next: Matrix::new(n),
+            g: vec![0.0; n],
+            g_trial: vec![0.0; n],
+            dx: vec![0.0; n],
+            dx_bar: vec![0.0; n],
+            step: vec![0.0; n],
+            held: vec![0.0; n],
+            start: system.state(),
+            began: false,
+            trial: system.state(),
+            history: Vec::with_capacity(64),
+            shortened: 0,
+            limited: 0,
+            at_roundoff: false,
+            factorisations: 0,
+            remaining: usize::MAX,
+            poses: Vec::new(),
+            worst: None,
+            sums: Vec::new(),
+        }
+    }
+
+    /// Memory for whoever looks at a state of the system between solutions.
+    pub fn scratch(&mut self) -> &mut Scratch {
+        &mut self.scratch
+    }
+
+    /// Lets go of all factors: the next solve works out its own.
+    pub fn forget(&mut self, system: &System) {
+        *self = Self {
+            worst: self.worst.take(),
+            ..Self::new(system)
+        };
+    }
+
+    /// Finds the equilibrium next to the state and puts it there.
+    ///
+    /// # Errors
+    /// [`SolveError`]; the state is then as it was.
+    pub fn solve(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+    ) -> Result<Report, SolveError> {
+        self.start.clone_from(state);
+        self.began = false;
+        let result = self.attempt(system, parameters, state, settings);
+        if result.is_err() {
+            state.clone_from(&self.start);
+            if self.began {
+                state.multipliers.fill(0.0);
+            }
+        }
+        result
+    }
+
+    fn attempt(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+    ) -> Result<Report, SolveError> {
+        let mut report = Report::default();
+        let from_afar = self.poses != state.poses;
+        self.factorisations = 0;
+        self.remaining = settings.budget.unwrap_or(usize::MAX);
+        if state.redundant.len() != system.equations {
+            self.find_redundant(system, parameters, state)?;
+        }
+        self.give_values(system, parameters, state)?;
+        self.began = self.first_multipliers(system, parameters, state)?;
+        self.start.multipliers.clone_from(&state.multipliers);
+        let plain = Way {
+            held: 0.0,
+            damped: false,
+            keep: false,
+            error: settings.error,
+            imbalance: settings.imbalance,
+            maxit: settings.maxit,
+        };
+        let result = self.iterate(system, parameters, state, settings, plain);
+        report.iterations += self.history.len();
+        if let Err(failure) = result {
+            // The plain iteration is what the user knows: it is what is told if nothing helps.
+            let error = self.explain(system, parameters, state, settings, failure);
+            if !settings.continuation || self.remaining == 0 {
+                return Err(error);
+            }
+            let (help, more) = self.continuation(system, parameters, state, settings, plain);
+            report.iterations += more;
+            if help.is_none() {
+                return Err(error);
+            }
+            report.continuation = help;
+        } else if settings.continuation && from_afar && self.limited > 0 {
+            self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
+        }
+        if self.matrix.deficiency() > 0 {
+            // The factors may be some iterations old, the free motions are to be those of here.
+            self.assemble(system, parameters, state)?;
+            self.matrix.factor(&self.next);
+        }
+        match free_motions(system, parameters, state, (&self.next, &self.matrix)) {
+            Ok(motions) => report.free_motions = motions,
+            Err(massless) => return Err(SolveError::FreeMotion(massless)),
+        }
+        self.check_removed(system, parameters, state, &mut report)?;
+        system.accept(parameters, state, &mut self.scratch);
+        report.imbalance = largest(&self.g);
+        report.correction = self.history.last().map_or(0.0, |i| i.correction);
+        report.history.clone_from(&self.history);
+        report.far = far(system, &self.start, state);
+        report.shortened = self.shortened;
+        report.at_roundoff = self.at_roundoff;
+        report.factorisations = self.factorisations;
+        self.judge(system, parameters, state, settings, &mut report)?;
+        self.poses.clone_from(&state.poses);
+        Ok(report)
+    }
+
+    /// Sums the forces on every part anew, by another way than the residual takes. What round-off of the model's own numbers
+    /// leaves (`at_roundoff`) is an answer with its residual; anything else that does not cancel is none.
+    pub(super) fn judge(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        settings: &Settings,
+        report: &mut Report,
+    ) -> Result<(), SolveError> {
+        let memory = (&mut self.scratch, &mut self.sums);
+        report.balance = Balance::summed(system, parameters, state, memory)?;
+        if !report.at_roundoff && !report.balance.holds(settings.imbalance) {
+            return Err(SolveError::Unbalanced(Box::new(report.balance.clone())));
+        }
+        self.worst.get_or_insert_default().or_worse(&report.balance);
+        Ok(())
+    }
+
+    /// The worst balance of all equilibria that were found so far; `None` before the first.
+    pub fn worst_balance(&self) -> Option<&Balance> {
+        self.worst.as_ref()
+    }
+
+    /// True if nothing resists some motion of what was solved last.
+    pub fn has_free_motions(&self) -> bool {
+        self.matrix.deficiency() > 0
+    }
+
+    /// Says that the model has motions that nothing resists. What resists a motion by less than any friction does then resists none.
+    pub fn expect_free_motions(&mut self) {
+        self.matrix.set_rank_tolerance(RESISTED);
+    }
+
+    /// The linearised equations at an equilibrium.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn tangent(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Tangent, SolveError> {
+        let fresh = || Tangent::with(system, self.matrix.clone());
+        let mut tangent = self.spare.take().unwrap_or_else(fresh);
+        tangent.linearise(system, parameters, state, &mut self.next)?;
+        Ok(tangent)
+    }
+
+    /// Takes back a tangent of the same system, whose memory serves the next one.
+    pub fn give_back(&mut self, tangent: Tangent) {
+        self.spare = Some(tangent);
+    }
+
+    /// Marks the constraint equations that say nothing new in this configuration.
+    fn find_redundant(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+    ) -> Result<(), SolveError> {
+        state.redundant.clear();
+        self.next.clear();
+        let (scratch, g, next) = (&mut self.scratch, &mut self.g, &mut self.next);
+        system.assemble_leniently(parameters, state, scratch, g, next)?;
+        self.next.finish();
+        state.redundant = redundant_equations(system, &self.next);
+        for (redundant, multiplier) in state.redundant.iter().zip(&mut state.multipliers) {
+            if *redundant {
+                *multiplier = 0.0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Removed equations must hold all the same.
+    fn check_removed(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        report: &mut Report,
+    ) -> Result<(), SolveError> {
+        if !state.redundant.contains(&true) {
+            return Ok(());
+        }
+        self.trial.clone_from(state);
+        self.trial.redundant.fill(false);
+        let (scratch, g) = (&mut self.scratch, &mut self.g_trial);
+        system.residual(parameters, &self.trial, scratch, g)?;
+        for (k, _) in state.redundant.iter().enumerate().filter(|(_, r)| **r) {
+            let equation = system.constraint_equation_name(k);
+            let violation = self.g_trial[system.first_equation + k].abs();
+            if violation > CONSISTENT * system.length.max(1.0) {
+                return Err(SolveError::Inconsistent {
+                    equation: equation.to_string(),
+                    violation,
+                });
+            }
+            // What is switched off is not held, but says nothing about the others.
+            if system.equation_is_active(k) {
+                report.redundant.push(equation);
+            }
+        }
+        Ok(())
+    }
+
+    /// Jacobian at the state; `g_trial` is overwritten.
+    pub(super) fn assemble(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<(), NoValue> {
+        self.next.clear();
+        let (scratch, g, next) = (&mut self.scratch, &mut self.g_trial, &mut self.next);
+        system.assemble(parameters, state, scratch, g, next)?;
+        self.next.finish();
+        Ok(())
+    }
+
+    /// Residual at the trial state, the held part of the first imbalance taken off.
+    fn evaluate(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        way: Way,
+    ) -> Result<(), NoValue> {
+        let (scratch, g) = (&mut self.scratch, &mut self.g_trial);
+        system.residual(parameters, &self.trial, scratch, g)?;
+        self.hold(way);
+        Ok(())
+    }
+
+    fn hold(&mut self, way: Way) {
+        if way.held > 0.0 {
+            for (g, held) in self.g_trial.iter_mut().zip(&self.held) {
+                *g -= way.held * held;
+            }
+        }
+    }
+
+    pub(super) fn iterate(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &mut State,
+        settings: &Settings,
+        way: Way,
+    ) -> Result<(), Failure> {
+        self.history.clear();
+        (self.shortened, self.limited) = (0, 0);
+        self.at_roundoff = false;
+        // The factors of the last equilibrium are the tangent that predicts the next one.
+        let mut keep = self.poses == state.poses && !way.damped && way.held == 0.0;
+        self.poses.clear();
+        self.trial.clone_from(state);
+        self.evaluate(system, parameters, way)?;
+        std::mem::swap(&mut self.g, &mut self.g_trial);
+        let first = largest(&self.g).max(f64::MIN_POSITIVE);
+        // The first damped step is about half of TLIMIT long.
+        let damping = 2.0 * force_imbalance(system, &self.g) / settings.tlimit;
+        let mut iteration = 0;
+        while iteration < way.maxit && self.remaining > 0 {
+            let imbalance = largest(&self.g);
+            if !imbalance.is_finite() {
+                return Err(Failure::NotConverged);
+            }
+            if !keep && (settings.new_jacobian(iteration) || iteration == 0 || way.damped) {
+                self.assemble(system, parameters, state)?;
+                if settings.stability > DEFAULT_STABILITY * (1.0 + 1e-9) {
+                    add_stability(
+                        system,
+                        parameters,
+                        state,
+                        settings.stability,
+                        &mut self.next,
+                    );
+                }
+                if way.damped {
+                    let fraction = (imbalance / first).min(1.0);
+                    add_damping(system, damping * fraction, &mut self.next);
+                }
+                self.matrix.factor(&self.next);
+                self.factorisations += 1;
+            }
+            for (dx, g) in self.dx.iter_mut().zip(&self.g) {
+                *dx = -g;
+            }
+            self.matrix.solve(&mut self.dx);
+            Unresisted::of(system, &self.matrix).take_off(&mut self.dx);
+            let mut correction = relative_correction(system, state, &self.dx);
+            if iteration == 0
+                && correction > NEAR
+                && balanced(system, &self.g, way.imbalance, 0.0)
+                && self.is_noise(system, state, WRITTEN)
+            {
+                // In equilibrium to the digits of the deck, and next to singular there: the correction is their rounding, magnified.
+                self.dx.fill(0.0);
+                correction = 0.0;
+            }
+            let limit = limit(system, settings, &self.dx);
+            if limit < 1.0 {
+                self.limited += 1;
+            }
+            let way_now = Way { keep, ..way };
+            let Some(step) = self.take(system, parameters, state, way_now, (limit, correction))?
+            else {
+                // The old factors do not serve: the same place again with new ones.
+                keep = false;
+                continue;
+            };
+            iteration += 1;
+            self.remaining -= 1;
+            let before = self.history.last().map_or(f64::INFINITY, |i| i.correction);
+            self.history.push(Iteration {
+                imbalance,
+                correction,
+                step,
+            });
+            // A search that creeps has lost its way: something else should be tried.
+            if self.shortened > CREEPING && settings.continuation && !way.damped {
+                return Err(Failure::NotConverged);
+            }
+            std::mem::swap(state, &mut self.trial);
+            std::mem::swap(&mut self.g, &mut self.g_trial);
+            if step < 1.0 {
+                keep = false;
+                continue;
+            }
+            let noise = self.scratch.largest;
+            if correction < way.error && balanced(system, &self.g, way.imbalance, noise) {
+                return Ok(());
+            }
+            // Below round-off of stiffness times position no iteration gets any further.
+            if largest(&self.g) > 0.1 * imbalance
+                && self.is_noise(system, state, 8.0 * f64::EPSILON)
+            {
+                self.at_roundoff = true;
+                return Ok(());
+            }
+            // Near the end the factors change so little that old ones do.
+            let falling = !keep || correction < 0.1 * before;
+            keep = !way.damped && correction < NEAR && falling;
+        }
+        Err(Failure::NotConverged)
+    }
+
+    /// Goes along `dx` to the trial state. The whole (limited) step is taken unless it makes things worse in the residual and in
+    /// the next correction (Deuflhard's natural monotonicity test); then shorter ones are tried, or none if the factors are old.
+    fn take(
+        &mut self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        way: Way,
+        (limit, correction): (f64, f64),
+    ) -> Result<Option<f64>, Failure> {
+        let mut step = limit;
+        loop {
+            for (s, dx) in self.step.iter_mut().zip(&self.dx) {
+                *s = step * dx;
+            }
+            self.trial.clone_from(state);
+            system.advance(&mut self.trial, &self.step);
+            let trust = way.damped || correction < NOISE || step <= SHORTEST;
+            match self.evaluate(system, parameters, way) {
+                Err(reason) if step <= SHORTEST => return Err(reason.into()),
+                Err(_) => {}
+                Ok(()) => {
+                    if trust || self.is_better(system, step) {
+                        return Ok(Some(step));
+                    }
+                }
+            }
+            if way.keep {
+                return Ok(None);
+            }
+            self.shortened += 1;
+            step *= 0.5;
+        }
+    }
+
+    /// True if every equation is within what a relative error of positions, angles and multipliers makes of its terms. `dx_bar`
+    /// is overwritten.
+    fn is_noise(&mut self, system: &System, state: &State, relative: f64) -> bool {
+        let floor = &mut self.dx_bar;
+        floor.fill(0.0);
+        let scales = &mut self.step;
+        scales.fill(0.0);
+        for (body, pose) in system.bodies.iter().zip(&state.poses) {
+            for k in 0..body.freedoms {
+                scales[body.first + k] = if k < 3 {
+                    pose.p.amax().max(system.length)
+                } else {
+                    1.0
+                };
+            }
+        }
+        for (k, multiplier) in state.multipliers.iter().enumerate() {
+            scales[system.first_equation + k] = multiplier.abs();
+        }
+        for (k, unknown) in system.implicit_variables() {
+            scales[unknown] = state.variables[k].abs();
+        }
+        for (row, column, value) in self.next.entries() {
+            floor[row] += value.abs() * scales[column];
+        }
+        // Round-off of a force or torque goes by its size, whatever axis it is read along: along a motion that nothing resists no term is left.
+        for body in &system.bodies {
+            for first in (0..body.freedoms).step_by(3) {
+                let own = &mut floor[body.first + first..body.first + first + 3];
+                let most = own.iter().copied().fold(0.0, f64::max);
+                own.fill(most);
+            }
+        }
+        // Such a motion leaves one equation out, in which the round-off of all others in it gathers.
+        for m in 0..self.matrix.deficiency() {
+            let z = self.matrix.null_vector(m);
+            let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();
+            let least = LEAST_SHARE * largest(&z[..system.first_equation]);
+            for &row in self.matrix.left_out() {
+                let row = row as usize;
+                if z[row].abs() > least {
+                    floor[row] = floor[row].max(gathered / z[row].abs());
+                }
+            }
+        }
+        self.g
+            .iter()
+            .zip(floor)
+            .all(|(g, floor)| g.abs() <= relative * *floor)
+    }
+
+    fn is_better(&mut self, system: &System, step: f64) -> bool {
+        let before = self.matrix.scaled_norm(&self.g);
+        let after = self.matrix.scaled_norm(&self.g_trial);
+        if after <= before {
+            return true;
+        }
+        if !after.is_finite() {
+            return false;
+        }
+        for (dx, g) in self.dx_bar.iter_mut().zip(&self.g_trial) {
+            *dx = -g;
+        }
+        self.matrix.solve(&mut self.dx_bar);
+        Unresisted::of(system, &self.matrix).take_off(&mut self.dx_bar);
+        motion_norm(system, &self.dx_bar) <= (1.0 - 0.25 * step) * motion_norm(system, &self.dx)
+    }
+}

@@ -1,0 +1,441 @@
+use nalgebra::{DMatrix, DVector};
+
+use super::SolveError;
+use super::krylov::ShiftInvert;
+use super::path::add_damping;
+use super::rank::{motion_of, soft_motion};
+use crate::linear::{Lu, Matrix};
+use crate::mechanics::eigen::{eigenvalues, symmetric_eigen};
+use crate::system::{Parameters, Scratch, State, System};
+
+/// Freedoms up to which all eigenvalues are worked out: that work grows with the third power.
+const DENSE: usize = 150;
+
+/// A stiffness smaller than this part of the largest possible one is round-off.
+const ROUND_OFF: f64 = 1e-12;
+/// Steps of inverse iteration; the shift is so near that two or three do.
+const ITERATIONS: usize = 6;
+/// Steps towards the equilibrium that the error of an eigenvalue is seen by: the second takes away what the first one's length adds.
+const STEPS: usize = 2;
+
+/// The smallest eigenvalue (real part) of the tangent stiffness over the motions the constraints allow, rotations taken times
+/// the model's length: force per length. Negative where the equilibrium is unstable. `None` if nothing can move.
+///
+/// With Z an orthonormal basis of the motions that no constraint resists and S the stiffness left when VARIABLEs and states follow,
+/// the eigenvalues of `Z' S Z`, S unsymmetric in general. Small systems: all of them. Large ones: those next to a series of shifts, by
+/// Arnoldi's method with the factors of the shifted equations (Golub and Van Loan, Matrix Computations, 10.5).
+///
+/// # Errors
+/// [`SolveError::NoValue`] if an element has no value there.
+pub fn smallest_eigenvalue(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+) -> Result<Option<f64>, SolveError> {
+    let found = smallest(system, parameters, state, &mut Scratch::new(system))?;
+    Ok(found.map(|(stiffness, ..)| stiffness))
+}
+
+/// The smallest eigenvalue as it was computed, its motion times lengths, and a bound of all eigenvalues.
+fn smallest(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    scratch: &mut Scratch,
+) -> Result<Option<(f64, Vec<f64>, f64)>, SolveError> {
+    let n = system.first_equation;
+    if n == 0 {
+        return Ok(None);
+    }
+    let tangent = assembled(system, parameters, state, scratch)?;
+    let lengths = lengths(system);
+    let bound = bound(system, &tangent, &lengths);
+    let found = if n <= DENSE {
+        dense(system, &tangent, &lengths)
+    } else {
+        ShiftInvert::new(system, parameters, state, lengths).smallest(bound)?
+    };
+    Ok(found.map(|(stiffness, motion)| (stiffness, motion, bound)))
+}
+
+/// The softest motion that the constraints allow.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Softest {
+    /// The smallest eigenvalue, force per length; zero where it is round-off.
+    pub stiffness: f64,
+    /// How far the eigenvalue may be off: by round-off, and at an equilibrium by what that is off.
+    pub error: f64,
+    /// Its motion: unknowns of the bodies, ground axes; the largest motion of a part is one length unit.
+    pub motion: Vec<f64>,
+}
+
+impl Softest {
+    /// The softest motion at any state, its error that of round-off. `None` if nothing can move, or if no eigenvalue could be found.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn of(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Result<Option<Self>, SolveError> {
+        Self::with(system, parameters, state, &mut Scratch::new(system))
+    }
+
+    fn with(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Self>, SolveError> {
+        let found = smallest(system, parameters, state, scratch)?;
+        Ok(found.map(|(smallest, motion, bound)| Self {
+            stiffness: if smallest.abs() < ROUND_OFF * bound {
+                0.0
+            } else {
+                smallest
+            },
+            error: ROUND_OFF * bound,
+            motion: in_unknowns(system, &lengths(system), motion),
+        }))
+    }
+
+    /// The softest motion at an equilibrium, with the error that its eigenvalue has because the equilibrium is met within ERROR and
+    /// IMBALANCE only. `None` if nothing can move, or if no eigenvalue could be found.
+    ///
+    /// The parts go two of Newton's steps nearer: the eigenvalue is that there, its error the change up to there. The steps are damped by more than
+    /// the eigenvalue, so that what nothing holds stays.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn at_equilibrium(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Self>, SolveError> {
+        let Some(mut here) = Self::with(system, parameters, state, scratch)? else {
+            return Ok(None);
+        };
+        let damping = here.error.max(2.0 * here.stiffness.abs());
+        let mut near = state.clone();
+        let (mut matrix, mut factors) =
+            (Matrix::new(system.unknowns()), Lu::new(system.unknowns()));
+        let mut step = vec![0.0; system.unknowns()];
+        for _ in 0..STEPS {
+            matrix.clear();
+            system.assemble(parameters, &near, scratch, &mut step, &mut matrix)?;
+            matrix.finish();
+            add_damping(system, damping, &mut matrix);
+            factors.factor(&matrix);
+            for g in &mut step {
+                *g = -*g;
+            }
+            factors.solve(&mut step);
+            system.advance(&mut near, &step);
+        }
+        if let Some((nearer, ..)) = smallest(system, parameters, &near, scratch)? {
+            here.error = here.error.max((nearer - here.stiffness).abs());
+            here.stiffness = nearer;
+        }
+        Ok(Some(here))
+    }
+
+    /// The softest motion at an equilibrium that is unstable or neutral, `None` where it is stable. Cheaper than
+    /// [`Softest::at_equilibrium`] for small systems.
+    ///
+    /// # Errors
+    /// [`SolveError::NoValue`] if an element has no value there.
+    pub fn doubtful(
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+        scratch: &mut Scratch,
+    ) -> Result<Option<Self>, SolveError> {
+        let n = system.first_equation;
+        if n > 0 && n <= DENSE {
+            let tangent = assembled(system, parameters, state, scratch)?;
+            let lengths = lengths(system);
+            if let Some((reduced, _)) = reduced(system, &tangent, &lengths) {
+                // No eigenvalue has a smaller real part than the symmetric part allows.
+                let symmetric = (&reduced + reduced.transpose()) * 0.5;
+                if symmetric.cholesky().is_some() {
+                    return Ok(None);
+                }
+            }
+        }
+        let softest = Self::at_equilibrium(system, parameters, state, scratch)?;
+        Ok(softest.filter(|softest| softest.is_unstable() || softest.is_neutral()))
+    }
+
+    /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
+    pub fn is_cheap(system: &System) -> bool {
+        system.first_equation <= DENSE
+    }
+
+    /// True where the equilibrium is unstable beyond doubt.
+    pub fn is_unstable(&self) -> bool {
+        self.stiffness < -self.error
+    }
+
+    /// True where the sign of the stiffness cannot be told.
+    pub fn is_neutral(&self) -> bool {
+        self.stiffness.abs() <= self.error
+    }
+
+    /// The part that moves most.
+    pub fn part(&self, system: &System) -> usize {
+        let size = |part: usize| {
+            let (v, w) = motion_of(system, part, &self.motion);
+            v.norm().max(w.norm() * system.length)
+        };
+        (0..system.bodies.len())
+            .max_by(|a, b| size(*a).total_cmp(&size(*b)))
+            .unwrap_or(0)
+    }
+
+    /// What moves how, in the user's words: `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
+    pub fn described(
+        &self,
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
+    ) -> Option<String> {
+        let motion = soft_motion(system, parameters, state, &self.motion)?;
+        Some(motion.to_string())
+    }
+}
+
+/// From motions times lengths to the unknowns, the largest motion of a part one.
+fn in_unknowns(system: &System, lengths: &[f64], mut motion: Vec<f64>) -> Vec<f64> {
+    let largest = motion.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let first = motion.iter().find(|x| x.abs() > 0.5 * largest).copied();
+    // Either way is as good; the same one every time.
+    let scale = first.unwrap_or(1.0).signum() / largest.max(f64::MIN_POSITIVE);
+    for (x, length) in motion.iter_mut().zip(lengths) {
+        *x *= scale / length;
+    }
+    motion.truncate(system.first_equation);
+    motion
+}
+
+fn assembled(
+    system: &System,
+    parameters: &Parameters,
+    state: &State,
+    scratch: &mut Scratch,
+) -> Result<Matrix, SolveError> {
+    let mut matrix = Matrix::new(system.unknowns());
+    let mut g = vec![0.0; system.unknowns()];
+    system.assemble(parameters, state, scratch, &mut g, &mut matrix)?;
+    matrix.finish();
+    Ok(matrix)
+}
+
+/// What one unit of each freedom of a body moves: 1 for translations, the length of the model for rotations.
+fn lengths(system: &System) -> Vec<f64> {
+    let mut out = vec![1.0; system.first_equation];
+    for body in &system.bodies {
+        for k in 3..body.freedoms.max(3) {
+            out[body.first + k] = system.length;
+        }
+    }
+    out
+}
+
+/// No eigenvalue is larger: the largest sum of a row of the stiffness, and what variables add.
+fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
+    let n = system.first_equation;
+    let mut rows = vec![0.0_f64; system.unknowns()];
+    let mut by_variables = vec![0.0_f64; n];
+    for (row, column, value) in tangent.entries() {
+        let left = lengths.get(row).copied().unwrap_or(1.0);
+        if column < n {
+            rows[row] += (value / (left * lengths[column])).abs();
+        } else if row < n && column >= system.first_variable {
+            by_variables[row] += (value / left).abs();
+        }
+    }
+    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let variables = largest(&by_variables) * largest(&rows[system.first_variable..]);
+    largest(&rows[..n]) + variables
+}
+
+/// The stiffness of the motions the constraints allow, and those motions as columns, times lengths. `None` if there are none.
+fn reduced(
+    system: &System,
+    tangent: &Matrix,
+    lengths: &[f64],
+) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let n = system.first_equation;
+    let (m, v) = (system.equations, system.unknowns() - system.first_variable);
+    let scale = |k: usize| lengths.get(k).copied().unwrap_or(1.0);
+    let mut J: DMatrix<f64> = DMatrix::zeros(n + m + v, n + m + v);
+    for (row, column, value) in tangent.entries() {
+        J[(row, column)] += value / (scale(row) * scale(column));
+    }
+    // Variables and states follow the motion.
+    if v > 0 {
+        let own = J.view((n + m, n + m), (v, v)).clone_owned();
+        let by_others = J.view((n + m, 0), (v, n + m)).clone_owned();
+        if let Some(followed) = own.lu().solve(&by_others) {
+            let effect = J.view((0, n + m), (n + m, v)) * followed;
+            let mut bodies = J.view_mut((0, 0), (n + m, n + m));
+            bodies -= effect;
+        }
+    }
+    let K = -J.view((0, 0), (n, n));
+    let mut G = J.view((n, 0), (m, n)).clone_owned();
+    // Every constraint counts alike, whatever its unit.
+    for mut row in G.row_iter_mut() {
+        let length = row.norm();
+        if length > 0.0 {
+            row /= length;
+        }
+    }
+    let eigen = symmetric_eigen(G.transpose() * G);
+    let free: Vec<usize> = (0..n).filter(|&k| eigen.eigenvalues[k] < 1e-12).collect();
+    if free.is_empty() {
+        return None;
+    }
+    let Z: DMatrix<f64> = eigen.eigenvectors.select_columns(&free);
+    Some((Z.transpose() * K * &Z, Z))
+}
+
+/// The smallest eigenvalue and its motion, times lengths.
+fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let (reduced, Z) = reduced(system, tangent, lengths)?;
+    let values = eigenvalues(reduced.clone())?;
+    let least = values.iter().map(|e| e.re).fold(f64::INFINITY, f64::min);
+    let motion = Z * near(&reduced, least);
+    Some((least, motion.iter().copied().collect()))
+}
+
+/// An eigenvector by inverse iteration beside its eigenvalue; one of the plane of a complex pair.
+fn near(matrix: &DMatrix<f64>, value: f64) -> DVector<f64> {
+    let n = matrix.nrows();
+    let beside = value - 1e-9 * matrix.amax().max(f64::MIN_POSITIVE);
+    let factors = (matrix - DMatrix::identity(n, n) * beside).lu();
+    let mut vector = DVector::from_fn(n, |k, _| 1.0 / (k as f64 + 1.7));
+    for _ in 0..ITERATIONS {
+        let Some(next) = factors
+            .solve(&vector)
+            .filter(|v| v.norm() > 0.0 && v.norm().is_finite())
+        else {
+            break;
+        };
+        vector = next.normalize();
+    }
+    vector
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use super::*;
+    use crate::model::Model;
+    use crate::statics::{Settings, solve};
+    use admire_syntax::Dataset;
+    use admire_syntax::text::Source;
+
+    /// A chain of links on bushings, hinged here and there, with a force that follows a VARIABLE and pushes with `push` per length.
+    fn chain(links: u32, push: f64) -> (System, State) {
+        let mut deck = String::from(
+            "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
+             MARKER/1, PART=1\nMARKER/11, PART=1\n",
+        );
+        for id in 2..links + 2 {
+            let x = 50 * (id - 2);
+            writeln!(
+                deck,
+                "PART/{id}, QG={x},0,0, MASS=1, CM={id}0, IP=9,9,9\nMARKER/{id}0, PART={id}\n\
+                 MARKER/{id}1, PART={id}, QP=50,0,0\nBUSHING/{id}, I={id}0, J={}1, K=3E3,2E3,1E3, KT=1E6,2E6,3E6",
+                id - 1
+            )
+            .unwrap();
+            if id % 7 == 0 {
+                writeln!(deck, "JOINT/{id}, REVOLUTE, I={id}0, J={}1", id - 1).unwrap();
+            }
+        }
+        let last = links + 1;
+        writeln!(
+            deck,
+            "VARIABLE/1, FUNCTION={push}*DX({last}0,1)\nMARKER/5, PART=1, REULER=90D,90D,0D\n\
+             SFORCE/1, I={last}0, J=5, TRANSLATIONAL, ACTIONONLY, FUNCTION=VARVAL(1)-{}\nEND",
+            push * f64::from(50 * (links - 1))
+        )
+        .unwrap();
+        solved(deck)
+    }
+
+    fn solved(deck: String) -> (System, State) {
+        let dataset = Dataset::parse(Source::new("chain.adm", deck.into_bytes())).value;
+        let system = System::compile(&Model::lower(&dataset).value);
+        assert!(!system.has_errors(), "{:?}", system.diagnostics);
+        let system = system.value;
+        let mut state = system.state();
+        let parameters = system.parameters();
+        solve(&system, &parameters, &mut state, &Settings::tight()).unwrap();
+        (system, state)
+    }
+
+    /// Both ways give the same, for stable and for unstable chains: the one unstable motion hides among many that are softer.
+    #[test]
+    fn both_ways_agree() {
+        for push in [0.0, 1.0, 50.0, 1e4, 1e7] {
+            let (system, state) = chain(20, push);
+            let parameters = system.parameters();
+            let mut scratch = Scratch::new(&system);
+            let tangent = assembled(&system, &parameters, &state, &mut scratch).unwrap();
+            let lengths = lengths(&system);
+            let bound = bound(&system, &tangent, &lengths);
+            let (all, _) = dense(&system, &tangent, &lengths).unwrap();
+            let (near, _) = ShiftInvert::new(&system, &parameters, &state, lengths)
+                .smallest(bound)
+                .unwrap()
+                .unwrap();
+            println!("push {push}: {all} {near}, bound {bound}");
+            assert!(
+                (near - all).abs() < 1e-6 * all.abs(),
+                "{push}: {all} {near}"
+            );
+            assert_eq!(all < 0.0, push > 1e2);
+        }
+    }
+
+    /// A marker a hair beside its part makes products that underflow: the eigenvalues are found all the same, and soon.
+    #[test]
+    fn places_next_to_nothing_do_not_keep_it_from_ending() {
+        let (system, state) = solved(
+            "hair\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
+             MARKER/10, PART=1\nMARKER/11, PART=1, QP=100,0,0\nPART/2, MASS=2, CM=20, IP=1000,1000,1000\n\
+             MARKER/20, PART=2\nMARKER/21, PART=2, QP=1E-154,0,0\nJOINT/1, SPHERICAL, I=21, J=11\n\
+             BUSHING/1, I=20, J=10, K=5000,5000,5000, KT=4000D,4000D,4000D\nACCGRAV/KGRAV=-9806.65\nEND\n"
+                .to_string(),
+        );
+        let parameters = system.parameters();
+        let smallest = smallest_eigenvalue(&system, &parameters, &state).unwrap();
+        let (length, kt) = (system.length, 4000.0_f64.to_radians());
+        // The bushing is 100 mm long beside a joint at its own marker: its forces have no arm, so that only KT is left.
+        let expected = kt / (length * length);
+        let smallest = smallest.unwrap();
+        assert!(
+            (smallest - expected).abs() < 1e-6 * expected,
+            "{smallest} {expected}"
+        );
+    }
+
+    #[test]
+    fn what_cannot_move_has_no_stiffness_to_tell() {
+        let (system, state) = solved(
+            "held\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\n\
+             JOINT/1, FIXED, I=20, J=1\nSPRINGDAMPER/1, ROTATIONAL, I=20, J=1, KT=100\nEND\n"
+                .to_string(),
+        );
+        let parameters = system.parameters();
+        assert_eq!(smallest_eigenvalue(&system, &parameters, &state), Ok(None));
+        let near = ShiftInvert::new(&system, &parameters, &state, lengths(&system)).smallest(100.0);
+        assert_eq!(near, Ok(None));
+    }
+}

@@ -1,0 +1,31 @@
+//! GCONs of velocities.
+
+use super::Compiler;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+impl Compiler<'_> {
+    /// Of each constraint equation whether it holds velocities, after [`Compiler::order`]; warns of those, which statics leaves out.
+    pub(super) fn of_velocities(&mut self) -> Vec<bool> {
+        let mut out = vec![false; self.equations];
+        for condition in &self.conditions {
+            out[condition.equation] = self.reads().velocities(condition.function);
+            if !condition.active || !out[condition.equation] {
+                continue;
+            }
+            let owner = &condition.name;
+            self.diagnostics.push(
+                Diagnostic::warning(
+                    Code::InactiveInStatics,
+                    format!(
+                        "{owner} holds velocities, which are zero in statics: it is left out there"
+                    ),
+                )
+                .about(owner.object())
+                .help(
+                    "what it keeps from slipping in a motion is held by nothing in an equilibrium",
+                ),
+            );
+        }
+        out
+    }
+}

@@ -1,0 +1,203 @@
+//! GCONs: functions as constraints.
+
+use super::NoValue;
+use super::compiled_function::Source;
+use super::scratch::Beside;
+use super::structure::{Condition, Drive};
+use super::{Configuration, Name, Scratch, State, System};
+use crate::linear::Sink;
+use crate::mechanics::Vec3;
+use crate::model::{MarkerIx, PartIx};
+
+/// Steps of the differences of gradients: lengths by the model's length, angles in radians.
+const STEP: f64 = 1e-6;
+
+impl Configuration<'_> {
+    /// The reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes; after
+    /// [`Configuration::look`]. Zero if it is switched off or redundant.
+    pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
+        let (system, state, scratch) = (self.system, self.state, &*self.scratch);
+        let place = system.place(system.owners[marker.0]);
+        let is_it = |c: &&Condition| c.name.id == id && !self.is_out(c);
+        let Some(condition) = system.conditions.iter().find(is_it) else {
+            return (Vec3::zeros(), Vec3::zeros());
+        };
+        let lambda = state.multipliers[condition.equation];
+        // Generalised forces of a constraint: minus multiplier times gradient.
+        let on = |first: usize, freedoms: usize| {
+            let mut reaction = [0.0; 6];
+            for (unknown, derivative) in held_by(system, condition, scratch) {
+                if (first..first + freedoms).contains(&unknown) {
+                    reaction[unknown - first] -= lambda * derivative;
+                }
+            }
+            (
+                Vec3::new(reaction[0], reaction[1], reaction[2]),
+                Vec3::new(reaction[3], reaction[4], reaction[5]),
+            )
+        };
+        if place.freedoms > 0 {
+            let (force, about_part) = on(place.first, place.freedoms);
+            // T_I = T_part - r x F, with r from the part's reference point to I.
+            let arm = scratch.arms[marker.0];
+            return (force, about_part - arm.cross(&force));
+        }
+        // Ground takes what the others do not: a function of places moves nothing when all of it moves together.
+        let at = scratch.markers[marker.0].p;
+        let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
+        for (part, body) in system.bodies.iter().enumerate() {
+            let (F, T) = on(body.first, body.freedoms);
+            force -= F;
+            torque -= T + (system.reference_point(state, PartIx(part)) - at).cross(&F);
+        }
+        (force, torque)
+    }
+
+    /// True if a GCON takes no part here: in statics that is also what holds velocities.
+    pub(super) fn is_out(&self, condition: &Condition) -> bool {
+        let at_rest = self.system.of_velocities[condition.equation] && !self.moving();
+        at_rest || !self.system.takes_part(self.state, condition.equation)
+    }
+
+    /// Adds what the GCONs of velocities ask for besides `G V`: `f(q, V, t) - G V`.
+    pub(super) fn add_asked(&self, rates: &mut [f64]) {
+        let (system, scratch) = (self.system, &*self.scratch);
+        for condition in &system.conditions {
+            if !system.of_velocities[condition.equation] || self.is_out(condition) {
+                continue;
+            }
+            let mut asked = scratch.functions[condition.function].value;
+            for (column, by) in held_by(system, condition, scratch) {
+                asked -= by * self.velocity_of(column);
+            }
+            rates[condition.equation] += asked;
+        }
+    }
+
+    /// Adds residuals, gradients and reactions of the GCONs.
+    pub(crate) fn add_conditions<S: Sink>(
+        &mut self,
+        g: &mut [f64],
+        sink: &mut S,
+    ) -> Result<(), NoValue> {
+        let (system, state) = (self.system, self.state);
+        for condition in &system.conditions {
+            let row = system.first_equation + condition.equation;
+            let lambda = state.multipliers[condition.equation];
+            let out = self.is_out(condition);
+            if S::ROWS {
+                sink.add(row, row, f64::from(u8::from(out)));
+            }
+            let value = self.scratch.functions[condition.function];
+            g[row] = if out { lambda } else { value.value };
+            let on = f64::from(u8::from(!out));
+            for &(column, derivative) in &self.scratch.gradient[value.first..value.last] {
+                sink.add(row, column, on * derivative);
+            }
+            for (unknown, derivative) in held_by(system, condition, self.scratch) {
+                g[unknown] -= on * lambda * derivative;
+                sink.add(unknown, row, -on * derivative);
+            }
+            if S::WANTED {
+                self.add_curvature(condition, on * lambda, sink)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// `-multiplier` times the derivative of the gradient, by central differences: programs have first derivatives only.
+    fn add_curvature<S: Sink>(
+        &mut self,
+        condition: &Condition,
+        lambda: f64,
+        sink: &mut S,
+    ) -> Result<(), NoValue> {
+        let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
+        let value = scratch.functions[condition.function];
+        let mut beside = scratch.beside.take().unwrap_or_else(|| {
+            Box::new(Beside {
+                state: State::empty(),
+                scratch: Scratch::new(system),
+                step: vec![0.0; system.unknowns],
+            })
+        });
+        let mut result = Ok(());
+        let mut columns: Vec<usize> = scratch.gradient[value.first..value.last]
+            .iter()
+            .map(|entry| entry.0)
+            .filter(|unknown| *unknown < system.first_equation)
+            .collect();
+        columns.sort_unstable();
+        columns.dedup();
+        for column in columns {
+            // Rotations of a part follow its translations.
+            let turns = system
+                .bodies
+                .iter()
+                .any(|b| b.freedoms == 6 && (b.first + 3..b.first + 6).contains(&column));
+            let h = if turns { STEP } else { STEP * system.length };
+            for sign in [1.0, -1.0] {
+                beside.state.clone_from(state);
+                beside.step.fill(0.0);
+                beside.step[column] = sign * h;
+                system.advance(&mut beside.state, &beside.step);
+                let near = &mut *beside;
+                if let Err(error) = system.look(self.parameters, &near.state, &mut near.scratch) {
+                    result = Err(error);
+                    break;
+                }
+                for (unknown, derivative) in held_by(system, condition, &near.scratch) {
+                    let change = sign * derivative / (2.0 * h);
+                    sink.add(unknown, column, -lambda * change);
+                }
+            }
+        }
+        scratch.beside = Some(beside);
+        result
+    }
+}
+
+impl System {
+    /// A MOTION or GCON that takes part and reads dynamic states.
+    pub fn driven_by_states(&self) -> Option<&Name> {
+        let motions = self.joints.iter().filter(|joint| joint.active);
+        let motions = motions.filter_map(|joint| match joint.drive {
+            Drive::Function(function) => Some((&joint.name, function)),
+            _ => None,
+        });
+        let conditions = self.conditions.iter().filter(|c| c.active);
+        let conditions = conditions.map(|c| (&c.name, c.function));
+        let mut all = motions.chain(conditions);
+        all.find(|(_, function)| self.reads_states(*function))
+            .map(|(name, _)| name)
+    }
+
+    fn reads_states(&self, function: usize) -> bool {
+        self.reads().any(function, |source| {
+            matches!(
+                source,
+                Source::State(_) | Source::StateRate(..) | Source::Output(_)
+            )
+        })
+    }
+}
+
+/// What the multiplier of a GCON acts on, as (unknown of the parts, derivative): the gradient of its function by the places, or by the
+/// velocities where it holds these. After [`Configuration::look`].
+pub(super) fn held_by<'a>(
+    system: &'a System,
+    condition: &Condition,
+    scratch: &'a Scratch,
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let first = if system.of_velocities[condition.equation] {
+        system.moving_unknowns
+    } else {
+        0
+    };
+    let columns = first..first + system.first_equation;
+    let value = scratch.functions[condition.function];
+    let gradient = scratch.gradient[value.first..value.last].iter();
+    gradient
+        .filter(move |(column, _)| columns.contains(column))
+        .map(move |(column, by)| (column - first, *by))
+}

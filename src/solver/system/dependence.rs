@@ -1,0 +1,289 @@
+//! What functions read of each other: which VARIABLEs are unknowns, and in which order all others are evaluated.
+//!
+//! A VARIABLE is given explicitly by its function, unless the function reads the VARIABLE itself, directly, through other VARIABLEs or
+//! through forces: such an algebraic loop is solved for.
+
+use std::collections::BTreeSet;
+
+use super::System;
+use super::compiled_function::{CompiledFunction, Exerted, Source};
+use super::structure::{Action, Algebraic, Drive, Element, Joint};
+
+/// What functions can read of each other.
+#[derive(Clone, Copy)]
+pub(crate) struct Reads<'a> {
+    pub functions: &'a [CompiledFunction],
+    pub variables: &'a [Algebraic],
+    pub elements: &'a [Element],
+    pub joints: &'a [Joint],
+}
+
+impl Reads<'_> {
+    /// The functions whose values a function needs: those of explicit VARIABLEs, of forces it measures and of held rates.
+    pub(crate) fn of(&self, function: usize) -> Vec<usize> {
+        let mut out = Vec::new();
+        for source in &self.functions[function].sources {
+            match source {
+                Source::Variable(k) => out.extend(self.explicit(*k)),
+                Source::Output((_, by_variable)) => {
+                    out.extend(by_variable.iter().filter_map(|(k, _)| self.explicit(*k)));
+                }
+                Source::StateRate(_, Some(function)) => out.push(*function),
+                Source::Force(force) => {
+                    for (who, _) in &force.by {
+                        self.push_driving(*who, &mut out);
+                    }
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+
+    /// The function of a VARIABLE that is switched on and no unknown.
+    pub(crate) fn explicit(&self, variable: usize) -> Option<usize> {
+        let variable = &self.variables[variable];
+        (variable.active && variable.unknown.is_none()).then_some(variable.function)
+    }
+
+    /// The functions that drive what exerts a force.
+    fn push_driving(&self, who: Exerted, out: &mut Vec<usize>) {
+        match who {
+            Exerted::Element(k) => self.push_element(&self.elements[k], out),
+            Exerted::Joint(k, _) => {
+                if let Drive::Function(function) = self.joints[k].drive {
+                    out.push(function);
+                }
+            }
+            Exerted::Multi(..) => {}
+        }
+    }
+
+    /// The functions of an element that is switched on.
+    pub(crate) fn push_element(&self, element: &Element, out: &mut Vec<usize>) {
+        if !element.active {
+            return;
+        }
+        match &element.action {
+            Action::Law(_, Drive::Function(function)) => out.push(*function),
+            Action::Law(..) => {}
+            Action::Vector(components) => out.extend(components.iter().flatten()),
+        }
+    }
+
+    /// A function and those of the VARIABLEs that it reads, directly or through others; unknowns among them if these count.
+    pub(crate) fn through_variables(&self, function: usize, unknowns: bool) -> BTreeSet<usize> {
+        let mut seen = BTreeSet::new();
+        let mut open = vec![function];
+        while let Some(function) = open.pop() {
+            if !seen.insert(function) {
+                continue;
+            }
+            let mut read = |k: usize| {
+                let variable = &self.variables[k];
+                if variable.active && (unknowns || variable.unknown.is_none()) {
+                    open.push(variable.function);
+                }
+            };
+            for source in &self.functions[function].sources {
+                match source {
+                    Source::Variable(k) => read(*k),
+                    Source::Output((_, by_variable)) => {
+                        for (k, _) in by_variable {
+                            read(*k);
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        seen
+    }
+
+    /// Whether any source of a function, or of the VARIABLEs that stand in it, is one of these.
+    pub(crate) fn any(&self, function: usize, is: impl Fn(&Source) -> bool) -> bool {
+        let all = self.through_variables(function, false);
+        let mut sources = all.iter().flat_map(|&f| &self.functions[f].sources);
+        sources.any(is)
+    }
+
+    /// True if velocities of markers are among what a function reads.
+    pub(crate) fn velocities(&self, function: usize) -> bool {
+        self.any(
+            function,
+            |source| matches!(source, Source::Moved(measure) if !measure.kind.is_second()),
+        )
+    }
+
+    /// True if a function depends on nothing but the time.
+    pub(crate) fn only_time(&self, function: usize) -> bool {
+        !self.any(function, |source| match source {
+            Source::Time | Source::Mode | Source::Constant(_) | Source::Sensor(_) => false,
+            Source::Variable(k) => self.variables[*k].unknown.is_some(),
+            _ => true,
+        })
+    }
+
+    /// The functions that these need, they among them, in sets: each after those it reads, and in one set those that read each other.
+    pub(crate) fn components(&self, roots: impl IntoIterator<Item = usize>) -> Vec<Vec<usize>> {
+        components(self.functions.len(), roots, |function| self.of(function))
+    }
+
+    /// True if a set of [`Self::components`] is a loop.
+    pub(crate) fn is_loop(&self, component: &[usize]) -> bool {
+        match component {
+            [function] => self.of(*function).contains(function),
+            _ => true,
+        }
+    }
+}
+
+/// Strongly connected components, each after those it has edges to (R. Tarjan, Depth-first search and linear graph algorithms, SIAM J.
+/// Comput. 1, 1972), without recursion.
+fn components(
+    count: usize,
+    roots: impl IntoIterator<Item = usize>,
+    edges: impl Fn(usize) -> Vec<usize>,
+) -> Vec<Vec<usize>> {
+    const NEW: usize = usize::MAX;
+    let (mut found, mut lowest) = (vec![NEW; count], vec![0; count]);
+    let mut waiting = vec![false; count];
+    let mut stack = Vec::new();
+    let mut out = Vec::new();
+    let mut next = 0;
+    for root in roots {
+        if found[root] != NEW {
+            continue;
+        }
+        let mut path: Vec<(usize, Vec<usize>)> = Vec::new();
+        let mut entered = Some(root);
+        loop {
+            if let Some(node) = entered.take() {
+                (found[node], lowest[node]) = (next, next);
+                next += 1;
+                stack.push(node);
+                waiting[node] = true;
+                path.push((node, edges(node)));
+            }
+            let Some((node, open)) = path.last_mut() else {
+                break;
+            };
+            let node = *node;
+            if let Some(to) = open.pop() {
+                if found[to] == NEW {
+                    entered = Some(to);
+                } else if waiting[to] {
+                    lowest[node] = lowest[node].min(found[to]);
+                }
+                continue;
+            }
+            path.pop();
+            if let Some((before, _)) = path.last() {
+                lowest[*before] = lowest[*before].min(lowest[node]);
+            }
+            if lowest[node] == found[node] {
+                let mut component = Vec::new();
+                while let Some(member) = stack.pop() {
+                    waiting[member] = false;
+                    component.push(member);
+                    if member == node {
+                        break;
+                    }
+                }
+                component.sort_unstable();
+                out.push(component);
+            }
+        }
+    }
+    out
+}
+
+impl System {
+    pub(crate) fn reads(&self) -> Reads<'_> {
+        Reads {
+            functions: &self.functions,
+            variables: &self.variables,
+            elements: &self.elements,
+            joints: &self.joints,
+        }
+    }
+
+    /// The first unknown of a dynamic state: those of VARIABLEs are before it.
+    pub(crate) fn first_state(&self) -> usize {
+        self.first_variable + self.implicit.len()
+    }
+
+    /// The VARIABLEs that are unknowns, with these.
+    pub(crate) fn implicit_variables(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let all = self.implicit.iter().enumerate();
+        all.map(|(k, &variable)| (variable, self.first_variable + k))
+    }
+
+    /// True if functions of the equations read reactions, states or unknown VARIABLEs, which only a solution gives.
+    pub(crate) fn reads_solution(&self) -> bool {
+        let mut sources = self.order.iter().flat_map(|&f| &self.functions[f].sources);
+        sources.any(|source| match source {
+            Source::Force(_)
+            | Source::Friction(..)
+            | Source::State(_)
+            | Source::StateRate(..)
+            | Source::Output(_) => true,
+            Source::Variable(k) => self.variables[*k].unknown.is_some(),
+            _ => false,
+        })
+    }
+
+    /// A function and those of the explicit VARIABLEs that it reads, each after those it reads.
+    pub(crate) fn in_turn(&self, function: usize) -> Vec<usize> {
+        let all = self.reads().through_variables(function, false);
+        let mut all: Vec<usize> = all.into_iter().collect();
+        all.sort_unstable_by_key(|&f| self.ranks[f]);
+        all
+    }
+
+    /// The functions of MOTIONs and GCONs that take part.
+    pub(crate) fn constraining(&self) -> impl Iterator<Item = usize> + '_ {
+        let joints = self.joints.iter().filter(|joint| joint.active);
+        let driven = joints.filter_map(|joint| match joint.drive {
+            Drive::Function(function) => Some(function),
+            Drive::Rate(drive) => Some(drive.function),
+            Drive::Theta(_) | Drive::Held(_) => None,
+        });
+        let conditions = self.conditions.iter().filter(|c| c.active);
+        driven.chain(conditions.map(|c| c.function))
+    }
+
+    /// True if a MOTION or GCON that takes part reads a VARIABLE, directly or through others.
+    pub fn constrains(&self, variable: usize) -> bool {
+        let (reads, function) = (self.reads(), self.variables[variable].function);
+        let mut all = self.constraining();
+        all.any(|read| reads.through_variables(read, true).contains(&function))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::components;
+
+    #[test]
+    fn every_component_comes_after_those_it_reads() {
+        // 0 -> 1 -> 2 -> 1, 0 -> 3, 4 -> 4, 5 -> 0.
+        let edges = [vec![1, 3], vec![2], vec![1], vec![], vec![4], vec![0]];
+        let found = components(6, 0..6, |node| edges[node].clone());
+        assert_eq!(found.len(), 5);
+        let place = |node: usize| found.iter().position(|set| set.contains(&node)).unwrap();
+        assert_eq!(place(1), place(2));
+        for (node, to) in edges.iter().enumerate() {
+            assert!(to.iter().all(|to| place(*to) <= place(node)));
+        }
+        // No recursion: a chain may be of any length.
+        let long = components(200_000, 0..1, |node| {
+            (node + 1 < 200_000)
+                .then_some(node + 1)
+                .into_iter()
+                .collect()
+        });
+        assert_eq!(long.len(), 200_000);
+        assert_eq!(long[0], [199_999]);
+    }
+}

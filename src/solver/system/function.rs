@@ -1,0 +1,528 @@
+//! FUNCTIONs in a configuration: values, and gradients by the unknowns.
+//!
+//! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::compiled_function::{CompiledFunction, Source};
+use super::contribution::FunctionValue;
+use super::{Configuration, NoValue, Reason, Scratch, State, System};
+use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, rate};
+use crate::mechanics::{Pose, Vec3, Vec6};
+
+impl CompiledFunction {
+    /// Zeros for the derivatives by inputs and literals.
+    fn forget(&self, program: &Program, scratch: &mut Scratch) {
+        scratch.by_input.clear();
+        scratch.by_input.resize(program.inputs.len(), 0.0);
+        scratch.by_literal.clear();
+        scratch.by_literal.resize(self.literals.len(), 0.0);
+    }
+
+    /// Value of its program at the inputs in `scratch`, its switches held on these pieces, whose derivatives by inputs and literals are left there.
+    pub(super) fn run(
+        &self,
+        program: &Program,
+        theta: &[f64],
+        pieces: &[Piece],
+        scratch: &mut Scratch,
+    ) -> Result<f64, NoValue> {
+        self.forget(program, scratch);
+        let value = program.eval_on_pieces(
+            &scratch.inputs,
+            &theta[self.literals.clone()],
+            pieces,
+            &mut scratch.program,
+            (&mut scratch.by_input, &mut scratch.by_literal),
+        );
+        value.map_err(|error| NoValue {
+            element: self.owner.clone(),
+            reason: Reason::Function(error),
+        })
+    }
+}
+
+/// A function of the time.
+#[derive(Clone, Copy, Default)]
+pub(super) struct InTime {
+    pub value: f64,
+    /// Its derivative.
+    pub slope: f64,
+    /// Its first and second derivative, where both exist.
+    pub rates: Option<[f64; 2]>,
+}
+
+impl InTime {
+    fn constant(value: f64) -> Self {
+        Self {
+            value,
+            slope: 0.0,
+            rates: Some([0.0; 2]),
+        }
+    }
+}
+
+impl Configuration<'_> {
+    /// Values and gradients of these functions, each after those it reads, into `scratch`; what was there is forgotten.
+    pub(super) fn evaluate_functions(&mut self, order: &[usize]) -> Result<(), NoValue> {
+        self.scratch.gradient.clear();
+        self.scratch.looks += 1;
+        for &function in order {
+            self.evaluate_function(function)?;
+        }
+        Ok(())
+    }
+
+    /// Value and gradient of a function that may be none of the equations, which [`Configuration::look`] has left out.
+    pub(super) fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
+        let system = self.system;
+        if !system.in_equations[function] {
+            let reads = system.reads();
+            let (mut open, mut missing) = (vec![function], BTreeSet::new());
+            while let Some(function) = open.pop() {
+                let known = self.scratch.looked[function] == self.scratch.looks;
+                if !system.in_equations[function] && !known && missing.insert(function) {
+                    open.extend(reads.of(function));
+                }
+            }
+            let mut missing: Vec<usize> = missing.into_iter().collect();
+            missing.sort_unstable_by_key(|&f| system.ranks[f]);
+            for function in missing {
+                self.evaluate_function(function)?;
+                self.scratch.looked[function] = self.scratch.looks;
+            }
+        }
+        Ok(self.scratch.functions[function].value)
+    }
+
+    /// The value of a VARIABLE, after [`Configuration::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if its function is undefined in this configuration.
+    pub fn read_variable(&mut self, variable: usize) -> Result<f64, NoValue> {
+        match self.system.reads().explicit(variable) {
+            Some(function) => self.value_of(function),
+            None => Ok(self.unknown_variable(variable)),
+        }
+    }
+
+    /// The gradient of a VARIABLE by the unknowns, after [`Configuration::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if its function is undefined in this configuration.
+    pub(crate) fn variable_gradient(
+        &mut self,
+        variable: usize,
+    ) -> Result<Vec<(usize, f64)>, NoValue> {
+        let Some(function) = self.system.reads().explicit(variable) else {
+            let unknown = self.system.variables[variable].unknown;
+            return Ok(unknown.map(|unknown| (unknown, 1.0)).into_iter().collect());
+        };
+        self.value_of(function)?;
+        let value = self.scratch.functions[function];
+        Ok(self.scratch.gradient[value.first..value.last].to_vec())
+    }
+
+    /// The value of a VARIABLE that is an unknown, or that is switched off.
+    fn unknown_variable(&self, variable: usize) -> f64 {
+        if self.system.variables[variable].active {
+            self.state.variables[variable]
+        } else {
+            0.0
+        }
+    }
+
+    /// The value of a VARIABLE that the equations read.
+    pub(super) fn variable(&self, variable: usize) -> f64 {
+        match self.system.reads().explicit(variable) {
+            Some(function) => self.scratch.functions[function].value,
+            None => self.unknown_variable(variable),
+        }
+    }
+
+    /// The gradient of such a VARIABLE, times a factor.
+    pub(super) fn each_of_variable(
+        &self,
+        variable: usize,
+        factor: f64,
+        mut put: impl FnMut(usize, f64),
+    ) {
+        match self.system.reads().explicit(variable) {
+            Some(function) => {
+                let value = self.scratch.functions[function];
+                for &(unknown, by) in &self.scratch.gradient[value.first..value.last] {
+                    put(unknown, factor * by);
+                }
+            }
+            None => {
+                if let Some(unknown) = self.system.variables[variable].unknown {
+                    put(unknown, factor);
+                }
+            }
+        }
+    }
+
+    /// Appends the gradient of such a VARIABLE, times a factor; gives its value.
+    fn push_variable(&mut self, variable: usize, factor: f64) -> f64 {
+        let mut gradient = std::mem::take(&mut self.scratch.gradient);
+        let at = gradient.len();
+        match self.system.reads().explicit(variable) {
+            Some(function) => {
+                let value = self.scratch.functions[function];
+                gradient.extend_from_within(value.first..value.last);
+                for (_, by) in &mut gradient[at..] {
+                    *by *= factor;
+                }
+            }
+            None => gradient.extend(self.system.variables[variable].unknown.map(|u| (u, factor))),
+        }
+        self.scratch.gradient = gradient;
+        self.variable(variable)
+    }
+
+    /// Value and gradient of one function, into `scratch`; those it reads must be there.
+    pub(super) fn evaluate_function(&mut self, number: usize) -> Result<(), NoValue> {
+        let function = &self.system.functions[number];
+        let first = self.scratch.gradient.len();
+        let replacement = self.parameters.theta()[function.replacement];
+        let replaced = !replacement.is_nan();
+        let mut value = if replaced { replacement } else { 0.0 };
+        if let Some(program) = &function.program {
+            // The pattern of the gradient is the same whether the function is replaced or not.
+            self.scratch.inputs.clear();
+            self.scratch.spans.clear();
+            let mut chained = false;
+            for source in &function.sources {
+                chained |= matches!(
+                    source,
+                    Source::Variable(_) | Source::Output(_) | Source::Force(_)
+                );
+                let input = self.source(source)?;
+                self.scratch.inputs.push(input);
+                self.scratch.spans.push(self.scratch.gradient.len());
+            }
+            let scratch = &mut *self.scratch;
+            if replaced {
+                function.forget(program, scratch);
+            } else {
+                let pieces = self.state.pieces.get(function.switches.clone());
+                let pieces = pieces.unwrap_or_default();
+                match function.run(program, self.parameters.theta(), pieces, scratch) {
+                    Ok(found) => value = found,
+                    Err(why) => {
+                        let Some(lacking) = &mut scratch.lacking else {
+                            return Err(why);
+                        };
+                        *lacking += 1;
+                        function.forget(program, scratch);
+                    }
+                }
+                if !pieces.is_empty() {
+                    let seen = &mut scratch.seen[function.switches.clone()];
+                    seen.copy_from_slice(scratch.program.seen());
+                }
+            }
+            let mut at = first;
+            for (&end, &by) in scratch.spans.iter().zip(&scratch.by_input) {
+                for (_, derivative) in &mut scratch.gradient[at..end] {
+                    *derivative *= by;
+                }
+                at = end;
+            }
+            if chained {
+                merge(&mut scratch.gradient, first);
+            }
+        }
+        for k in 0..self.scratch.seeds.len() {
+            let seed = self.scratch.seeds[k];
+            if seed.function != number {
+                continue;
+            }
+            let by = match seed.literal {
+                None => 1.0,
+                Some(_) if replaced => 0.0,
+                Some(literal) => self.scratch.by_literal.get(literal).copied().unwrap_or(0.0),
+            };
+            self.scratch.gradient.push((seed.column, by));
+        }
+        self.scratch.functions[number] = FunctionValue {
+            value,
+            first,
+            last: self.scratch.gradient.len(),
+        };
+        Ok(())
+    }
+
+    /// A function of the time and of VARIABLEs that are such functions, at some time; none of another function. Its switches are held on
+    /// the pieces of the state, or as its arguments have them.
+    pub(super) fn in_time(
+        &mut self,
+        number: usize,
+        time: f64,
+        on_pieces: bool,
+    ) -> Result<Option<InTime>, NoValue> {
+        let (system, state) = (self.system, self.state);
+        if !system.reads().only_time(number) {
+            return Ok(None);
+        }
+        let mut found = BTreeMap::new();
+        for read in system.in_turn(number) {
+            let function = &system.functions[read];
+            let replacement = self.parameters.theta()[function.replacement];
+            let program = match &function.program {
+                Some(program) if replacement.is_nan() => program,
+                _ => {
+                    let value = if replacement.is_nan() {
+                        0.0
+                    } else {
+                        replacement
+                    };
+                    found.insert(read, InTime::constant(value));
+                    continue;
+                }
+            };
+            let inputs: Vec<InTime> = function
+                .sources
+                .iter()
+                .map(|source| match source {
+                    Source::Time => InTime {
+                        value: time,
+                        slope: 1.0,
+                        rates: Some([1.0, 0.0]),
+                    },
+                    Source::Mode => InTime::constant(f64::from(state.mode)),
+                    Source::Constant(value) => InTime::constant(*value),
+                    Source::Sensor(k) => {
+                        InTime::constant(state.sensors.get(*k).copied().unwrap_or(0.0))
+                    }
+                    Source::Variable(k) => {
+                        let function = system.reads().explicit(*k);
+                        let known = function.and_then(|f| found.get(&f));
+                        known.copied().unwrap_or(InTime::constant(0.0))
+                    }
+                    _ => InTime::constant(0.0),
+                })
+                .collect();
+            let scratch = &mut *self.scratch;
+            scratch.inputs.clear();
+            scratch
+                .inputs
+                .extend(inputs.iter().map(|input| input.value));
+            let pieces = state.pieces.get(function.switches.clone());
+            let pieces = pieces.filter(|_| on_pieces).unwrap_or_default();
+            let value = function.run(program, self.parameters.theta(), pieces, scratch)?;
+            let slopes = inputs.iter().zip(&scratch.by_input);
+            let slope = slopes.map(|(input, by)| input.slope * by).sum();
+            let rates: Option<Vec<[f64; 2]>> = inputs.iter().map(|input| input.rates).collect();
+            let rates = rates.and_then(|rates| program.rates_along(&rates, &mut scratch.program));
+            found.insert(
+                read,
+                InTime {
+                    value,
+                    slope,
+                    rates,
+                },
+            );
+        }
+        Ok(found.remove(&number))
+    }
+
+    /// Value of an input; its gradient is appended.
+    fn source(&mut self, source: &Source) -> Result<f64, NoValue> {
+        let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
+        Ok(match source {
+            Source::Time => {
+                if state.moves() {
+                    // The column of the time.
+                    scratch.gradient.push((3 * system.moving_unknowns, 1.0));
+                }
+                state.time
+            }
+            Source::Moved(measure) => return Ok(self.moved(measure)),
+            Source::Mode => f64::from(state.mode),
+            Source::Constant(value) => *value,
+            Source::Sensor(sensor) => state.sensors.get(*sensor).copied().unwrap_or(0.0),
+            Source::Variable(variable) => self.push_variable(*variable, 1.0),
+            Source::State(k) => {
+                if let Some(unknown) = system.state_unknown(*k, state.moves()) {
+                    scratch.gradient.push((unknown, 1.0));
+                }
+                state.states[*k]
+            }
+            Source::StateRate(k, _) if state.moves() => {
+                let unknown = system.states[*k].moving_unknown;
+                scratch
+                    .gradient
+                    .push((system.moving_unknowns + unknown, 1.0));
+                state.state_rates[*k]
+            }
+            Source::StateRate(_, None) => 0.0,
+            Source::StateRate(_, Some(function)) => {
+                let value = scratch.functions[*function];
+                scratch.gradient.extend_from_within(value.first..value.last);
+                value.value
+            }
+            Source::Output((by_state, by_variable)) => {
+                let mut value = 0.0;
+                for &(k, c) in by_state {
+                    value += c * state.states[k];
+                    if let Some(unknown) = system.state_unknown(k, state.moves()) {
+                        scratch.gradient.push((unknown, c));
+                    }
+                }
+                for &(k, d) in by_variable {
+                    value += d * self.push_variable(k, d);
+                }
+                value
+            }
+            Source::Measure(measure, angle) => {
+                let [i, j, k] = measured_poses(measure, scratch);
+                let reference = &state.measure_angles[*angle];
+                let measured = measure::evaluate(measure, &i, &j, &k, reference);
+                for (marker, by) in [
+                    (measure.i, measured.by_i),
+                    (measure.j, measured.by_j),
+                    (measure.k, measured.by_k),
+                ] {
+                    if let Some(marker) = marker {
+                        self.push_motion(marker.0, &by);
+                    }
+                }
+                measured.value
+            }
+            Source::Force(force) => self.measure_force(force)?,
+            Source::Friction(id, which) => self.measure_friction(*id, *which)?,
+        })
+    }
+
+    /// A velocity or acceleration of markers; its gradient by positions, velocities and accelerations of the parts is appended.
+    ///
+    /// With r from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and
+    /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
+    pub(super) fn moved(&mut self, measure: &RateMeasure) -> f64 {
+        if !self.moving() {
+            return 0.0;
+        }
+        let frames = measure.markers.map(|m| self.moving_frame(m.map(|m| m.0)));
+        let found = rate::evaluate(measure, frames.each_ref());
+        let second = measure.kind.is_second();
+        let n = self.system.moving_unknowns;
+        for (marker, by) in measure.markers.iter().zip(&found.by) {
+            let Some(marker) = marker.map(|m| m.0) else {
+                continue;
+            };
+            let part = self.system.owners[marker];
+            let place = self.system.place(part);
+            if place.freedoms == 0 {
+                continue;
+            }
+            let (w, b) = (
+                self.state.velocities[part].angular,
+                self.state.accelerations[part].angular,
+            );
+            let r = self.scratch.arms[marker];
+            let (e_w, a_w) = (by.v.cross(&w), by.a.cross(&w));
+            let shift = by.shift;
+            let turn = by.turn + r.cross(&(by.shift + e_w + by.a.cross(&b) + a_w.cross(&w)));
+            let by_v = by.v;
+            let by_w = by.w + r.cross(&by.v) + w.cross(&r).cross(&by.a) + r.cross(&a_w);
+            let levels = [
+                Some((shift, turn)),
+                Some((by_v, by_w)),
+                second.then(|| (by.a, by.b + r.cross(&by.a))),
+            ];
+            for (level, halves) in levels.iter().enumerate() {
+                let Some((linear, angular)) = halves else {
+                    continue;
+                };
+                for k in 0..place.freedoms {
+                    let by = if k < 3 { linear[k] } else { angular[k - 3] };
+                    let column = level * n + place.first + k;
+                    self.scratch.gradient.push((column, by));
+                }
+            }
+        }
+        found.value
+    }
+
+    /// Appends a gradient by the world motion of a marker, as one by the unknowns of its part.
+    pub(super) fn push_motion(&mut self, marker: usize, by: &Vec6) {
+        let place = self.system.place(self.system.owners[marker]);
+        let scratch = &mut *self.scratch;
+        if place.freedoms == 0 {
+            return;
+        }
+        let shift = Vec3::new(by[0], by[1], by[2]);
+        let turn = Vec3::new(by[3], by[4], by[5]) + scratch.arms[marker].cross(&shift);
+        for k in 0..3 {
+            scratch.gradient.push((place.first + k, shift[k]));
+        }
+        if place.freedoms == 6 {
+            for k in 0..3 {
+                scratch.gradient.push((place.first + 3 + k, turn[k]));
+            }
+        }
+    }
+}
+
+/// Adds up what of a gradient stands at one column, from some place on: the same places every time.
+fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
+    gradient[first..].sort_unstable_by_key(|entry| entry.0);
+    let mut last = first;
+    for at in first + 1..gradient.len() {
+        if gradient[at].0 == gradient[last].0 {
+            gradient[last].1 += gradient[at].1;
+        } else {
+            last += 1;
+            gradient[last] = gradient[at];
+        }
+    }
+    gradient.truncate(gradient.len().min(last + 1));
+}
+
+impl System {
+    /// The angles of functions whose turns are counted, each with its place in `State::measure_angles`.
+    pub fn counted_angles(&self) -> BTreeMap<Measure, usize> {
+        let sources = self.functions.iter().flat_map(|function| &function.sources);
+        let counted = sources.filter_map(|source| match source {
+            Source::Measure(measure, angle) => Some((*measure, *angle)),
+            _ => None,
+        });
+        counted
+            .filter(|(measure, _)| measure.kind.counts_turns())
+            .collect()
+    }
+
+    /// Counts turns on from those of a model before it was changed: of every angle that it counted too, whichever function asks for it.
+    pub fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[Reference])) {
+        let (counted, angles) = before;
+        for function in &self.functions {
+            for source in &function.sources {
+                if let Source::Measure(measure, angle) = source
+                    && let Some(&old) = counted.get(measure)
+                {
+                    state.measure_angles[*angle] = angles[old];
+                }
+            }
+        }
+    }
+
+    /// Takes the angles that functions measure as those of an equilibrium.
+    pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
+        for function in &self.functions {
+            for source in &function.sources {
+                if let Source::Measure(measure, angle) = source {
+                    let [i, j, k] = measured_poses(measure, scratch);
+                    let reference = &mut state.measure_angles[*angle];
+                    *reference = measure::next_reference(measure, &i, &j, &k, reference);
+                }
+            }
+        }
+    }
+}
+
+/// The poses of I, J and K of a measure, in a configuration whose markers are placed.
+fn measured_poses(measure: &Measure, scratch: &Scratch) -> [Pose; 3] {
+    [measure.i, measure.j, measure.k]
+        .map(|marker| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]))
+}

@@ -1,0 +1,161 @@
+//! Numbers that an equilibrium shows, with their derivatives by the unknowns and by theta.
+
+use super::NoValue;
+use super::catalogue::Role;
+use super::compiled_function::Exerted;
+use super::structure::{Action, Drive};
+use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
+use crate::mechanics::{Vec3, Vec6};
+use crate::model::PartIx;
+
+/// Relative step of the differences by theta at fixed unknowns; of fourth order, so that round-off of 1e-12 is what is left.
+const STEP: f64 = 1e-4;
+
+/// A number that an equilibrium shows. Components 0 to 5 are x, y, z of a vector, then of another, in ground axes.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Quantity {
+    /// Displacement of a part's origin, then its rotation vector.
+    Motion(PartIx, usize),
+    /// Force of an element on I, then torque about the I origin.
+    Element(ElementIx, usize),
+    /// Reaction of a constraint on I, then torque about the I origin. For COUPLER and GEAR that of the first joint.
+    Constraint(ConstraintIx, usize),
+    /// A function of a REQUEST: index of the request in the model, component 0 to 7 for F1 to F8.
+    Request(usize, usize),
+}
+
+impl Configuration<'_> {
+    /// The value of a quantity; of a motion zero, which is a change from here.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantity(&mut self, quantity: Quantity) -> Result<f64, NoValue> {
+        match quantity {
+            Quantity::Motion(..) => Ok(0.0),
+            Quantity::Element(ElementIx(k), component) => {
+                let who = Exerted::Element(k);
+                Ok(self.exerted(who, false)?[component])
+            }
+            Quantity::Constraint(ConstraintIx(k), component) => {
+                let mut sum = 0.0;
+                for at in 0..self.system.joints[k].at_first() {
+                    sum += self.exerted(Exerted::Joint(k, at), false)?[component];
+                }
+                Ok(sum)
+            }
+            Quantity::Request(index, component) => Ok(self
+                .read_function((index, component))?
+                .map_or(0.0, |(value, _)| value)),
+        }
+    }
+
+    /// The gradient of a quantity by the unknowns, added to `out`.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub fn quantity_by_unknowns(
+        &mut self,
+        quantity: Quantity,
+        out: &mut [f64],
+    ) -> Result<(), NoValue> {
+        let before = self.scratch.gradient.len();
+        let weight = |component| Vec6::ith(component, 1.0);
+        match quantity {
+            Quantity::Motion(part, component) => {
+                let unknowns = self.system.part_unknowns(part);
+                if let Some(unknown) = unknowns.clone().nth(component) {
+                    out[unknown] += 1.0;
+                }
+                if component < 3 && unknowns.len() == 6 {
+                    // Of the origin: e . (dphi x -r) = dphi . (-r x e).
+                    let arm = -self.system.reference_arm(self.state, part.0);
+                    let by_turn = arm.cross(&Vec3::ith(component, 1.0));
+                    for (k, by) in by_turn.iter().enumerate() {
+                        out[unknowns.start + 3 + k] += by;
+                    }
+                }
+                return Ok(());
+            }
+            Quantity::Element(ElementIx(k), component) => {
+                self.push_force(Exerted::Element(k), false, &weight(component))?;
+            }
+            Quantity::Constraint(ConstraintIx(k), component) => {
+                for at in 0..self.system.joints[k].at_first() {
+                    self.push_force(Exerted::Joint(k, at), false, &weight(component))?;
+                }
+            }
+            Quantity::Request(index, component) => {
+                let at = (index, component);
+                let read = self.read_function(at)?;
+                for &(unknown, by) in read.map_or(&[][..], |(_, gradient)| gradient) {
+                    out[unknown] += by;
+                }
+                return Ok(());
+            }
+        }
+        for &(unknown, by) in &self.scratch.gradient[before..] {
+            out[unknown] += by;
+        }
+        Ok(())
+    }
+
+    /// The change of a quantity per unit of a number of theta, the unknowns staying as they are.
+    ///
+    /// # Errors
+    /// [`NoValue`] if an element is undefined in this configuration.
+    pub(crate) fn quantity_by_slot(
+        &mut self,
+        quantity: Quantity,
+        slot: Slot,
+    ) -> Result<f64, NoValue> {
+        let (system, state) = (self.system, self.state);
+        let role = system.catalogue().group(slot).role;
+        if !system.may_touch(quantity, role) {
+            return Ok(0.0);
+        }
+        let here = self.number(slot)?;
+        let h = STEP * here.abs().max(1.0);
+        let mut moved = self.parameters.clone();
+        let scratch = &mut *self.scratch;
+        let mut difference = |h: f64| -> Result<f64, NoValue> {
+            moved.set(slot, here + h);
+            let plus = system.look(&moved, state, scratch)?.quantity(quantity)?;
+            moved.set(slot, here - h);
+            let minus = system.look(&moved, state, scratch)?.quantity(quantity)?;
+            Ok((plus - minus) / (2.0 * h))
+        };
+        let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
+        self.look()?;
+        Ok((4.0 * fine - coarse) / 3.0)
+    }
+}
+
+impl System {
+    /// False if a number cannot change a quantity but through the unknowns.
+    fn may_touch(&self, quantity: Quantity, role: Role) -> bool {
+        match quantity {
+            Quantity::Motion(..) => false,
+            Quantity::Element(ElementIx(k), _) => {
+                let element = &self.elements[k];
+                match (&element.action, role) {
+                    (Action::Law(_, Drive::Theta(_)), Role::Law { element }) => element == k,
+                    (Action::Law(_, Drive::Theta(_)), Role::Marker(_)) => {
+                        self.moves_marker(role, element.i) || self.moves_marker(role, element.j)
+                    }
+                    (Action::Law(_, Drive::Theta(_)), _) => false,
+                    (_, role) => !matches!(role, Role::Mass(_) | Role::Gravity),
+                }
+            }
+            Quantity::Constraint(ConstraintIx(k), _) => match role {
+                Role::Joint { joint } => joint == k,
+                Role::Marker(_) => {
+                    let moves = |marker: usize| self.moves_marker(role, marker);
+                    let first = self.joints[k].terms.first();
+                    first.is_some_and(|t| moves(t.i) || moves(t.j))
+                }
+                _ => false,
+            },
+            Quantity::Request(..) => !matches!(role, Role::Mass(_) | Role::Gravity),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What elements and constraints do in a configuration.
+
+use super::NoValue;
+use super::compiled_function::Exerted;
+use super::forces::Ask;
+use super::{Configuration, ConstraintIx, ElementIx};
+use crate::mechanics::{RelativeMotion, Vec3, Vec6};
+use crate::model::MarkerIx;
+
+/// What one element or constraint does.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Reading {
+    /// I marker.
+    pub i: MarkerIx,
+    /// J or JFLOAT marker.
+    pub j: MarkerIx,
+    /// Motion of I as J sees it.
+    pub motion: RelativeMotion,
+    /// (force, torque) on I at the I origin, in the axes of J (of RM for vector forces).
+    pub wrench_j: Vec6,
+    /// Force on I, ground axes.
+    pub force: Vec3,
+    /// Torque on I about the I origin, ground axes.
+    pub torque: Vec3,
+    /// Force on J, ground axes; zero for ACTIONONLY.
+    pub force_on_j: Vec3,
+    /// Torque on J about the J origin, ground axes: `-T - d x F` with d from J to I.
+    pub torque_on_j: Vec3,
+}
+
+impl Configuration<'_> {
+    /// What a force element does; after [`Configuration::look`]. All zero if it is deactivated.
+    ///
+    /// # Errors
+    /// [`NoValue`] if it is undefined in this configuration.
+    pub fn read_element(&mut self, element: ElementIx) -> Result<Reading, NoValue> {
+        self.read(Exerted::Element(element.0))
+    }
+
+    /// The reaction of a constraint on its I marker; after [`Configuration::look`]. For COUPLER and GEAR that of the first joint.
+    pub fn read_constraint(&mut self, constraint: ConstraintIx) -> Reading {
+        let terms = self.system.joints[constraint.0].at_first().max(1);
+        let mut all = (0..terms).map(|at| {
+            self.read(Exerted::Joint(constraint.0, at))
+                .expect("constraints have a value everywhere")
+        });
+        let mut out = all.next().expect("at least one");
+        for more in all {
+            out.wrench_j += more.wrench_j;
+            out.force += more.force;
+            out.torque += more.torque;
+            out.force_on_j += more.force_on_j;
+            out.torque_on_j += more.torque_on_j;
+        }
+        out
+    }
+
+    /// What an NFORCE does at each of its I markers; after [`Configuration::look`].
+    ///
+    /// # Errors
+    /// [`NoValue`] if it is undefined in this configuration.
+    pub fn read_nforce(&mut self, id: u32) -> Result<Vec<Reading>, NoValue> {
+        let mut multis = self.system.multis.iter();
+        let Some(number) = multis.position(|multi| multi.name.id == id) else {
+            return Ok(Vec::new());
+        };
+        (0..self.system.multis[number].i.len())
+            .map(|at| self.read(Exerted::Multi(number, at)))
+            .collect()
+    }
+
+    /// What anything that exerts a wrench does.
+    pub(super) fn read(&mut self, who: Exerted) -> Result<Reading, NoValue> {
+        if !self.contribute(who, Ask::Value)? {
+            self.scratch.contribution = super::contribution::Contribution::default();
+        }
+        Ok(self.contributed())
+    }
+
+    /// What the wrench in `scratch.contribution` does.
+    pub(super) fn contributed(&self) -> Reading {
+        let wrench = &self.scratch.contribution;
+        let (i, j) = (wrench.i, wrench.j);
+        let on_j = if wrench.b.is_some() { 1.0 } else { 0.0 };
+        let d = self.scratch.markers[i].p - self.scratch.markers[j].p;
+        Reading {
+            i: MarkerIx(i),
+            j: MarkerIx(j),
+            motion: self.motion((i, j, wrench.pair), true),
+            wrench_j: wrench.w,
+            force: wrench.F,
+            torque: wrench.T,
+            force_on_j: -on_j * wrench.F,
+            torque_on_j: -on_j * (wrench.T + d.cross(&wrench.F)),
+        }
+    }
+}

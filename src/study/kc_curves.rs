@@ -1,0 +1,445 @@
+//! Curves of a kinematics and compliance rig as readings: toe, camber, steer, caster, travel, base and track of a wheel.
+//!
+//! Each is a function of markers that are put on the wheel carrier: one in the wheel centre, one a unit along the spin axis `o`
+//! (outboard) and one a unit rearward at the design position. With `f` forward, `r` to the right and z up:
+//! toe `atan(o.f / |o.r|)`, camber `-asin(o.z)`, steer `-atan(o.f / o.r)`, caster `-atan(e.z / -e.f)` of the rearward marker; travel,
+//! base and track are displacements of the centre since design, upward, rearward and to the right. Source: guide page `kc`,
+//! section "Geometry".
+
+use super::section::{Section, Spelled};
+use super::settings::SpinAxis;
+use super::table::Table;
+use super::wheel::SpinDirection;
+use admire_solver::mechanics::Vec3;
+use admire_solver::model::{Header, Marker, MarkerIx, Model, Orientation};
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+/// A curve.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Curve {
+    /// Positive for toe-in.
+    Toe,
+    /// Positive with the top outboard.
+    Camber,
+    /// Positive to the right.
+    Steer,
+    /// Change of caster since design: pitch of the carrier, positive with the top rearward.
+    Caster,
+    /// Upward.
+    Travel,
+    /// Rearward.
+    Base,
+    /// To the right.
+    Track,
+}
+
+impl Curve {
+    const ALL: [(&'static str, Self); 7] = [
+        ("toe", Self::Toe),
+        ("camber", Self::Camber),
+        ("steer", Self::Steer),
+        ("caster", Self::Caster),
+        ("travel", Self::Travel),
+        ("base", Self::Base),
+        ("track", Self::Track),
+    ];
+
+    /// Words by which laboratories call its column: English, German, French.
+    const fn called(self) -> &'static [&'static str] {
+        match self {
+            Self::Toe => &["toe", "spur", "vorspur", "spurwinkel", "pincement"],
+            Self::Camber => &["camber", "sturz", "sturzwinkel", "carrossage"],
+            Self::Steer => &["steer", "lenkwinkel", "braquage"],
+            Self::Caster => &["caster", "castor", "nachlauf", "nachlaufwinkel", "chasse"],
+            Self::Travel => &[
+                "travel",
+                "jounce",
+                "radhub",
+                "federweg",
+                "einfederung",
+                "debattement",
+                "débattement",
+            ],
+            Self::Base => &[
+                "base",
+                "wheelbase",
+                "recession",
+                "radstand",
+                "radstandsänderung",
+                "radstandsaenderung",
+                "empattement",
+            ],
+            Self::Track => &[
+                "track",
+                "spurweite",
+                "spurweitenänderung",
+                "spurweitenaenderung",
+                "voie",
+            ],
+        }
+    }
+
+    /// The curve of this word.
+    pub(super) fn named(word: &str) -> Option<Self> {
+        let own = Self::ALL.iter().find(|(own, _)| *own == word);
+        own.map(|(_, curve)| *curve)
+    }
+
+    /// The words of all curves.
+    pub(super) fn words() -> Vec<&'static str> {
+        Self::ALL.iter().map(|(word, _)| *word).collect()
+    }
+
+    /// What its sign says.
+    pub(crate) const fn told(self) -> &'static str {
+        match self {
+            Self::Toe => "positive for toe-in",
+            Self::Camber => "positive with the top outboard",
+            Self::Steer => "positive to the right",
+            Self::Caster => "change of caster, positive with the top rearward",
+            Self::Travel => "wheel centre, positive upward",
+            Self::Base => "wheel centre, positive rearward",
+            Self::Track => "wheel centre, positive to the right",
+        }
+    }
+
+    /// True for an angle, false for a displacement.
+    pub(crate) const fn is_angle(self) -> bool {
+        matches!(self, Self::Toe | Self::Camber | Self::Steer | Self::Caster)
+    }
+}
+
+/// The way the vehicle drives, along an axis of ground.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Forward {
+    /// 0 or 1: x or y of ground.
+    axis: usize,
+    positive: bool,
+}
+
+impl Forward {
+    fn vector(self) -> Vec3 {
+        Vec3::ith(self.axis, if self.positive { 1.0 } else { -1.0 })
+    }
+
+    /// To the right of one who sits facing forward.
+    fn right(self) -> Vec3 {
+        self.vector().cross(&Vec3::z())
+    }
+}
+
+/// One curve of `[kc.curves]`.
+#[derive(Clone, PartialEq, Debug)]
+pub struct CurveSettings {
+    /// Its name among the readings.
+    pub name: Spelled,
+    /// What it shows.
+    pub curve: Curve,
+    /// Its column if it is not named like the curve.
+    pub column: Option<Spelled>,
+    /// Its unit if the header does not say it.
+    pub unit: Option<Spelled>,
+    /// The rig counts the other way round.
+    pub reversed: bool,
+    /// Sd of one reading in this unit; from repeats or the fit if it is not given.
+    pub sigma: Option<f64>,
+    /// The wheel if it is another than that of `[kc]`.
+    pub marker: Option<Spelled>,
+    /// The case whose value is subtracted, if it is another than that of `[kc]`.
+    pub relative_to: Option<Spelled>,
+}
+
+/// `[kc]` without its table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct KcSettings {
+    /// The marker in the wheel centre, on the carrier.
+    pub marker: Spelled,
+    /// Its spin axis.
+    pub axis: SpinAxis,
+    /// The way the vehicle drives.
+    pub forward: Forward,
+    /// The case at which the rig's displays stand at zero.
+    pub relative_to: Option<Spelled>,
+    /// Curves.
+    pub curves: Vec<CurveSettings>,
+}
+
+impl KcSettings {
+    pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Option<Self> {
+        let marker = section.text("marker", out);
+        let axis = SpinAxis::read(section, out);
+        let forward = |axis, positive| Forward { axis, positive };
+        let ways = [
+            ("-x", forward(0, false)),
+            ("+x", forward(0, true)),
+            ("-y", forward(1, false)),
+            ("+y", forward(1, true)),
+        ];
+        let forward = section.choice("forward", ways[0].1, &ways, out);
+        let relative_to = section.text("relative_to", out);
+        let mut curves = Vec::new();
+        for (name, mut own) in section.section("curves", out).all_sections(out) {
+            let named = Curve::ALL.iter().find(|(word, _)| *word == name.text);
+            let usual = named.map_or(Curve::Toe, |(_, curve)| *curve);
+            if named.is_none() && !own.is_text("curve") && !name.text.is_empty() {
+                let words: Vec<&str> = Curve::ALL.iter().map(|(word, _)| *word).collect();
+                let message = format!("`{}` needs `curve`: one of {}", name.text, words.join(", "));
+                let complaint = Diagnostic::error(Code::MissingSetting, message);
+                out.push(complaint.label(own.file(), name.span, ""));
+            }
+            curves.push(CurveSettings {
+                curve: own.choice("curve", usual, &Curve::ALL, out),
+                column: own.text("column", out),
+                unit: own.text("unit", out),
+                reversed: own.choice("sign", false, &[("+", false), ("-", true)], out),
+                sigma: own.optional_number("sigma", (1e-300, f64::INFINITY), out),
+                marker: own.text("marker", out),
+                relative_to: own.text("relative_to", out),
+                name,
+            });
+            own.finish(out);
+        }
+        let Some(marker) = marker else {
+            section.wrong("marker", section.span(), "given: the wheel's marker", out);
+            return None;
+        };
+        Some(Self {
+            marker,
+            axis,
+            forward,
+            relative_to,
+            curves,
+        })
+    }
+}
+
+/// A marker that a function needs and the deck has not.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Helper {
+    /// Its id, which is none of the deck's.
+    pub id: u32,
+    /// The marker on whose part it sits.
+    pub beside: u32,
+    /// Its place in the frame of the part.
+    pub place: Vec3,
+}
+
+/// Adds markers to a model.
+pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Item = &'a Helper>) {
+    for helper in helpers {
+        let (None, Some(beside)) = (model.marker(helper.id), model.marker(helper.beside)) else {
+            continue;
+        };
+        let beside = &model.markers[beside.0];
+        let (part, R) = (beside.part, beside.R);
+        model.markers.push(Marker {
+            header: Header {
+                id: helper.id,
+                origin: usize::MAX,
+                ..Header::default()
+            },
+            part,
+            qp: helper.place,
+            orientation: Orientation::Points,
+            R,
+            floating: false,
+            relative: None,
+        });
+    }
+}
+
+/// The markers of a wheel: centre, spin axis, rearward.
+#[derive(Clone, Debug)]
+pub(super) struct Gauge {
+    helpers: [Helper; 3],
+    /// Wheel centre at design, in ground.
+    centre: Vec3,
+    forward: Forward,
+    /// +1 if the spin axis points to the right.
+    side: f64,
+}
+
+impl Gauge {
+    /// At a wheel marker; `None` where the deck does not place it.
+    pub(crate) fn new(
+        model: &Model,
+        marker: MarkerIx,
+        axis: SpinAxis,
+        forward: Forward,
+    ) -> Option<Self> {
+        let pose = model.marker_pose(marker)?;
+        let wheel = &model.markers[marker.0];
+        let part = &model.parts[wheel.part.0];
+        let spin = SpinDirection::at_design(&pose, axis);
+        let most = model.markers.iter().map(|m| m.header.id).max().unwrap_or(0);
+        // The markers of a wheel have ids of their own, whatever a fit adds to the deck.
+        let first = most.max(1_000_000).saturating_add(10 * wheel.header.id);
+        let to_part = |direction: Vec3| wheel.qp + part.pose.R.transpose() * direction;
+        let helper = |k: u32, place: Vec3| Helper {
+            id: first + k,
+            beside: wheel.header.id,
+            place,
+        };
+        Some(Self {
+            helpers: [
+                helper(0, wheel.qp),
+                helper(1, to_part(spin.s0)),
+                helper(2, to_part(-forward.vector())),
+            ],
+            centre: pose.p,
+            forward,
+            side: spin.s0.dot(&forward.right()).signum(),
+        })
+    }
+
+    pub(crate) fn helpers(&self) -> &[Helper] {
+        &self.helpers
+    }
+
+    /// The curve as a function: degrees, or the deck's length unit.
+    pub(crate) fn function(&self, curve: Curve) -> String {
+        let [centre, spin, rear] = self.helpers.each_ref().map(|helper| helper.id);
+        let signed = |sign: f64, text: String| {
+            if sign < 0.0 {
+                format!("(-{text})")
+            } else {
+                text
+            }
+        };
+        // A component of the way from the centre to a marker along an axis of ground, with a sign.
+        let along = |to: u32, way: &Vec3| {
+            let axis = way.iamax();
+            signed(
+                way[axis],
+                format!("D{}({to},{centre})", ["X", "Y", "Z"][axis]),
+            )
+        };
+        let since = |way: &Vec3| {
+            let axis = way.iamax();
+            let here = format!(
+                "(D{}({centre})-({:.12e}))",
+                ["X", "Y", "Z"][axis],
+                self.centre[axis]
+            );
+            signed(way[axis], here)
+        };
+        let (f, r) = (self.forward.vector(), self.forward.right());
+        match curve {
+            Curve::Toe => {
+                let lateral = signed(self.side, along(spin, &r));
+                format!("ATAN({}/{lateral})*RTOD", along(spin, &f))
+            }
+            Curve::Camber => format!("-ASIN({})*RTOD", along(spin, &Vec3::z())),
+            Curve::Steer => format!("-ATAN({}/{})*RTOD", along(spin, &f), along(spin, &r)),
+            Curve::Caster => {
+                format!(
+                    "-ATAN({}/{})*RTOD",
+                    along(rear, &Vec3::z()),
+                    along(rear, &-f)
+                )
+            }
+            Curve::Travel => since(&Vec3::z()),
+            Curve::Base => since(&-f),
+            Curve::Track => since(&r),
+        }
+    }
+}
+
+/// The column of a curve: as the study names it, or the one whose name, unit and spelling apart, is that of the curve.
+pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
+    if let Some(column) = &settings.column {
+        return table.column(&column.text);
+    }
+    let header = table.header();
+    let plain = |text: &str| -> String {
+        let name = name_and_unit(text).0;
+        let letters = name.chars().filter(|c| c.is_alphanumeric());
+        letters.flat_map(char::to_lowercase).collect()
+    };
+    let own = plain(&settings.name.text);
+    let only = |is: &dyn Fn(&str) -> bool| {
+        let mut like = (0..header.len()).filter(|k| is(&header[*k]));
+        like.next().filter(|_| like.next().is_none())
+    };
+    table
+        .column(&settings.name.text)
+        .or_else(|| only(&|name| plain(name) == own))
+        .or_else(|| {
+            let words = settings.curve.called();
+            only(&|name| words.contains(&plain(name).as_str()))
+                .or_else(|| only(&|name| words.iter().any(|word| has_word(name, word))))
+        })
+}
+
+/// True for a name with a word of its own: `Wheel travel [mm]` has `travel`.
+fn has_word(header: &str, word: &str) -> bool {
+    let name = name_and_unit(header).0.to_lowercase();
+    name.split(|c: char| !c.is_alphanumeric())
+        .any(|own| own == word)
+}
+
+/// The unit that stands in a column's name, and the name without it: `Toe [deg]`, `Toe (min)`, `Toe / mm`, `toe_deg`.
+pub(super) fn name_and_unit(header: &str) -> (&str, Option<&str>) {
+    let header = header.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((name, rest)) = header.split_once(open)
+            && let Some((unit, _)) = rest.split_once(close)
+        {
+            return (name.trim(), Some(unit.trim()));
+        }
+    }
+    for mark in ['/', '_'] {
+        if let Some((name, unit)) = header.rsplit_once(mark)
+            && (factor(unit, true).is_some() || factor(unit, false).is_some())
+        {
+            return (name.trim(), Some(unit.trim()));
+        }
+    }
+    (header, None)
+}
+
+/// What a number in this unit is in degrees or in millimetres.
+pub(super) fn factor(unit: &str, angle: bool) -> Option<f64> {
+    let unit = unit.trim().to_lowercase();
+    let of_angle = match unit.as_str() {
+        "deg" | "degree" | "degrees" | "\u{b0}" => Some(1.0),
+        "min" | "arcmin" | "'" => Some(1.0 / 60.0),
+        "rad" => Some(1f64.to_degrees()),
+        "mrad" => Some(1e-3_f64.to_degrees()),
+        _ => None,
+    };
+    let of_length = match unit.as_str() {
+        "mm" => Some(1.0),
+        "cm" => Some(10.0),
+        "m" => Some(1000.0),
+        "in" | "inch" => Some(25.4),
+        _ => None,
+    };
+    if angle { of_angle } else { of_length }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{factor, has_word, name_and_unit};
+
+    #[test]
+    fn a_curve_is_a_word_of_its_column() {
+        assert!(has_word("Wheel travel [mm]", "travel") && has_word("toe_angle_deg", "toe"));
+        assert!(!has_word("Travels [mm]", "travel") && !has_word("base / mm", "mm"));
+    }
+
+    #[test]
+    fn units_stand_in_headers() {
+        assert_eq!(name_and_unit("Toe [deg]"), ("Toe", Some("deg")));
+        assert_eq!(
+            name_and_unit("Wheel travel (mm)"),
+            ("Wheel travel", Some("mm"))
+        );
+        assert_eq!(name_and_unit("camber_deg"), ("camber", Some("deg")));
+        assert_eq!(name_and_unit("Fz / N"), ("Fz / N", None));
+        assert_eq!(name_and_unit("toe / min"), ("toe", Some("min")));
+        assert_eq!(name_and_unit("toe_left"), ("toe_left", None));
+        assert_eq!(factor("min", true), Some(1.0 / 60.0));
+        assert_eq!(factor("mm", true), None);
+    }
+}

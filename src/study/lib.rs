@@ -1,0 +1,74 @@
+//! Study folders: a deck, load cases and what was measured.
+//!
+//! [`Study`] is `study.toml` with its tables, [`settings`] its sections with their defaults. A [`Measurement`] holds the readings with names
+//! resolved in the model: marks on parts, the wheel, scalar sensors, curves and numbers taken from them. [`orientation`] finds where a part is
+//! from its marks, [`deflection`](mod@deflection) what a bushing does between two parts. [`solver`] makes the backend a study asks for, [`permission`] says
+//! which programs it may start. Knows nothing of what is inferred from the readings.
+#![warn(unreachable_pub)]
+// Modules that are private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+mod check;
+pub mod deflection;
+/// A digest of files.
+pub mod digest;
+mod frame_place;
+mod kc_curves;
+mod kc_readings;
+mod kc_starter;
+pub mod leftover;
+mod load;
+mod measurement;
+mod missing;
+pub mod noise;
+pub mod orientation;
+pub mod permission;
+pub mod resolve;
+mod rigidity;
+mod rows;
+mod schema;
+/// Sections of a TOML file: keys that are asked for, and complaints about all others.
+pub mod section;
+mod sensors;
+/// Sections of `study.toml` with their defaults.
+pub mod settings;
+pub mod solver;
+mod starter;
+mod stated;
+mod study;
+mod summary;
+mod summary_readings;
+mod table;
+#[cfg(test)]
+mod tests;
+pub mod wheel;
+mod wheel_readings;
+
+pub use digest::digest;
+pub use frame_place::FramePlace;
+pub use kc_curves::Curve;
+pub use load::programme;
+pub use measurement::MarkReading;
+pub use measurement::MarkedPart;
+pub use measurement::{Case, Channel, Measurement, Reference, Wheel};
+pub use missing::missing;
+pub use noise::Noise;
+pub use permission::NamedProgram;
+pub use resolve::part;
+pub use rigidity::ForeignMarks;
+pub use rigidity::foreign_marks;
+pub use schema::schema;
+pub use section::meant;
+pub use sensors::Channels;
+pub use sensors::with_channels;
+pub use starter::Kind;
+pub use starter::Starter;
+pub use stated::Stated;
+pub use stated::ToleranceSettings;
+pub use study::Study;
+pub use summary::Over;
+pub use summary::Summary;
+pub use summary_readings::written;
+pub use table::{Cell, Table};
+pub use wheel::WheelReading;

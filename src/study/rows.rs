@@ -1,0 +1,64 @@
+//! Rows of the tables of a study: which case they belong to, and the point they hold.
+
+use super::measurement::{Grouped, Measurement};
+use super::table::{Cell, Table};
+use admire_solver::mechanics::Vec3;
+use admire_syntax::diagnostic::{Code, Diagnostic};
+
+/// The label of a row: its cell, or its number where the file has no column for it.
+pub(super) fn label_of(
+    table: &Table,
+    row: &[Cell],
+    column: Option<usize>,
+    number: usize,
+) -> Option<Cell> {
+    match column {
+        Some(column) => table.cell(row, column).cloned(),
+        None => Some(Cell {
+            text: (number + 1).to_string(),
+            span: table.row_span(row),
+        }),
+    }
+}
+
+/// The case of a row, unless the load cases do not have it.
+pub(super) fn case_of(
+    cell: &Cell,
+    table: &Table,
+    to: &Measurement,
+    grouped: &mut Grouped,
+) -> Option<usize> {
+    let found = to.case(&cell.text);
+    // Without any load case that has been said already.
+    if found.is_none() && !to.cases.is_empty() {
+        grouped.add(format!("case {}", cell.text), || {
+            let message = format!(
+                "the load cases have no case `{}`; its readings are left out",
+                cell.text
+            );
+            Diagnostic::warning(Code::UnknownCase, message).label(
+                table.source.name(),
+                cell.span,
+                "",
+            )
+        });
+    }
+    found
+}
+
+pub(super) fn point(
+    table: &Table,
+    row: &[Cell],
+    columns: [usize; 3],
+    out: &mut Vec<Diagnostic>,
+) -> Option<Vec3> {
+    let values = columns.map(|column| table.number(row, column, out));
+    match values {
+        [Some(x), Some(y), Some(z)] => Some(Vec3::new(x, y, z)),
+        _ => None,
+    }
+}
+
+pub(super) fn labels(to: &Measurement) -> Vec<String> {
+    to.cases.iter().map(|case| case.label.clone()).collect()
+}

@@ -1,0 +1,162 @@
+//! The JSON Schema of `study.toml`: the keys are those the reader asks for, their descriptions those of the guide.
+
+use serde_json::{Map, Value, json};
+
+use super::section::{Holds, Key};
+use super::study::study_keys;
+use admire_guide::glossary;
+
+/// The JSON Schema (draft 7) of `study.toml`, for editors.
+pub fn schema() -> Value {
+    let mut root = table();
+    for key in study_keys() {
+        insert(&mut root, &key);
+    }
+    let required = |value: &mut Value, names: &[&str]| value["required"] = json!(names);
+    required(&mut root, &["model", "loads"]);
+    required(&mut root["properties"]["model"], &["deck"]);
+    required(&mut root["properties"]["loads"], &["file", "columns"]);
+    required(&mut root["properties"]["marks"], &["on_parts", "measured"]);
+    required(&mut root["properties"]["wheel"], &["marker"]);
+    root["$schema"] = json!("http://json-schema.org/draft-07/schema#");
+    root["title"] = json!("study.toml of admire");
+    root
+}
+
+fn table() -> Value {
+    json!({ "type": "object", "properties": {}, "additionalProperties": false })
+}
+
+/// Puts a key at its place below the root; a key with two kinds of values takes either.
+fn insert(root: &mut Value, key: &Key) {
+    let mut at = root;
+    let pieces: Vec<&str> = key.path.split('.').collect();
+    let (last, above) = pieces.split_last().expect("a key has a name");
+    for piece in above {
+        at = inner(at, piece);
+        if at.get("anyOf").is_some() {
+            at = at["anyOf"]
+                .as_array_mut()
+                .and_then(|any| any.iter_mut().find(|one| one["type"] == "object"))
+                .expect("a table");
+        }
+    }
+    let mut new = holds(&key.holds);
+    if let Some(meaning) = glossary::meaning(&key.path) {
+        new["description"] = json!(meaning);
+    }
+    if key.holds == Holds::OwnTexts || (*last == "NAME" && key.holds == Holds::Table) {
+        at["additionalProperties"] = new;
+        return;
+    }
+    let properties = at["properties"]
+        .as_object_mut()
+        .expect("a table has properties");
+    either(properties, last, new);
+}
+
+/// The place of a name in a table, or of all names of one's own.
+fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
+    if piece == "NAME" {
+        &mut at["additionalProperties"]
+    } else {
+        &mut at["properties"][piece]
+    }
+}
+
+/// Adds a property, or another kind of value to the one that is there.
+fn either(properties: &mut Map<String, Value>, name: &str, new: Value) {
+    let Some(old) = properties.get_mut(name) else {
+        properties.insert(name.to_string(), new);
+        return;
+    };
+    if let Some(any) = old.get_mut("anyOf").and_then(Value::as_array_mut) {
+        if !any.contains(&new) {
+            any.push(new);
+        }
+    } else if *old != new {
+        *old = json!({ "anyOf": [old.take(), new] });
+    }
+}
+
+fn holds(what: &Holds) -> Value {
+    match what {
+        Holds::Table => table(),
+        Holds::Text | Holds::OwnTexts => json!({ "type": "string" }),
+        Holds::Number(least, most) => {
+            let mut number = json!({ "type": "number" });
+            // A bound that only keeps zero out.
+            if *least > 0.0 && *least < 1e-6 {
+                number["exclusiveMinimum"] = json!(0);
+            } else {
+                number["minimum"] = json!(least);
+            }
+            if most.is_finite() {
+                number["maximum"] = json!(most);
+            }
+            number
+        }
+        Holds::Count(least, most) => {
+            json!({ "type": "integer", "minimum": least, "maximum": most })
+        }
+        Holds::Choice(words) => json!({ "enum": words }),
+        Holds::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_key_the_reader_knows_is_explained_in_the_guide() {
+        let lacking: Vec<String> = study_keys()
+            .into_iter()
+            .filter(|key| key.holds != Holds::Table && glossary::meaning(&key.path).is_none())
+            .map(|key| key.path)
+            .collect();
+        assert!(
+            lacking.is_empty(),
+            "no row of the guide explains {lacking:?}"
+        );
+        assert!(study_keys().len() > 50);
+    }
+
+    /// And the guide explains no key that is none.
+    #[test]
+    fn every_key_of_the_guide_is_one_the_reader_asks_for() {
+        let keys = study_keys();
+        for entry in glossary::entries()
+            .filter(|entry| entry.page == "study" && entry.section == "study.toml")
+        {
+            let known = keys
+                .iter()
+                .any(|key| key.path == entry.term || key.path == format!("{}.NAME", entry.term));
+            assert!(known, "{}", entry.term);
+        }
+    }
+
+    #[test]
+    fn the_schema_has_the_shape_of_a_study() {
+        let schema = schema();
+        let properties = &schema["properties"];
+        assert_eq!(
+            properties["marks"]["properties"]["sigma"]["exclusiveMinimum"],
+            0
+        );
+        assert_eq!(
+            properties["loads"]["properties"]["columns"]["additionalProperties"]["type"],
+            "string"
+        );
+        let channel = &properties["readings"]["properties"]["channels"]["additionalProperties"];
+        assert_eq!(channel["properties"]["function"]["type"], "string");
+        let initial = &properties["identify"]["properties"]["initial"]["anyOf"];
+        assert_eq!(initial[0]["properties"]["translational"]["type"], "number");
+        assert_eq!(initial[1]["enum"][0], "deck");
+        assert_eq!(
+            properties["tolerances"]["properties"]["pose"]["anyOf"][1]["enum"][0],
+            "estimate"
+        );
+        assert!(schema.to_string().contains("sd of one coordinate"));
+    }
+}

@@ -1,0 +1,521 @@
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
+use toml::de::{DeTable, DeValue};
+
+use admire_syntax::diagnostic::{Code, Diagnostic};
+use admire_syntax::text::{Source, Span};
+
+/// A text of `study.toml` and where it stands, to be resolved later against the deck.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Spelled {
+    /// The text as written.
+    pub text: String,
+    /// Where it stands in `study.toml`.
+    pub span: Span,
+}
+
+/// What a key of `study.toml` may hold.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) enum Holds {
+    /// A table of further keys.
+    Table,
+    /// A text.
+    Text,
+    /// A number within these bounds; zero is no member where the least is above it.
+    Number(f64, f64),
+    /// A whole number within these bounds.
+    Count(usize, usize),
+    /// One of these words.
+    Choice(Vec<&'static str>),
+    /// A list of texts.
+    Texts,
+    /// Names of one's own, each with a text.
+    OwnTexts,
+}
+
+/// A key the reader of `study.toml` asks for.
+#[derive(Clone, PartialEq, Debug)]
+pub(crate) struct Key {
+    /// Its whole name; a piece `NAME` stands for names of one's own.
+    pub path: String,
+    /// What it may hold.
+    pub holds: Holds,
+}
+
+/// Writes down what the reader asks a study for, instead of answering.
+#[derive(Default)]
+pub(super) struct Inquiry {
+    /// Whether keys that take a text or something else are asked for as texts.
+    pub texts: bool,
+    /// What was asked for, in order.
+    pub keys: RefCell<Vec<Key>>,
+}
+
+/// One table of `study.toml`: every key asked for is remembered, so that the others can be named.
+pub(super) struct Section<'a> {
+    source: &'a Source,
+    path: String,
+    table: Option<&'a DeTable<'a>>,
+    span: Span,
+    asked: BTreeSet<&'static str>,
+    inquiry: Option<&'a Inquiry>,
+}
+
+impl<'a> Section<'a> {
+    /// No file at all: every question is written down.
+    pub(crate) fn inquiring(source: &'a Source, inquiry: &'a Inquiry) -> Self {
+        Self {
+            source,
+            path: String::new(),
+            table: None,
+            span: Span::at(0),
+            asked: BTreeSet::new(),
+            inquiry: Some(inquiry),
+        }
+    }
+
+    /// Writes down a question, once.
+    fn note(&self, key: &str, holds: Holds) {
+        let Some(inquiry) = self.inquiry else { return };
+        let key = Key {
+            path: self.name(key),
+            holds,
+        };
+        let mut keys = inquiry.keys.borrow_mut();
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+
+    /// The whole file.
+    pub(crate) fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
+        Self {
+            source,
+            path: String::new(),
+            table: Some(table),
+            span: Span::new(0, source.bytes().len().min(1)),
+            asked: BTreeSet::new(),
+            inquiry: None,
+        }
+    }
+
+    /// True if the file has this table.
+    pub(crate) fn is_present(&self) -> bool {
+        self.table.is_some() || self.inquiry.is_some()
+    }
+
+    /// Where it stands.
+    pub(crate) fn span(&self) -> Span {
+        self.span
+    }
+
+    /// The file's name.
+    pub(crate) fn file(&self) -> &'a str {
+        self.source.name()
+    }
+
+    /// The whole name of a key.
+    pub(crate) fn name(&self, key: &str) -> String {
+        if self.path.is_empty() {
+            key.to_string()
+        } else {
+            format!("{}.{key}", self.path)
+        }
+    }
+
+    fn get(&mut self, key: &'static str) -> Option<(&'a DeValue<'a>, Span)> {
+        self.asked.insert(key);
+        let value = self.table?.get(key)?;
+        Some((value.get_ref(), Span::from(value.span())))
+    }
+
+    /// A complaint about a value of this section.
+    pub(crate) fn wrong(
+        &self,
+        key: &str,
+        span: Span,
+        expected: &str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) {
+        diagnostics.push(
+            Diagnostic::error(
+                Code::BadSetting,
+                format!("`{}` must be {expected}", self.name(key)),
+            )
+            .label(self.source.name(), span, ""),
+        );
+    }
+
+    /// A table inside this one; an absent one answers every question with nothing.
+    pub(crate) fn section(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Section<'a> {
+        self.note(key, Holds::Table);
+        let path = self.name(key);
+        let found = self.get(key);
+        let mut table = None;
+        let mut span = self.span;
+        if let Some((value, at)) = found {
+            span = at;
+            table = value.as_table();
+            if table.is_none() {
+                self.wrong(key, at, "a table", diagnostics);
+            }
+        }
+        Section {
+            source: self.source,
+            path,
+            table,
+            span,
+            asked: BTreeSet::new(),
+            inquiry: self.inquiry,
+        }
+    }
+
+    /// A text.
+    pub(crate) fn text(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<Spelled> {
+        self.note(key, Holds::Text);
+        let (value, span) = self.get(key)?;
+        let Some(text) = value.as_str() else {
+            self.wrong(key, span, "a text in quotes", diagnostics);
+            return None;
+        };
+        Some(Spelled {
+            text: text.to_string(),
+            span,
+        })
+    }
+
+    /// A finite number in `[least, most]`, or the default.
+    pub(crate) fn number(
+        &mut self,
+        key: &'static str,
+        default: f64,
+        (least, most): (f64, f64),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> f64 {
+        self.optional_number(key, (least, most), diagnostics)
+            .unwrap_or(default)
+    }
+
+    /// A finite number in `[least, most]`, if given.
+    pub(crate) fn optional_number(
+        &mut self,
+        key: &'static str,
+        (least, most): (f64, f64),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<f64> {
+        self.note(key, Holds::Number(least, most));
+        let (value, span) = self.get(key)?;
+        let number = number_of(value);
+        match number {
+            Some(number) if number >= least && number <= most => Some(number),
+            _ => {
+                self.wrong(key, span, &range((least, most)), diagnostics);
+                None
+            }
+        }
+    }
+
+    /// A standard deviation above zero, if given: readings without any scatter would have infinite weight.
+    pub(crate) fn deviation(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<f64> {
+        self.note(key, Holds::Number(f64::MIN_POSITIVE, f64::INFINITY));
+        let (value, span) = self.get(key)?;
+        if number_of(value) != Some(0.0) {
+            return self.optional_number(key, (f64::MIN_POSITIVE, f64::INFINITY), diagnostics);
+        }
+        let name = self.name(key);
+        diagnostics.push(
+            Diagnostic::error(Code::BadSetting, format!("`{name}` must be more than 0"))
+                .label(self.source.name(), span, "")
+                .help(
+                    "readings without noise: write a ten-thousandth of the length unit, 1e-4; remove the key to have it \
+                     estimated from the marks",
+                ),
+        );
+        None
+    }
+
+    /// A whole number in `[least, most]`, or the default.
+    pub(crate) fn count(
+        &mut self,
+        key: &'static str,
+        default: usize,
+        (least, most): (usize, usize),
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> usize {
+        self.note(key, Holds::Count(least, most));
+        let Some((value, span)) = self.get(key) else {
+            return default;
+        };
+        match value.as_integer().and_then(|i| i.as_str().parse().ok()) {
+            Some(count) if (least..=most).contains(&count) => count,
+            _ => {
+                let expected = format!("a whole number from {least} to {most}");
+                self.wrong(key, span, &expected, diagnostics);
+                default
+            }
+        }
+    }
+
+    /// One of the given words, or the default.
+    pub(crate) fn choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        default: T,
+        words: &[(&'static str, T)],
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> T {
+        self.note(
+            key,
+            Holds::Choice(words.iter().map(|(word, _)| *word).collect()),
+        );
+        let Some((value, span)) = self.get(key) else {
+            return default;
+        };
+        let found = value
+            .as_str()
+            .and_then(|text| words.iter().find(|(word, _)| *word == text));
+        if let Some((_, choice)) = found {
+            return *choice;
+        }
+        let names: Vec<String> = words
+            .iter()
+            .map(|(word, _)| format!("\"{word}\""))
+            .collect();
+        self.wrong(key, span, &names.join(" or "), diagnostics);
+        default
+    }
+
+    /// A list of texts, if given.
+    pub(crate) fn texts(
+        &mut self,
+        key: &'static str,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<Vec<Spelled>> {
+        self.note(key, Holds::Texts);
+        let (value, span) = self.get(key)?;
+        let Some(array) = value.as_array() else {
+            self.wrong(key, span, "a list of texts", diagnostics);
+            return None;
+        };
+        let mut texts = Vec::new();
+        for item in array {
+            let at = Span::from(item.span());
+            match item.get_ref().as_str() {
+                Some(text) => texts.push(Spelled {
+                    text: text.to_string(),
+                    span: at,
+                }),
+                None => self.wrong(key, at, "a list of texts", diagnostics),
+            }
+        }
+        Some(texts)
+    }
+
+    /// Every key with a text as its value, in the order they are written. Marks all keys as known.
+    pub(crate) fn all_texts(
+        &mut self,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Vec<(Spelled, Spelled)> {
+        self.note("NAME", Holds::OwnTexts);
+        let mut found = Vec::new();
+        for (key, value) in self.entries() {
+            match value.0.as_str() {
+                Some(text) => found.push((
+                    key,
+                    Spelled {
+                        text: text.to_string(),
+                        span: value.1,
+                    },
+                )),
+                None => self.wrong(&key.text, value.1, "a text in quotes", diagnostics),
+            }
+        }
+        found
+    }
+
+    /// Every key with a table as its value, in the order they are written.
+    pub(crate) fn all_sections(
+        &mut self,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Vec<(Spelled, Section<'a>)> {
+        let mut found = Vec::new();
+        if self.inquiry.is_some() {
+            let key = Spelled {
+                text: "NAME".to_string(),
+                span: self.span,
+            };
+            found.push((key, self.section("NAME", diagnostics)));
+        }
+        for (key, (value, span)) in self.entries() {
+            if value.as_table().is_none() {
+                self.wrong(&key.text, span, "a table", diagnostics);
+            }
+            let section = Section {
+                source: self.source,
+                path: self.name(&key.text),
+                table: value.as_table(),
+                span,
+                asked: BTreeSet::new(),
+                inquiry: self.inquiry,
+            };
+            found.push((key, section));
+        }
+        found
+    }
+
+    /// True if the value of this key is a text and not a table.
+    pub(crate) fn is_text(&mut self, key: &'static str) -> bool {
+        if let Some(inquiry) = self.inquiry {
+            return inquiry.texts;
+        }
+        self.get(key).is_some_and(|(value, _)| value.is_str())
+    }
+
+    fn entries(&self) -> Vec<(Spelled, (&'a DeValue<'a>, Span))> {
+        let mut entries: Vec<_> = self
+            .table
+            .into_iter()
+            .flat_map(|table| table.iter())
+            .map(|(key, value)| {
+                let spelled = Spelled {
+                    text: key.get_ref().to_string(),
+                    span: Span::from(key.span()),
+                };
+                (spelled, (value.get_ref(), Span::from(value.span())))
+            })
+            .collect();
+        entries.sort_by_key(|(key, _)| key.span.start());
+        entries
+    }
+
+    /// Names the keys nobody asked for.
+    pub(crate) fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
+        for (key, _) in self.entries() {
+            if self.asked.contains(key.text.as_str()) {
+                continue;
+            }
+            let help = if let Some(near) = nearest(&key.text, self.asked.iter().copied()) {
+                format!("did you mean `{}`?", self.name(near))
+            } else {
+                let known: Vec<&str> = self.asked.iter().copied().collect();
+                format!("the keys here are {}", known.join(", "))
+            };
+            diagnostics.push(
+                Diagnostic::error(
+                    Code::UnknownKey,
+                    format!("`{}` is not a key of a study", self.name(&key.text)),
+                )
+                .label(self.source.name(), key.span, "")
+                .help(help),
+            );
+        }
+    }
+}
+
+/// Where the number of a key stands in a text of TOML.
+pub(super) fn number_span(text: &str, section: &str, key: &str) -> Option<Span> {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let value = document
+        .get_ref()
+        .get(section)?
+        .get_ref()
+        .as_table()?
+        .get(key)?;
+    number_of(value.get_ref()).map(|_| Span::from(value.span()))
+}
+
+fn number_of(value: &DeValue<'_>) -> Option<f64> {
+    let text = match value {
+        DeValue::Float(float) => float.as_str(),
+        DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+        _ => return None,
+    };
+    text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// A text of TOML with one number of a section changed, or added where it is not written. The section must be there.
+pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
+    let mut changed = text.to_string();
+    if let Some(span) = number_span(text, section, key) {
+        changed.replace_range(span.range(), &format!("{value:?}"));
+        return changed;
+    }
+    let header = format!("[{section}]");
+    changed.replacen(&header, &format!("{header}\n{key} = {value:?}"), 1)
+}
+
+/// What a number may be, in words; a bound that only keeps zero out is said as that.
+fn range((least, most): (f64, f64)) -> String {
+    match (least > 0.0 && least < 1e-6, most.is_finite()) {
+        (true, true) => format!("a number more than 0, at most {most}"),
+        (true, false) => "a number more than 0".to_string(),
+        (false, true) => format!("a number from {least} to {most}"),
+        (false, false) => format!("a number, {least} or more"),
+    }
+}
+
+/// What a name that was not found may have meant, and what there is: the help of a complaint.
+///
+/// Ids are compared whole: `BUSHING/3` is no slip of the pen for `BUSHING/2`.
+pub fn meant(word: &str, place: &str, there: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
+    let alike = there
+        .iter()
+        .map(String::as_str)
+        .filter(|name| digits(name) == digits(word));
+    if let Some(near) = nearest(word, alike) {
+        return format!("did you mean `{near}`?");
+    }
+    // Where there are addresses, names are only compared.
+    let listed =
+        |name: &&String| name.contains('/') || !there.iter().any(|name| name.contains('/'));
+    let there: Vec<&str> = there.iter().filter(listed).map(String::as_str).collect();
+    let names = there[..there.len().min(SHOWN)].join(", ");
+    match there.len() {
+        0 => format!("{place} has none"),
+        n if n > SHOWN => format!("{place} has {names} and {} more", n - SHOWN),
+        _ => format!("{place} has {names}"),
+    }
+}
+
+/// The candidate that differs from `word` by few letters, to ask "did you mean".
+pub(super) fn nearest<'a>(
+    word: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<&'a str> {
+    candidates
+        .map(|candidate| (letters_apart(word, candidate), candidate))
+        .filter(|(apart, candidate)| *apart <= 1 + candidate.len() / 4)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
+
+/// The edit distance of two words, without regard to case.
+fn letters_apart(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.to_lowercase().chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,64 @@
+//! `[tolerances]` of `study.toml`: how exact the axle and the rig are.
+
+use super::section::Section;
+use admire_syntax::diagnostic::Diagnostic;
+
+/// What a user says of a size.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub enum Stated {
+    /// `"estimate"`: the readings tell.
+    #[default]
+    Estimate,
+    /// A standard deviation; zero switches the group off.
+    Size(f64),
+}
+
+/// `[tolerances]`: standard deviations, lengths in millimetres.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct ToleranceSettings {
+    /// Each coordinate of each hardpoint, mm.
+    pub hardpoints: Stated,
+    /// Factor of each load, parts of one.
+    pub load_gain: Stated,
+    /// Each load in each case by itself, parts of the largest value of that load.
+    pub load_repeatability: Stated,
+    /// Direction of each load, degrees.
+    pub load_direction_deg: Stated,
+    /// Places of marks on their parts, mm.
+    pub marks_on_parts: Stated,
+    /// Where the measuring frame sits, the same in all cases, mm; over half a metre also its turn.
+    pub alignment: Stated,
+    /// How far all marks move with each load at its largest value, mm; over half a metre also their turn.
+    pub mount: Stated,
+    /// Rigid error of a part's pose in one case, mm; over a tenth of a metre also its turn.
+    pub pose: Stated,
+}
+
+impl ToleranceSettings {
+    pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
+        let mut stated = |key: &'static str| {
+            if section.is_text(key) {
+                section.choice(
+                    key,
+                    Stated::Estimate,
+                    &[("estimate", Stated::Estimate)],
+                    out,
+                )
+            } else {
+                section
+                    .optional_number(key, (0.0, 1e6), out)
+                    .map_or(Stated::Estimate, Stated::Size)
+            }
+        };
+        Self {
+            hardpoints: stated("hardpoints"),
+            load_gain: stated("load_gain"),
+            load_repeatability: stated("load_repeatability"),
+            load_direction_deg: stated("load_direction_deg"),
+            marks_on_parts: stated("marks_on_parts"),
+            alignment: stated("alignment"),
+            mount: stated("mount"),
+            pose: stated("pose"),
+        }
+    }
+}

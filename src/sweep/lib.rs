@@ -1,0 +1,66 @@
+//! Thousands of variants of a deck: what varies, which cases, running them anywhere, one table of answers.
+//!
+//! A [`SweepPlan`] says what varies, [`Cases`] which cases there are; a [`Row`] is the answer of one, and [`merge`](fn@merge) joins the tables of shards.
+//! Every case is solved cold from the text of its own deck, and its numbers are functions of seed, name and case alone. So the order, the
+//! threads and the shards of a run change no bit of the answer. [`uncertainty`] repeats identifications in the same way: bootstrap and sampled
+//! posterior. Knows nothing about terminals; the command submits shards.
+#![warn(unreachable_pub)]
+// Modules that are private link to what is private with them.
+#![allow(rustdoc::private_intra_doc_links)]
+#![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
+
+mod answer_path;
+mod answers;
+mod checksum;
+mod complaints;
+mod correlation;
+mod design;
+mod distribution;
+mod engine;
+mod folder;
+mod indices;
+mod journal;
+mod kept;
+mod merge;
+mod morris;
+pub mod normal;
+mod page;
+mod plan;
+mod plan_file;
+mod plan_keeps;
+mod plan_numbers;
+mod random;
+mod regression;
+mod row;
+mod runner;
+mod shard;
+mod summary;
+mod table_reader;
+mod table_writer;
+mod task;
+pub mod uncertainty;
+mod variation;
+
+pub use design::Plan;
+pub(crate) use engine::SweepError;
+pub use engine::run_shard;
+pub use engine::{Cases, Places, Progress};
+pub(crate) use engine::{run_cases, run_in_memory};
+pub use folder::Manifest;
+pub use folder::SweepFolder;
+pub use kept::{At, Output};
+pub use merge::{Columns, merge};
+pub use page::page;
+pub use page::six_digits;
+pub use plan::SweepPlan;
+pub use random::Stream;
+pub use row::{Row, Status};
+pub use runner::Runner;
+pub use shard::MOST_SHARDS;
+pub use shard::Shard;
+pub use shard::ShardError;
+pub use summary::OutputSummary;
+pub use summary::Summary;
+pub use table_reader::TableReader;
+pub(crate) use table_writer::Layout;
+pub use task::Task;

@@ -1,0 +1,148 @@
+//! Fits of readings drawn anew.
+
+use nalgebra::DVector;
+
+use super::estimate::Estimate;
+use crate::{Row, Status, Stream, normal};
+use admire_identify::global::Row as Reading;
+use admire_identify::global::gauss_newton::{Ending, Prior, Tolerances};
+
+/// Fewer residuals of a kind than this are drawn from those of all kinds.
+const FEW: usize = 20;
+/// A reading that nearly determines its own prediction has nothing left to draw.
+const LEVERAGE: f64 = 0.99;
+
+/// What every replicate draws from.
+pub(crate) struct Bootstrap<'a> {
+    estimate: &'a Estimate<'a>,
+    stream: Stream,
+    /// Errors that are drawn, kind by kind.
+    pools: Vec<Vec<f64>>,
+    /// The pool of each residual.
+    pool_of: Vec<usize>,
+    /// Root of the mean square of all errors that are drawn: one if noise and tolerances are as the fit has them.
+    pub noise_ratio: f64,
+}
+
+impl<'a> Bootstrap<'a> {
+    /// Of a fit.
+    pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64) -> Self {
+        let kinds = kinds(estimate);
+        let (pools, pool_of) = pools(
+            &kinds,
+            &estimate.minimum.evaluation.residual,
+            &estimate.leverages(),
+        );
+        let squares: Vec<f64> = pools.iter().map(|pool| mean_square(pool)).collect();
+        let sum: f64 = pool_of.iter().map(|pool| squares[*pool]).sum();
+        let noise_ratio = (sum / pool_of.len().max(1) as f64).sqrt();
+        Self {
+            estimate,
+            stream: Stream::named(seed, "bootstrap"),
+            pools,
+            pool_of,
+            noise_ratio,
+        }
+    }
+
+    /// A replicate: the numbers, and half of the chi-square that is left.
+    pub(crate) fn run(&self, case: u64) -> Row {
+        let start = std::time::Instant::now();
+        let fitted = self.fitted(case);
+        Row::ended(case, start, fitted.map_err(|why| (Status::NoAnswer, why)))
+    }
+
+    fn fitted(&self, case: u64) -> Result<Vec<f64>, String> {
+        let minimum = &self.estimate.minimum;
+        let own = self.estimate.marginal.priors();
+        // Each replicate has a stretch of the stream of its own.
+        let first = case * (self.pool_of.len() + own.len()) as u64;
+        let residual = &minimum.evaluation.residual;
+        let shift = DVector::from_fn(residual.len(), |k, _| {
+            let pool = &self.pools[self.pool_of[k]];
+            let drawn = self.stream.below(first + k as u64, pool.len() as u64);
+            residual[k] + pool[drawn as usize]
+        });
+        let next = first + residual.len() as u64;
+        let priors: Vec<Prior> = own
+            .iter()
+            .enumerate()
+            .map(|(k, prior)| {
+                let z = normal::quantile(self.stream.uniform(next + k as u64));
+                let error = if prior.sd.is_finite() {
+                    prior.sd * z
+                } else {
+                    0.0
+                };
+                Prior {
+                    mean: minimum.x[k] + error,
+                    sd: prior.sd,
+                }
+            })
+            .collect();
+        let mut fit = self.estimate.again().map_err(|error| error.to_string())?;
+        fit.shift(shift);
+        let found = fit
+            .minimise(&minimum.x, &priors, Tolerances::default())
+            .ok_or("the model has no equilibrium at the identified numbers")?;
+        if found.ending != Ending::Converged {
+            return Err("the fit did not converge".to_string());
+        }
+        let mut outputs: Vec<f64> = found.x.iter().map(|x| libm::exp(*x)).collect();
+        outputs.push(found.objective);
+        Ok(outputs)
+    }
+}
+
+/// The kind of reading each residual stems from.
+fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
+    let problem = estimate.problem;
+    let observations = estimate
+        .marginal
+        .observations(problem.measurement, problem.model);
+    let rows = observations.rows;
+    let kind = |row: usize| match rows[row] {
+        Reading::Mark { .. } => 0,
+        Reading::Wheel {
+            component: 0..=2, ..
+        } => 1,
+        Reading::Wheel { .. } => 2,
+        Reading::Channel { channel, .. } => 3 + channel,
+    };
+    estimate.marginal.rows().map(kind).collect()
+}
+
+/// What is drawn for the residuals of each kind, and the pool of each residual. Errors are readings less predictions.
+fn pools(
+    kinds: &[usize],
+    residual: &DVector<f64>,
+    leverages: &DVector<f64>,
+) -> (Vec<Vec<f64>>, Vec<usize>) {
+    let count = |kind: usize| kinds.iter().filter(|k| **k == kind).count();
+    let last = kinds.iter().max().map_or(0, |kind| kind + 1);
+    let pool_of: Vec<usize> = kinds
+        .iter()
+        .map(|kind| if count(*kind) < FEW { last } else { *kind })
+        .collect();
+    let mut pools = vec![Vec::new(); last + 1];
+    for (k, pool) in pool_of.iter().enumerate() {
+        let error = -residual[k] / (1.0 - leverages[k].min(LEVERAGE)).sqrt();
+        pools[*pool].push(error);
+    }
+    if pools[last].len() < FEW {
+        // Too few even together: the kinds that have many lend theirs.
+        let all: Vec<f64> = pools.iter().flatten().copied().collect();
+        pools[last] = all;
+    }
+    for pool in &mut pools {
+        let mean = pool.iter().sum::<f64>() / pool.len().max(1) as f64;
+        for error in pool {
+            *error -= mean;
+        }
+    }
+    (pools, pool_of)
+}
+
+fn mean_square(pool: &[f64]) -> f64 {
+    pool.iter().map(|e| e * e).sum::<f64>() / pool.len().max(1) as f64
+}

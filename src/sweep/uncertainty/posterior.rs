@@ -1,0 +1,232 @@
+//! Draws from the posterior by Hamiltonian Monte Carlo.
+//!
+//! `x = estimate + L z`, `L L'` the covariance of the fit: where the model is nearly linear, z is nearly a unit Gaussian, and a quarter
+//! of an oscillation leads to a draw that remembers hardly anything. Leapfrog steps with the exact gradient `L'(J'r + (x - m)/sd^2)`.
+
+use nalgebra::DVector;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::estimate::Estimate;
+use crate::{Row, Status, Stream, normal};
+use admire_identify::global::MarginalProblem;
+use admire_identify::global::gauss_newton::LeastSquares;
+
+/// Leapfrog steps of a quarter of an oscillation that are tried, few first.
+const STEPS: [usize; 5] = [4, 6, 9, 14, 22];
+/// The least mean probability to accept that a number of steps must reach in the pilot.
+const ACCEPT: f64 = 0.85;
+/// Places where pilots begin, and trajectories of each. Far from the estimate the posterior may be much narrower than there.
+const PILOTS: u64 = 8;
+const PILOT: u64 = 4;
+/// Chains begin where a Gaussian posterior has all but so much of its probability.
+const TYPICAL: f64 = 0.99;
+/// Draws at the beginning of every chain that are thrown away.
+const WARM_UP: u64 = 30;
+/// The length of a trajectory is drawn around its mean by so much each way: none is periodic.
+const JITTER: f64 = 0.2;
+
+/// Chains of draws.
+pub(crate) struct Posterior<'a> {
+    estimate: &'a Estimate<'a>,
+    seed: u64,
+    /// Draws of a chain.
+    length: u64,
+    /// Leapfrog steps of a trajectory.
+    pub steps: usize,
+}
+
+/// A place in the coordinates of the fit.
+struct Point {
+    z: DVector<f64>,
+    /// Half chi-square with priors, and its gradient.
+    energy: f64,
+    gradient: DVector<f64>,
+}
+
+/// Where a chain is after a trajectory.
+struct End {
+    x: Vec<f64>,
+    /// Half chi-square with priors there.
+    energy: f64,
+    /// Probability with which the trajectory's end was accepted.
+    probability: f64,
+}
+
+impl<'a> Posterior<'a> {
+    /// Of a fit, in chains of this length. Takes the fewest steps that a short pilot accepts.
+    pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64, length: u64) -> Self {
+        let mut new = Self {
+            estimate,
+            seed,
+            length,
+            steps: STEPS[0],
+        };
+        let pilots: Vec<Stream> = (0..PILOTS)
+            .map(|pilot| Stream::named(seed, &format!("pilot {pilot}")))
+            .collect();
+        let starts: Vec<Vec<f64>> = pilots.iter().map(|pilot| new.scattered(pilot)).collect();
+        for steps in STEPS {
+            new.steps = steps;
+            let mut accept = 0.0;
+            for (pilot, start) in pilots.iter().zip(&starts) {
+                let mut x = start.clone();
+                for draw in 0..PILOT {
+                    let end = new.draw(&x, pilot, 1 + draw);
+                    accept += end.probability / (PILOT * PILOTS) as f64;
+                    x = end.x;
+                }
+            }
+            if accept >= ACCEPT {
+                break;
+            }
+        }
+        new
+    }
+
+    /// Chain and draw of a case, from 0.
+    pub(crate) fn place(&self, case: u64) -> (u64, u64) {
+        (case / self.length, case % self.length)
+    }
+
+    /// A draw: the numbers, half chi-square with priors, and the probability with which the trajectory's end was accepted.
+    pub(crate) fn run(&self, case: u64, before: Option<&Row>) -> Row {
+        let start = std::time::Instant::now();
+        let (chain, draw) = self.place(case);
+        let stream = Stream::named(self.seed, &format!("chain {chain}"));
+        let count = self.estimate.marginal.len();
+        // The next draw starts from the numbers as they stand in the table: a chain that was interrupted goes on as if it had not been.
+        let x: Vec<f64> = if let Some(row) = before {
+            row.outputs[..count]
+                .iter()
+                .map(|value| libm::log(*value))
+                .collect()
+        } else {
+            let mut x = self.scattered(&stream);
+            for draw in 0..WARM_UP {
+                x = self.draw(&x, &stream, 1 + draw).x;
+            }
+            x
+        };
+        let end = self.draw(&x, &stream, 1 + WARM_UP + draw);
+        let mut outputs: Vec<f64> = end.x.iter().map(|x| libm::exp(*x)).collect();
+        outputs.extend([end.energy, end.probability]);
+        Row {
+            case,
+            status: Status::Ok,
+            reason: String::new(),
+            seconds: start.elapsed().as_secs_f64(),
+            outputs,
+        }
+    }
+
+    /// Where a chain begins: drawn from the covariance of the fit, nearer to the estimate where the model has no answer, or the readings
+    /// exclude it: the step that suits the posterior would not lead away from there.
+    fn scattered(&self, stream: &Stream) -> Vec<f64> {
+        let count = self.estimate.marginal.len() as u64;
+        let z = normals(stream, 0, count);
+        let least = self.energy(
+            &self.estimate.minimum.x,
+            &self.estimate.minimum.evaluation.residual,
+        );
+        let far = ChiSquared::new(count as f64)
+            .map_or(f64::INFINITY, |squares| 0.5 * squares.inverse_cdf(TYPICAL));
+        (0..8)
+            .map(|halvings| self.x(&(&z * 0.5_f64.powi(halvings))))
+            .find(|x| {
+                let fit = self.estimate.again();
+                let point = fit.ok().and_then(|mut fit| self.point(&mut fit, self.z(x)));
+                point.is_some_and(|point| point.energy - least < far)
+            })
+            .unwrap_or_else(|| self.estimate.minimum.x.clone())
+    }
+
+    /// One trajectory from x.
+    fn draw(&self, x: &[f64], stream: &Stream, number: u64) -> End {
+        let count = self.estimate.marginal.len() as u64;
+        let first = number * (count + 2);
+        let mut stay = End {
+            x: x.to_vec(),
+            energy: f64::NAN,
+            probability: 0.0,
+        };
+        // What is solved here depends on x and the stream alone.
+        let Ok(mut fit) = self.estimate.again() else {
+            return stay;
+        };
+        let Some(mut at) = self.point(&mut fit, self.z(x)) else {
+            return stay;
+        };
+        stay.energy = at.energy;
+        let mut momentum = normals(stream, first, count);
+        let before = at.energy + 0.5 * momentum.norm_squared();
+        let length = 1.0 + JITTER * (2.0 * stream.uniform(first + count) - 1.0);
+        let step = length * std::f64::consts::FRAC_PI_2 / self.steps as f64;
+        for _ in 0..self.steps {
+            momentum.axpy(-0.5 * step, &at.gradient, 1.0);
+            let z = &at.z + &momentum * step;
+            let Some(next) = self.point(&mut fit, z) else {
+                return stay;
+            };
+            at = next;
+            momentum.axpy(-0.5 * step, &at.gradient, 1.0);
+        }
+        let after = at.energy + 0.5 * momentum.norm_squared();
+        let probability = libm::exp((before - after).min(0.0));
+        if stream.uniform(first + count + 1) < probability {
+            End {
+                x: self.x(&at.z),
+                energy: at.energy,
+                probability,
+            }
+        } else {
+            End {
+                probability,
+                ..stay
+            }
+        }
+    }
+
+    fn x(&self, z: &DVector<f64>) -> Vec<f64> {
+        let step = &self.estimate.root * z;
+        let x = self.estimate.minimum.x.iter().zip(step.iter());
+        x.map(|(x, step)| x + step).collect()
+    }
+
+    fn z(&self, x: &[f64]) -> DVector<f64> {
+        let own = &self.estimate.minimum.x;
+        let step = DVector::from_iterator(x.len(), x.iter().zip(own).map(|(x, own)| x - own));
+        let solved = self.estimate.root.solve_lower_triangular(&step);
+        solved.unwrap_or_else(|| DVector::zeros(x.len()))
+    }
+
+    fn energy(&self, x: &[f64], residual: &DVector<f64>) -> f64 {
+        let priors = self.estimate.marginal.priors().iter().zip(x);
+        let own: f64 = priors.map(|(prior, x)| prior.cost(*x)).sum();
+        0.5 * residual.norm_squared() + own
+    }
+
+    fn point(&self, fit: &mut MarginalProblem<'_>, z: DVector<f64>) -> Option<Point> {
+        let x = self.x(&z);
+        let found = fit.evaluate(&x, true)?;
+        let mut slope = found.jacobian.tr_mul(&found.residual);
+        for ((slope, prior), x) in slope
+            .iter_mut()
+            .zip(self.estimate.marginal.priors())
+            .zip(&x)
+        {
+            *slope += prior.pull(*x);
+        }
+        let energy = self.energy(&x, &found.residual);
+        let finite = energy.is_finite() && slope.iter().all(|s| s.is_finite());
+        finite.then(|| Point {
+            gradient: self.estimate.root.tr_mul(&slope),
+            energy,
+            z,
+        })
+    }
+}
+
+fn normals(stream: &Stream, first: u64, count: u64) -> DVector<f64> {
+    let drawn = (first..first + count).map(|k| normal::quantile(stream.uniform(k)));
+    DVector::from_iterator(count as usize, drawn)
+}

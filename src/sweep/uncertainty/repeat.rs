@@ -1,0 +1,383 @@
+//! A fit that is repeated: from what was asked to what `identification.json` says of every number.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::bootstrap::Bootstrap;
+use super::estimate::Estimate;
+use super::posterior::Posterior;
+use super::spread::spread;
+use crate::{
+    Cases, Layout, Places, Progress, Row, SweepError, TableReader, run_cases, run_in_memory,
+};
+use admire_identify::global::Marginal;
+use admire_identify::{BootstrapMade, Fit, IdentifyError, PosteriorMade, Problem};
+
+/// Chains of the posterior: enough to see whether they agree, few enough that the beginning of each costs little.
+pub(crate) const CHAINS: u64 = 8;
+/// Fewer replicates say nothing of the ends of an interval.
+pub const LEAST_REPLICATES: u64 = 100;
+/// Fewer draws say nothing of the ends of an interval, or of whether chains agree.
+pub const LEAST_DRAWS: u64 = 100;
+/// Repeats at most.
+pub const MOST: u64 = 10_000_000;
+
+/// What is asked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Repeats {
+    /// Fits of readings drawn anew.
+    pub bootstrap: Option<u64>,
+    /// Draws from the posterior; made a multiple of the number of chains.
+    pub posterior: Option<u64>,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// So many at a time.
+    pub threads: usize,
+}
+
+/// One of the two.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// Fits of readings drawn anew.
+    Bootstrap,
+    /// Draws from the posterior.
+    Posterior,
+}
+
+impl Kind {
+    /// The name of its table.
+    pub const fn file(self) -> &'static str {
+        match self {
+            Self::Bootstrap => "bootstrap.parquet",
+            Self::Posterior => "posterior.parquet",
+        }
+    }
+
+    /// What it is called.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Bootstrap => "bootstrap",
+            Self::Posterior => "posterior",
+        }
+    }
+}
+
+/// Told how far it is; says whether to go on.
+pub(crate) type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
+
+/// What came of a fit that was repeated.
+#[derive(Clone, Debug)]
+pub enum Made {
+    /// The path of a table.
+    Table(PathBuf),
+    /// What the table would hold, in its order.
+    Rows(Vec<Row>),
+}
+
+impl Made {
+    fn each(&self, layout: &Layout, mut take: impl FnMut(&Row)) -> Result<(), SweepError> {
+        match self {
+            Self::Rows(rows) => rows.iter().for_each(take),
+            Self::Table(path) => {
+                let counts = (layout.inputs.len(), layout.outputs.len());
+                TableReader::open(path)?.each(counts, |row, _| -> Result<(), SweepError> {
+                    take(&row);
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Repeats a fit, and puts what comes of it into the fit. Journals and tables are kept in `folder`, where an interrupted run goes on;
+/// without one everything stays in memory. `None` if it was interrupted.
+///
+/// # Errors
+/// When a journal or table cannot be written, or the fit cannot be repeated.
+pub fn repeat(
+    (problem, marginal): (&Problem<'_>, &Marginal),
+    fit: &mut Fit,
+    asked: &Repeats,
+    (folder, version): (Option<&Path>, &str),
+    tell: &mut Told<'_>,
+) -> Result<Option<Vec<(Kind, Made)>>, RepeatError> {
+    let estimate = Estimate::new(problem, marginal)?.ok_or(RepeatError::NoEstimate)?;
+    let addresses: Vec<String> = fit.parameters.iter().map(|p| p.address.clone()).collect();
+    let mut done = Vec::new();
+    let posterior = asked.posterior.map(|draws| draws.div_ceil(CHAINS) * CHAINS);
+    let all = [
+        (Kind::Bootstrap, asked.bootstrap),
+        (Kind::Posterior, posterior),
+    ];
+    let hash = fit.inputs_sha256.clone();
+    let away = addresses.iter().zip(&fit.parameters).enumerate();
+    let away: Vec<&str> = away
+        .filter(|(k, (_, parameter))| {
+            let sd = estimate.covariance[(*k, *k)].sqrt();
+            (estimate.minimum.x[*k] - libm::log(parameter.value)).abs() > sd
+        })
+        .map(|(_, (address, _))| address.as_str())
+        .collect();
+    if !away.is_empty() {
+        fit.remarks.push(format!(
+            "With tolerances marginalised the fit ends more than a standard deviation from the values given here, for {}.",
+            away.join(", ")
+        ));
+    }
+    let profiles = estimate.profiles()?;
+    for (parameter, profile) in fit.parameters.iter_mut().zip(&profiles) {
+        parameter.profile95 = Some(*profile);
+    }
+    for (kind, count) in all {
+        let Some(count) = count else { continue };
+        let maker = match kind {
+            Kind::Bootstrap => Maker::Bootstrap(Bootstrap::new(&estimate, asked.seed)),
+            Kind::Posterior => {
+                let length = count / CHAINS;
+                Maker::Posterior(Posterior::new(&estimate, asked.seed, length), length)
+            }
+        };
+        let work = Work {
+            maker,
+            addresses: &addresses,
+            version,
+            hash: &hash,
+        };
+        let mut tell = |progress: &Progress| tell(kind, progress);
+        let made = match folder {
+            Some(folder) => {
+                let places = places(folder, &work, (kind, count, asked.seed));
+                run_cases(&work, 0..count, &places, asked.threads, &mut tell)?
+                    .is_complete()
+                    .then_some(Made::Table(places.table))
+            }
+            None => run_in_memory(&work, 0..count, asked.threads, &mut tell)?.map(Made::Rows),
+        };
+        let Some(made) = made else { return Ok(None) };
+        take(&work, (kind, count, asked.seed), &made, fit)?;
+        done.push((kind, made));
+    }
+    Ok(Some(done))
+}
+
+/// Why a fit is not repeated.
+#[derive(Debug, thiserror::Error)]
+pub enum RepeatError {
+    /// Its problem cannot be set up.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// There is no estimate to begin from.
+    #[error("the fit with tolerances marginalised has no minimum where it could be repeated")]
+    NoEstimate,
+    /// A journal or table fails.
+    #[error(transparent)]
+    Harness(#[from] SweepError),
+    /// None has an answer.
+    #[error("no replicate has an answer: {0}")]
+    NoReplicate(String),
+}
+
+/// Where a run with these options is kept.
+fn places(folder: &Path, work: &Work<'_>, (kind, count, seed): (Kind, u64, u64)) -> Places {
+    let key = format!(
+        "{}\n{}\n{}\n{count}\n{seed}",
+        kind.word(),
+        work.version,
+        work.hash
+    );
+    let stem = format!("{}-{}", kind.word(), short(&key));
+    Places {
+        journal: folder.join(format!("{stem}.journal")),
+        table: folder.join(format!("{stem}.parquet")),
+        key: key.into_bytes(),
+    }
+}
+
+/// Twelve digits that tell runs with other options apart.
+fn short(key: &str) -> String {
+    let digest = Sha256::digest(key.as_bytes());
+    let hexadecimal = digest.iter().take(6).map(|byte| format!("{byte:02x}"));
+    hexadecimal.collect::<Vec<_>>().concat()
+}
+
+enum Maker<'a> {
+    Bootstrap(Bootstrap<'a>),
+    Posterior(Posterior<'a>, u64),
+}
+
+struct Work<'a> {
+    maker: Maker<'a>,
+    addresses: &'a [String],
+    version: &'a str,
+    hash: &'a str,
+}
+
+impl Cases for Work<'_> {
+    fn chain(&self) -> u64 {
+        match self.maker {
+            Maker::Bootstrap(_) => 1,
+            Maker::Posterior(_, length) => length,
+        }
+    }
+
+    fn run(&self, case: u64, before: Option<&Row>) -> Row {
+        match &self.maker {
+            Maker::Bootstrap(bootstrap) => bootstrap.run(case),
+            Maker::Posterior(posterior, _) => posterior.run(case, before),
+        }
+    }
+
+    fn inputs(&self, case: u64) -> Vec<f64> {
+        match &self.maker {
+            Maker::Bootstrap(_) => Vec::new(),
+            Maker::Posterior(posterior, _) => {
+                let (chain, draw) = posterior.place(case);
+                vec![chain as f64, draw as f64]
+            }
+        }
+    }
+
+    fn layout(&self) -> Layout {
+        let words = |words: &[&str]| words.iter().map(ToString::to_string).collect::<Vec<_>>();
+        let (inputs, others) = match self.maker {
+            Maker::Bootstrap(_) => (words(&[]), words(&["half_chi_square"])),
+            Maker::Posterior(..) => (
+                words(&["chain", "draw"]),
+                words(&["half_chi_square", "acceptance"]),
+            ),
+        };
+        Layout {
+            inputs,
+            outputs: self.addresses.iter().cloned().chain(others).collect(),
+            version: self.version.to_string(),
+            hash: self.hash.to_string(),
+            facts: vec![
+                ("admire.version".to_string(), self.version.to_string()),
+                ("admire.inputs_sha256".to_string(), self.hash.to_string()),
+            ],
+        }
+    }
+}
+
+/// Puts what was made into the fit.
+fn take(
+    work: &Work<'_>,
+    (kind, count, seed): (Kind, u64, u64),
+    made: &Made,
+    fit: &mut Fit,
+) -> Result<(), RepeatError> {
+    let mut values: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new()]; fit.parameters.len()];
+    let (mut without, mut why, mut acceptance) = (0, String::new(), 0.0);
+    made.each(&work.layout(), |row| {
+        if !row.reason.is_empty() {
+            without += 1;
+            why.clone_from(&row.reason);
+            return;
+        }
+        let fresh = kind == Kind::Posterior && row.case % work.chain() == 0 && row.case > 0;
+        for (chains, value) in values.iter_mut().zip(&row.outputs) {
+            if fresh {
+                chains.push(Vec::new());
+            }
+            chains.last_mut().expect("one at least").push(*value);
+        }
+        acceptance += row.outputs.last().copied().unwrap_or_default() / count as f64;
+    })?;
+    if count - without < 2 {
+        return Err(RepeatError::NoReplicate(why));
+    }
+    for (parameter, chains) in fit.parameters.iter_mut().zip(&values) {
+        let profile = parameter.profile95.unwrap_or_default();
+        let found = spread(chains, parameter.value, profile, kind == Kind::Posterior);
+        match kind {
+            Kind::Bootstrap => parameter.bootstrap = Some(found),
+            Kind::Posterior => parameter.posterior = Some(found),
+        }
+    }
+    match &work.maker {
+        Maker::Bootstrap(bootstrap) => {
+            fit.bootstrap = Some(BootstrapMade {
+                replicates: count,
+                without_answer: without,
+                seed,
+                noise_ratio: bootstrap.noise_ratio,
+            });
+        }
+        Maker::Posterior(posterior, _) => {
+            fit.posterior = Some(PosteriorMade {
+                draws: count,
+                chains: CHAINS,
+                seed,
+                acceptance,
+                steps: posterior.steps,
+            });
+        }
+    }
+    remark(kind, fit);
+    Ok(())
+}
+
+/// Chains that differ by more than this have not met.
+const APART: f64 = 1.05;
+/// Intervals are told apart where one is so many times as wide as the other.
+const DIFFERENT: f64 = 1.25;
+
+/// Says where repeats and profile likelihood disagree.
+fn remark(kind: Kind, fit: &mut Fit) {
+    let of = |k: usize| match kind {
+        Kind::Bootstrap => fit.parameters[k].bootstrap,
+        Kind::Posterior => fit.parameters[k].posterior,
+    };
+    let name = |k: &usize| fit.parameters[*k].address.clone();
+    let numbers = 0..fit.parameters.len();
+    let different: Vec<String> = numbers
+        .clone()
+        .filter_map(|k| {
+            let ratio = of(k)?.width_ratio?;
+            let far = !(1.0 / DIFFERENT..=DIFFERENT).contains(&ratio);
+            far.then(|| format!("{} ({ratio:.2})", name(&k)))
+        })
+        .collect();
+    let compared = numbers
+        .clone()
+        .filter(|k| of(*k).is_some_and(|found| found.width_ratio.is_some()))
+        .count();
+    let mut remarks = vec![if different.is_empty() {
+        format!(
+            "Intervals by {} and by profile likelihood agree for all {compared} numbers that have both: their widths differ by less than a quarter.",
+            kind.word()
+        )
+    } else {
+        format!(
+            "Intervals by {} are of another width than those by profile likelihood for {} of {compared} numbers, so many times as wide: {}.",
+            kind.word(),
+            different.len(),
+            different.join(", ")
+        )
+    }];
+    let apart: Vec<String> = numbers
+        .filter(|k| {
+            of(*k)
+                .and_then(|found| found.r_hat)
+                .is_some_and(|r| !(r < APART))
+        })
+        .map(|k| name(&k))
+        .collect();
+    if !apart.is_empty() {
+        remarks.push(format!(
+            "The chains of the posterior have not met for {}: take more draws.",
+            apart.join(", ")
+        ));
+    }
+    if let (Kind::Bootstrap, Some(made)) = (kind, fit.bootstrap)
+        && made.without_answer > 0
+    {
+        remarks.push(format!(
+            "{} of {} fits of the bootstrap have no answer and are left out of its intervals.",
+            made.without_answer, made.replicates
+        ));
+    }
+    fit.remarks.extend(remarks);
+}

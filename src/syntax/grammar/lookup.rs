@@ -1,0 +1,183 @@
+use std::sync::OnceLock;
+
+use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, StatementDef};
+
+/// What a typed keyword stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Lookup<T> {
+    /// Exactly one keyword.
+    Found(T),
+    /// Several keywords begin like this and none has it as its documented minimum.
+    Ambiguous(Vec<&'static str>),
+    /// None.
+    Unknown,
+}
+
+impl<T> Lookup<T> {
+    /// The keyword found, if it is one.
+    pub fn found(self) -> Option<T> {
+        match self {
+            Self::Found(value) => Some(value),
+            Self::Ambiguous(_) | Self::Unknown => None,
+        }
+    }
+}
+
+/// Case-insensitive unique-prefix match: an exact match wins, then the one keyword that begins with what was typed, then the
+/// one whose documented minimum is reached (guide/formats.md 1.5). `STATIC` for `STATICS` works as a prefix; a longer spelling
+/// (`TRANSLATIONAL` for `TRANSLATION`) works when what was typed begins with a whole keyword.
+fn resolve<T: Copy>(
+    typed: &[u8],
+    candidates: impl Iterator<Item = (T, &'static str, usize)> + Clone,
+) -> Lookup<T> {
+    let begins = |name: &str| {
+        name.len() >= typed.len() && name.as_bytes()[..typed.len()].eq_ignore_ascii_case(typed)
+    };
+    if typed.is_empty() {
+        return Lookup::Unknown;
+    }
+    if let Some(hit) = candidates
+        .clone()
+        .find(|(_, name, _)| name.as_bytes().eq_ignore_ascii_case(typed))
+    {
+        return Lookup::Found(hit.0);
+    }
+    let prefixed: Vec<_> = candidates
+        .clone()
+        .filter(|(_, name, _)| begins(name))
+        .collect();
+    let reached: Vec<_> = prefixed
+        .iter()
+        .filter(|(_, _, minimum)| typed.len() >= *minimum)
+        .collect();
+    match (reached.as_slice(), prefixed.as_slice()) {
+        ([one], _) => Lookup::Found(one.0),
+        ([], [one]) => Lookup::Found(one.0),
+        ([], []) => {
+            let longer: Vec<_> = candidates
+                .filter(|(_, name, _)| {
+                    name.len() >= 5
+                        && typed.len() > name.len()
+                        && typed[..name.len()].eq_ignore_ascii_case(name.as_bytes())
+                })
+                .collect();
+            match longer.as_slice() {
+                [one] => Lookup::Found(one.0),
+                _ => Lookup::Unknown,
+            }
+        }
+        (several, all) => {
+            let shown = if several.is_empty() {
+                all.iter().map(|c| c.1).collect()
+            } else {
+                several.iter().map(|c| c.1).collect()
+            };
+            Lookup::Ambiguous(shown)
+        }
+    }
+}
+
+/// The statement (of a dataset) or command (of a command file) that a typed keyword stands for.
+pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
+    let here = move |def: &&'static StatementDef| {
+        file == Role::Both || def.role == Role::Both || def.role == file
+    };
+    resolve(
+        typed,
+        STATEMENTS
+            .iter()
+            .filter(here)
+            .map(|def| (def, def.name, def.minimum)),
+    )
+}
+
+/// A statement or command by its whole keyword in capitals.
+pub fn statement(name: &str) -> Option<&'static StatementDef> {
+    STATEMENTS.iter().find(|def| def.name == name)
+}
+
+/// The argument of a statement that a typed keyword stands for.
+pub fn find_argument(
+    statement: &'static StatementDef,
+    typed: &[u8],
+) -> Lookup<&'static ArgumentDef> {
+    resolve(
+        typed,
+        statement
+            .arguments
+            .iter()
+            .map(|def| (def, def.name, def.minimum)),
+    )
+}
+
+/// The choice word that a typed word stands for.
+pub(crate) fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
+    resolve(
+        typed,
+        choices
+            .iter()
+            .map(|choice| (choice, choice.name, choice.minimum)),
+    )
+}
+
+/// A function by its whole name.
+pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
+    static BY_NAME: OnceLock<Vec<&'static FunctionDef>> = OnceLock::new();
+    let by_name = BY_NAME.get_or_init(|| {
+        let mut all: Vec<&'static FunctionDef> = FUNCTIONS.iter().collect();
+        all.sort_unstable_by_key(|def| def.name);
+        all
+    });
+    let upper = || typed.iter().map(u8::to_ascii_uppercase);
+    let found = by_name.binary_search_by(|def| def.name.bytes().cmp(upper()));
+    found.ok().map(|at| by_name[at])
+}
+
+/// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.
+pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    all_nearest(typed, names).first().copied()
+}
+
+/// The names nearest to what was typed, all at one edit distance and in the order of the alphabet; empty if none is near enough.
+pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let typed = typed.to_ascii_uppercase();
+    if typed.is_empty() {
+        return Vec::new();
+    }
+    let limit = (typed.len() / 3).max(1);
+    let mut near: Vec<(usize, &str)> = names
+        // Words of very different length are far apart: this is not counted for 10 MB of letters.
+        .filter(|name| name.len().abs_diff(typed.len()) <= limit)
+        .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
+        .filter(|(d, _)| *d <= limit)
+        .collect();
+    near.sort_unstable();
+    near.dedup();
+    let least = near.first().map(|(d, _)| *d);
+    near.into_iter()
+        .filter(|(d, _)| Some(*d) == least)
+        .map(|(_, name)| name)
+        .collect()
+}
+
+/// Optimal string alignment distance: insert, delete, replace, swap of neighbours.
+fn distance(a: &[u8], b: &[u8]) -> usize {
+    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
+    for i in 0..=a.len() {
+        for j in 0..=b.len() {
+            rows[i][j] = if i == 0 || j == 0 {
+                i + j
+            } else {
+                let same = usize::from(a[i - 1] != b[j - 1]);
+                let mut best = (rows[i - 1][j] + 1)
+                    .min(rows[i][j - 1] + 1)
+                    .min(rows[i - 1][j - 1] + same);
+                if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                    best = best.min(rows[i - 2][j - 2] + 1);
+                }
+                best
+            };
+        }
+    }
+    rows[a.len()][b.len()]
+}

@@ -1,0 +1,164 @@
+use std::borrow::Cow;
+use std::io::{Result, Write};
+
+use encoding_rs::Encoding;
+use oem_cp::code_table::ENCODING_TABLE_CP_MAP;
+
+/// Names the code page of whoever reads what is printed on a pipe.
+const VARIABLE: &str = "ADMIRE_CODE_PAGE";
+
+/// How characters are printed where no console takes them as they are.
+#[derive(Clone, Copy, Debug)]
+pub enum CodePage {
+    /// As they are here.
+    Utf8,
+    /// A code page of the consoles of Windows: 437, 850, 852 and so on.
+    Oem(u16),
+    /// A code page of the windows of Windows: 1250 to 1258.
+    Ansi(&'static Encoding),
+}
+
+impl CodePage {
+    /// The one that the environment variable `ADMIRE_CODE_PAGE` names; UTF-8 without it.
+    ///
+    /// # Errors
+    /// When it is not known; the text says so.
+    pub fn of_environment() -> std::result::Result<Self, String> {
+        let named = std::env::var(VARIABLE).unwrap_or_default();
+        Self::named(&named).ok_or_else(|| {
+            format!("{VARIABLE}: `{named}` is no code page; 1252, 850 and utf-8 are some")
+        })
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        let lower = name.trim().to_ascii_lowercase();
+        let number = lower
+            .trim_start_matches("cp")
+            .trim_start_matches("windows-");
+        if ["", "65001", "utf-8", "utf8"].contains(&number) {
+            return Some(Self::Utf8);
+        }
+        let number: u16 = number.parse().ok()?;
+        if ENCODING_TABLE_CP_MAP.contains_key(&number) {
+            return Some(Self::Oem(number));
+        }
+        Encoding::for_label(format!("windows-{number}").as_bytes()).map(Self::Ansi)
+    }
+
+    /// A text in this code page; a character that it lacks becomes one that looks like it, or `?`.
+    pub fn encode(self, text: &str) -> Cow<'_, [u8]> {
+        if text.is_ascii() || matches!(self, Self::Utf8) {
+            return Cow::Borrowed(text.as_bytes());
+        }
+        let mut out = Vec::with_capacity(text.len());
+        for c in text.chars() {
+            if !self.push(c, &mut out) {
+                out.extend_from_slice(like(c).as_bytes());
+            }
+        }
+        Cow::Owned(out)
+    }
+
+    /// Adds a character, if the code page has it.
+    fn push(self, c: char, out: &mut Vec<u8>) -> bool {
+        if c.is_ascii() {
+            out.push(c as u8);
+            return true;
+        }
+        match self {
+            Self::Utf8 => out.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes()),
+            Self::Oem(number) => {
+                let table = ENCODING_TABLE_CP_MAP.get(&number);
+                let Some(byte) = table.and_then(|table| table.get(&c)) else {
+                    return false;
+                };
+                out.push(*byte);
+            }
+            Self::Ansi(encoding) => {
+                let mut buffer = [0; 4];
+                let (bytes, _, lacks) = encoding.encode(c.encode_utf8(&mut buffer));
+                if lacks {
+                    return false;
+                }
+                out.extend_from_slice(&bytes);
+            }
+        }
+        true
+    }
+}
+
+/// ASCII that looks like a character of our own texts.
+const fn like(c: char) -> &'static str {
+    match c {
+        '\u{2502}' | '\u{2506}' | '\u{250a}' => "|",
+        '\u{250c}'..='\u{257f}' => "+",
+        '\u{2500}' | '\u{2013}' | '\u{2014}' | '\u{2212}' => "-",
+        '\u{2018}' | '\u{2019}' => "'",
+        '\u{201c}' | '\u{201d}' => "\"",
+        '\u{2026}' => "...",
+        '\u{2192}' | '\u{25b6}' => ">",
+        '\u{b1}' => "+/-",
+        '\u{d7}' | '\u{2716}' => "x",
+        '\u{b5}' | '\u{3bc}' => "u",
+        '\u{b7}' | '\u{2022}' => ".",
+        '\u{26a0}' => "!",
+        _ => "?",
+    }
+}
+
+/// A writer of texts that encodes each of them.
+#[derive(Debug)]
+pub struct Encoded<W> {
+    inner: W,
+    page: CodePage,
+}
+
+impl<W: Write> Encoded<W> {
+    /// Texts go to `inner`.
+    pub const fn new(inner: W, page: CodePage) -> Self {
+        Self { inner, page }
+    }
+}
+
+impl<W: Write> Write for Encoded<W> {
+    fn write(&mut self, text: &[u8]) -> Result<usize> {
+        let shown = String::from_utf8_lossy(text);
+        self.inner.write_all(&self.page.encode(&shown))?;
+        Ok(text.len())
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        self.inner.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_encoded_as_the_code_pages_have_them() {
+        let text = "Längslenker ± 2 µm \u{256d}\u{2500} \u{4e2d}";
+        for (name, wanted) in [
+            ("", text.as_bytes()),
+            ("UTF-8", text.as_bytes()),
+            // CP850: ä 0x84, ± 0xF1, µ 0xE6, ─ 0xC4.
+            ("850", b"L\x84ngslenker \xf1 2 \xe6m +\xc4 ?"),
+            ("cp437", b"L\x84ngslenker \xf1 2 \xe6m +\xc4 ?"),
+            // 1252: ä 0xE4, ± 0xB1, µ 0xB5.
+            ("1252", b"L\xe4ngslenker \xb1 2 \xb5m +- ?"),
+            ("windows-1252", b"L\xe4ngslenker \xb1 2 \xb5m +- ?"),
+        ] {
+            let page = CodePage::named(name).unwrap();
+            assert_eq!(&*page.encode(text), wanted, "{name}");
+            let mut out = Vec::new();
+            Encoded::new(&mut out, page)
+                .write_all(text.as_bytes())
+                .unwrap();
+            assert_eq!(out, wanted, "{name}");
+        }
+        for name in ["latin", "99", "1", "utf-16"] {
+            assert!(CodePage::named(name).is_none(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Bytes of a file, places in them, edits of them, and how they get into a file.
+//!
+//! Knows nothing about ADAMS. Bytes of files are never decoded to be edited: real decks hold Latin-1.
+
+mod code_page;
+mod decimals;
+mod edit;
+mod held;
+mod line_ends;
+mod printed;
+mod real_path;
+mod source;
+mod span;
+
+pub use code_page::CodePage;
+pub use code_page::Encoded;
+pub use decimals::Decimals;
+pub use edit::EditConflict;
+pub use edit::{Edit, apply_edits};
+pub use held::patiently;
+pub use line_ends::LineEnds;
+pub use printed::masked;
+pub use printed::printable;
+pub use real_path::real_path;
+pub use source::Source;
+pub use source::check_size;
+pub use source::open_to_read;
+pub use source::read_at_most;
+pub use span::Span;

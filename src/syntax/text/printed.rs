@@ -1,0 +1,91 @@
+//! Text that a file or a path brought, as it may reach a terminal: nothing in it commands the terminal or turns lines around.
+
+use std::borrow::Cow;
+
+/// True for what a terminal obeys instead of showing: C0 and C1 controls but for line ends and tabs, and the marks that turn the
+/// direction of text around (UAX 9).
+fn is_command(c: char, next: Option<char>) -> bool {
+    match c {
+        '\n' | '\t' => false,
+        '\r' => next != Some('\n'),
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            true
+        }
+        c => c.is_control(),
+    }
+}
+
+fn each(text: &str) -> impl Iterator<Item = (char, bool)> {
+    let mut rest = text.chars().peekable();
+    std::iter::from_fn(move || {
+        let c = rest.next()?;
+        Some((c, is_command(c, rest.peek().copied())))
+    })
+}
+
+fn is_harmless(text: &str) -> bool {
+    // Most text is ASCII without controls: bytes tell.
+    text.bytes()
+        .all(|byte| matches!(byte, b' '..=b'~' | b'\n' | b'\t'))
+        || each(text).all(|(_, command)| !command)
+}
+
+/// A text for a terminal. Controls are spelled `\u001b`, as JSON does: JSON keeps its meaning.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    if is_harmless(text) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for (c, command) in each(text) {
+        if command {
+            out += &format!("\\u{:04x}", u32::from(c));
+        } else {
+            out.push(c);
+        }
+    }
+    Cow::Owned(out)
+}
+
+/// A text for a terminal in which every character stays at its byte: controls are shown as `?` and the like.
+pub fn masked(text: &str) -> Cow<'_, str> {
+    if is_harmless(text) {
+        return Cow::Borrowed(text);
+    }
+    let mask = |(c, command): (char, bool)| match (command, c.len_utf8()) {
+        (false, _) => c,
+        (true, 1) => '?',
+        (true, 2) => '\u{bf}',
+        (true, _) => '\u{fffd}',
+    };
+    Cow::Owned(each(text).map(mask).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_commands_a_terminal_is_spelled_out() {
+        for (text, shown) in [
+            ("plain\ttext\r\n", "plain\ttext\r\n"),
+            ("t\u{e9}\u{b7}", "t\u{e9}\u{b7}"),
+            ("\u{1b}[31mred", "\\u001b[31mred"),
+            ("\u{1b}]0;title\u{7}", "\\u001b]0;title\\u0007"),
+            ("\u{9b}31m", "\\u009b31m"),
+            ("over\rwritten", "over\\u000dwritten"),
+            ("a\u{202e}b\u{2066}", "a\\u202eb\\u2066"),
+            ("\u{7f}", "\\u007f"),
+        ] {
+            assert_eq!(printable(text), shown);
+            assert_eq!(masked(text).len(), text.len());
+            assert!(each(&masked(text)).all(|(_, command)| !command));
+        }
+        // JSON with an escape means the same.
+        let value = serde_json::json!({ "a\u{202e}": "\u{9b}\u{1b}" });
+        let text = printable(&value.to_string()).into_owned();
+        assert_eq!(
+            serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+            value
+        );
+    }
+}
