@@ -1,12 +1,10 @@
 use std::path::PathBuf;
 
-use crate::front::Before;
+use crate::front::{Before, units};
 use admire_session::check::is_command_file;
 use admire_solver::model::{Model, convert_units};
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Code, Diagnostic};
-use admire_syntax::grammar::nearest;
-use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
 use super::Outcome;
 use super::edited::{edited, refuse_faults};
@@ -48,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let files = shell.read_files(dataset);
     let model = Model::lower_with(dataset, &files.value);
     let old = &model.value.units;
-    let units = asked(&arguments.to, [old.force, old.mass, old.length, old.time])
+    let units = units(&arguments.to, [old.force, old.mass, old.length, old.time])
         .map_err(|refused| shell.usage(refused))?;
     let converted = convert_units(dataset, &model.value, units).map_err(|refused| {
         shell.complain(&refused);
@@ -73,47 +71,4 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .target
         .deliver(&arguments.deck, deck.value.bytes(), shell)?;
     Ok(Exit::Fine)
-}
-
-/// Systems by the names ADAMS/View gives them.
-const SYSTEMS: [(&str, [&str; 4]); 4] = [
-    ("MMKS", ["NEWTON", "KILOGRAM", "MILLIMETER", "SECOND"]),
-    ("MKS", ["NEWTON", "KILOGRAM", "METER", "SECOND"]),
-    ("CGS", ["DYNE", "GRAM", "CENTIMETER", "SECOND"]),
-    ("IPS", ["POUND_FORCE", "POUND_MASS", "INCH", "SECOND"]),
-];
-
-/// The units a text asks for; what it does not name stays.
-fn asked(text: &str, old: [Unit; 4]) -> Result<[Unit; 4], Diagnostic> {
-    let tables = [FORCE_UNITS, MASS_UNITS, LENGTH_UNITS, TIME_UNITS];
-    let mut units = old;
-    let system = SYSTEMS
-        .iter()
-        .find(|(name, _)| name.eq_ignore_ascii_case(text.trim()));
-    let words: Vec<&str> = match system {
-        Some((_, words)) => words.to_vec(),
-        None => text.split(',').map(str::trim).collect(),
-    };
-    for word in words {
-        let found = tables.iter().enumerate().find_map(|(k, table)| {
-            let same = |unit: &&Unit| {
-                unit.keyword.eq_ignore_ascii_case(word) || unit.word.eq_ignore_ascii_case(word)
-            };
-            Some((k, *table.iter().find(same)?))
-        });
-        let Some((k, unit)) = found else {
-            let known = tables
-                .iter()
-                .flat_map(|table| table.iter().map(|unit| unit.keyword));
-            let known = known.chain(SYSTEMS.iter().map(|(name, _)| *name));
-            let help = match nearest(word, known) {
-                Some(near) => format!("did you mean {}?", near.to_lowercase()),
-                None => "write mmks, mks, cgs, ips, or units such as meter,newton".to_string(),
-            };
-            let message = format!("`{word}` is not a unit");
-            return Err(Diagnostic::error(Code::BadSetting, message).help(help));
-        };
-        units[k] = unit;
-    }
-    Ok(units)
 }

@@ -192,11 +192,7 @@ fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Paramete
         let origin = place("QP").unwrap_or_default();
         let points = ["ZP", "XP"].map(place);
         let arms = points.map(|point| point.map(|point| point - origin));
-        let length = arms
-            .iter()
-            .flatten()
-            .map(|arm| arm.norm())
-            .fold(0.0, f64::max);
+        let length = arms.iter().flatten().map(Vec3::norm).fold(0.0, f64::max);
         let own = [Vec3::z(), Vec3::x()];
         let mut edits = Vec::new();
         for (name, (arm, own)) in ["ZP", "XP"].into_iter().zip(arms.into_iter().zip(own)) {

@@ -29,10 +29,10 @@ use admire_diagnosis::{Watch, Watched};
 /// the deck's units, angles in radians. A change keeps every byte of the file but those of the value.
 #[derive(Clone, Debug)]
 pub struct Deck {
-    read: Arc<Checked<Dataset>>,
+    pub(super) read: Arc<Checked<Dataset>>,
     /// As the file holds it, with what was found wrong then.
     stored: Arc<Checked<Dataset>>,
-    path: Option<PathBuf>,
+    pub(super) path: Option<PathBuf>,
 }
 
 /// A new value for an address.
@@ -173,7 +173,7 @@ impl Deck {
         found.iter().map(each).collect()
     }
 
-    fn matching(&self, pattern: &str) -> Result<Vec<Address>, Error> {
+    pub(super) fn matching(&self, pattern: &str) -> Result<Vec<Address>, Error> {
         Address::matching(pattern, self.dataset()).map_err(|refused| usage(typed(refused, pattern)))
     }
 
@@ -245,7 +245,7 @@ impl Deck {
         Ok(changed)
     }
 
-    fn refused(&self, diagnostic: &Diagnostic) -> Error {
+    pub(super) fn refused(&self, diagnostic: &Diagnostic) -> Error {
         let sources = sources_of(self.dataset());
         let found = std::slice::from_ref(diagnostic);
         Error::new(ErrorKind::Usage, found, &sources)
@@ -429,12 +429,12 @@ impl Deck {
     }
 }
 
-fn sources_of(dataset: &Dataset) -> Sources {
+pub(super) fn sources_of(dataset: &Dataset) -> Sources {
     let mut sources = Sources::default();
     sources.add(dataset.source().clone());
     sources
 }
 
-fn usage(refused: Diagnostic) -> Error {
+pub(super) fn usage(refused: Diagnostic) -> Error {
     Error::plain(ErrorKind::Usage, &refused)
 }

@@ -5,6 +5,7 @@
 mod assignment;
 mod axle;
 mod deck;
+mod edits;
 mod error;
 pub(crate) mod fit_view;
 mod foreign;
@@ -19,6 +20,7 @@ mod study;
 mod suggested;
 #[cfg(test)]
 mod tests;
+mod unit_words;
 mod value;
 mod writing;
 
@@ -36,5 +38,6 @@ pub(crate) use sensitivity::Unavailable;
 pub use sensitivity::{SensitivityRow, SensitivityTable};
 pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 pub(crate) use suggested::suggested;
+pub(crate) use unit_words::units;
 pub(crate) use value::{is_angle, rounded, value};
 pub(crate) use writing::{replace_file, take_place};

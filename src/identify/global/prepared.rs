@@ -93,6 +93,6 @@ impl Prepared {
     ) -> Result<NativePredictor<'_>, IdentifyError> {
         let loads = Loads::of(&self.system, problem.programme)?;
         let predictor = NativePredictor::new(&self.system, loads, observed, self.channels);
-        Ok(predictor.with_free_motions(&problem.free))
+        Ok(predictor.with_free_motions(problem.free))
     }
 }

@@ -1,0 +1,20 @@
+//! Says what a model gets wrong, and what that is worth: `cargo run --release --example diagnose [STUDY]`.
+
+use admire::{Error, Study, Watched};
+
+fn main() -> Result<(), Error> {
+    let folder = std::env::args().nth(1);
+    let study = Study::open(folder.as_deref().unwrap_or("corpus/pseudo-mcpherson"))?;
+    let answer = study.diagnose(false, &Watched::default())?;
+    println!("verdict: {:?}", answer.diagnosis.verdict);
+    for finding in &answer.diagnosis.findings {
+        println!(
+            "{} at {}, probability {:.2}: {:?}",
+            finding.cause, finding.address, finding.probability, finding.parameters
+        );
+    }
+    let file = std::env::temp_dir().join("admire-extended.adm");
+    std::fs::write(&file, &answer.deck).expect("a temporary file");
+    println!("the extended deck: {}", file.display());
+    Ok(())
+}
