@@ -98,13 +98,13 @@ pub use admire_syntax::diagnostic::{Code, Severity};
 pub use admire_syntax::diff::{Change, Difference, Tolerance};
 pub use front::{
     AxleTests, Beside, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind, Identification, Place,
-    PlanAnswer, Results, Rows, Run, SensitivityRow, SensitivityTable, Setting, Stand, Study, Watch,
-    Watched,
+    PlanAnswer, ProgressObserver, ProgressSnapshot, Results, Rows, Run, SensitivityRow,
+    SensitivityTable, Setting, SharedProgress, Study,
 };
 
 /// What an [`Identification`] holds: the types of `identification.json`.
 pub mod fit {
-    pub use admire_identify::structure::StructureTest;
+    pub use admire_identify::structure::LackOfFitTest;
     pub use admire_identify::{
         BootstrapMade, CurveHeldOut, Fit, FitTest, HeldOut, Marks, NoiseFound, OffsetFit,
         ParameterFit, PosteriorMade, ReadingsLeft, Repeated, Status, ToleranceFound,

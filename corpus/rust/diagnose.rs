@@ -1,11 +1,11 @@
 //! Says what a model gets wrong, and what that is worth: `cargo run --release --example diagnose [STUDY]`.
 
-use admire::{Error, Study, Watched};
+use admire::{Error, SharedProgress, Study};
 
 fn main() -> Result<(), Error> {
     let folder = std::env::args().nth(1);
     let study = Study::open(folder.as_deref().unwrap_or("corpus/pseudo-mcpherson"))?;
-    let answer = study.diagnose(false, &Watched::default())?;
+    let answer = study.diagnose(false, &SharedProgress::default())?;
     println!("verdict: {:?}", answer.diagnosis.verdict);
     for finding in &answer.diagnosis.findings {
         println!(

@@ -11,10 +11,7 @@ fn main() -> Result<(), Error> {
     deck.add("MARKER/900, PART=4, QP=0, 0, 100")?;
     deck.add("REQUEST/900, DISPLACEMENT, I=900, J=2")?;
     let refused = deck.add("REQUEST/901, DISPLACEMENT, I=901, J=2");
-    println!(
-        "refused: {}",
-        refused.err().expect("there is no MARKER/901")
-    );
+    println!("refused: {}", refused.expect_err("there is no MARKER/901"));
     deck.renumber("REQUEST", 100, 10)?;
 
     let mut metres = deck.clone();

@@ -1,11 +1,11 @@
 //! Identifies bushing stiffnesses from measured marks: `cargo run --release --example identify [STUDY]`.
 
-use admire::{Error, Study, Watched};
+use admire::{Error, SharedProgress, Study};
 
 fn main() -> Result<(), Error> {
     let folder = std::env::args().nth(1);
     let study = Study::open(folder.as_deref().unwrap_or("corpus/pseudo-mcpherson"))?;
-    let answer = study.identify(false, &Watched::default())?;
+    let answer = study.identify(false, &SharedProgress::default())?;
     for number in &answer.fit.parameters {
         match number.std_error {
             Some(error) => println!(

@@ -1,6 +1,6 @@
 //! Reads a results file: `cargo run --example read_results [FILE.res]`. Without a file it solves a deck and reads what that wrote.
 
-use admire::{Deck, Error, Results, Watched};
+use admire::{Deck, Error, Results, SharedProgress};
 
 fn main() -> Result<(), Error> {
     let file = match std::env::args().nth(1) {
@@ -14,7 +14,7 @@ fn main() -> Result<(), Error> {
         results.columns().len()
     );
     for column in results.columns().iter().take(5) {
-        let values = results.column(&column.path, &Watched::default())?;
+        let values = results.column(&column.path, &SharedProgress::default())?;
         println!("{:24} {values:?}", column.path);
     }
     Ok(())

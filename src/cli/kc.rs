@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use comfy_table::{CellAlignment, Table, presets};
 
 use crate::front::{kc_page, measured};
-use admire_diagnosis::Watch as _;
+use admire_diagnosis::ProgressObserver as _;
 use admire_kc::{
     Bench, BenchError, Config, Convention, KcRun, Unit, deck_files, output, run_watched, shown,
     slope,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use admire_diagnosis::Watch;
+use admire_diagnosis::ProgressObserver;
 
 use super::format::Format;
 use super::interrupt;
@@ -83,7 +83,7 @@ impl Progress {
     }
 }
 
-impl Watch for Progress {
+impl ProgressObserver for Progress {
     fn stage(&self, stage: &str) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.stage == stage {

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use comfy_table::{Table, presets};
 
-use admire_diagnosis::Watch;
+use admire_diagnosis::ProgressObserver;
 use admire_identify::reproduction::{Comparison, ReproductionError, STAGES, Section, reproduce};
 use admire_report::ReproductionReport;
 use admire_syntax::diagnostic::{Code, Diagnostic};

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-use admire_diagnosis::Watch as _;
+use admire_diagnosis::ProgressObserver as _;
 use admire_rig::effect::EffectSpec;
 use admire_rig::{LoadTable, RigOptions, Scatter, Tolerances, virtual_rig_watched};
 use admire_syntax::diagnostic::{Code, Diagnostic};

@@ -8,7 +8,8 @@ use admire_session::check::is_command_file;
 use admire_solver::mechanics::psi_theta_phi;
 use admire_solver::model::{Ignore, Model, PartIx, PartKind};
 use admire_solver::statics::{
-    Continuation, Report, Settings, Settled, Softest, SolveError, Solver, history_table,
+    Continuation, Report, Settings, Softest, SolveError, Solver, StabilisedEquilibrium,
+    history_table,
 };
 use admire_solver::system::{Scratch, State, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -233,7 +234,7 @@ struct Answer<'a> {
     /// The motion of a negative stiffness where the iteration first ended, in words.
     motion: Option<&'a str>,
     /// How it was left.
-    settled: Option<&'a Settled>,
+    settled: Option<&'a StabilisedEquilibrium>,
     /// Parts that went far.
     far: &'a [String],
     /// Parts whose loads are shown.
@@ -264,7 +265,7 @@ impl Answer<'_> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
         let mut out = Vec::new();
-        let Ok(mut here) = self.system.look(&parameters, self.state, &mut scratch) else {
+        let Ok(mut here) = self.system.evaluate(&parameters, self.state, &mut scratch) else {
             return out;
         };
         for bushing in &self.model.bushings {
@@ -284,7 +285,7 @@ impl Answer<'_> {
     fn loads(&self, part: PartIx) -> Vec<(String, [f64; 6])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
-        let looked = self.system.look(&parameters, self.state, &mut scratch);
+        let looked = self.system.evaluate(&parameters, self.state, &mut scratch);
         let loads = looked.and_then(|mut here| here.loads());
         let origin = self.state.poses[part.0].p;
         let mut out = Vec::new();

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use admire_report::{Chart, DrawingError, Figure, Mark, Page, Series};
 use admire_results::{ResultsError, Selection, StepFilter, StepKind};
-use admire_session::{Moment, Session, on_deck};
+use admire_session::{Moment, Session, commands_for_other_model};
 use admire_solver::model::Ignore;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -55,7 +55,10 @@ pub(super) fn run(
         refuse_replacing(folder, &[&*name], taken.replacing, shell)?;
     }
     let given = match deck {
-        Some(deck) => Some(on_deck(&deck.to_string_lossy(), &shell.read(commands)?)),
+        Some(deck) => Some(commands_for_other_model(
+            &deck.to_string_lossy(),
+            &shell.read(commands)?,
+        )),
         None => None,
     };
     let mut folders = allowed.to_vec();

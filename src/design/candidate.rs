@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use admire_diagnosis::Subject;
+use admire_diagnosis::DiagnosisProblem;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
@@ -232,7 +232,7 @@ impl Candidates {
     }
 
     /// Adds curves of the wheel that the study does not read; of the point where the loads act where it names no wheel.
-    pub(super) fn curves(&mut self, subject: &Subject<'_>) {
+    pub(super) fn curves(&mut self, subject: &DiagnosisProblem<'_>) {
         let measurement = subject.problem.measurement;
         let read = |words: [&str; 2]| {
             measurement.wheel.is_some()
@@ -328,7 +328,7 @@ pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Standard deviation of a coordinate of a mark that is new.
-pub(super) fn sigma_of_a_mark(subject: &Subject<'_>) -> f64 {
+pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma
     } else {
@@ -391,7 +391,7 @@ fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
 }
 
 /// The marker at which the loads of a study act: of the first that acts at one.
-pub(super) fn loaded_marker(subject: &Subject<'_>) -> Option<MarkerIx> {
+pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
     let mut loads = problem.programme.loads.iter();
     loads.find_map(|load| admire_identify::tolerance::acts_at(problem.model, &load.target))

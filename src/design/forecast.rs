@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use admire_diagnosis::{Fitted, Known, Subject, Unknowns, unguessed};
+use admire_diagnosis::{DiagnosisProblem, FittedModel, Known, Unknowns, with_zero_guesses};
 use admire_identify::Problem;
 use admire_identify::global::{
-    CasePrediction, FitUnknown, FitUnknowns, Meaning, Observations, Observed, Prediction, Prepared,
+    CasePrediction, FitUnknown, FitUnknowns, Observations, Observed, Prediction, Prepared, Target,
 };
 use admire_session::backend::LoadProgramme;
 use admire_solver::model::PartIx;
@@ -37,7 +37,11 @@ pub(super) struct Asked<'a> {
 impl Forecast {
     /// Solves the cases of the study and the further ones. `None` where the deck cannot be compiled with these functions, or a case of
     /// the study has no equilibrium.
-    pub(super) fn new(subject: &Subject<'_>, fitted: &Fitted, asked: Asked<'_>) -> Option<Self> {
+    pub(super) fn new(
+        subject: &DiagnosisProblem<'_>,
+        fitted: &FittedModel,
+        asked: Asked<'_>,
+    ) -> Option<Self> {
         let problem = Problem {
             dataset: &fitted.deck.dataset,
             model: &fitted.deck.model,
@@ -46,18 +50,18 @@ impl Forecast {
         let prepared = if asked.functions.is_empty() {
             Arc::clone(&fitted.deck.prepared)
         } else {
-            let plans = fitted.chosen.iter().filter_map(|h| h.memory.as_ref());
+            let plans = fitted.effects.iter().filter_map(|h| h.memory.as_ref());
             let measures = plans.map(|plan| plan.measure.clone());
             let all: Vec<String> = measures.chain(asked.functions.iter().cloned()).collect();
             Arc::new(Prepared::with(&problem, &all).ok()?)
         };
         let known = Known {
             unknowns: &fitted.unknowns,
-            chosen: &fitted.chosen,
-            places: &fitted.places,
+            chosen: &fitted.effects,
+            places: &fitted.parameter_index,
             x: &fitted.x,
         };
-        let chosen = unguessed(fitted);
+        let chosen = with_zero_guesses(fitted);
         let unknowns = Unknowns::new((subject, &problem), &prepared, &chosen, Some(known))?;
         let mut observed = observed(subject);
         for part in asked.parts {
@@ -94,7 +98,7 @@ impl Forecast {
 
 struct Runs<'a> {
     problem: &'a Problem<'a>,
-    fitted: &'a Fitted,
+    fitted: &'a FittedModel,
     prepared: &'a Prepared,
     unknowns: &'a Unknowns,
     observed: &'a Observed,
@@ -162,7 +166,7 @@ pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize
 /// An unknown with its factors in further cases.
 fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]) -> FitUnknown {
     let mut unknown = unknown.clone();
-    if let Meaning::PerCase(slots) = &mut unknown.meaning {
+    if let Target::PerCase(slots) = &mut unknown.target {
         for (_, factors) in slots {
             let more = followed(factors, programme, further);
             factors.extend(more);
@@ -195,7 +199,7 @@ fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> V
 }
 
 /// What a predictor has to report for the readings of the study.
-fn observed(subject: &Subject<'_>) -> Observed {
+fn observed(subject: &DiagnosisProblem<'_>) -> Observed {
     Observations::new(subject.problem.measurement, subject.problem.model, &[]).observed
 }
 

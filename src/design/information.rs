@@ -6,7 +6,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::prospect::Readings;
-use admire_diagnosis::Fitted;
+use admire_diagnosis::FittedModel;
 use admire_identify::tolerance::transposed;
 
 /// Information about the unknowns of a fit.
@@ -19,7 +19,7 @@ pub(super) struct Information {
 
 impl Information {
     /// Of the readings of a fit.
-    pub(super) fn of(fitted: &Fitted) -> Self {
+    pub(super) fn of(fitted: &FittedModel) -> Self {
         let (_, J) = fitted.whitened();
         let priors = fitted.priors.iter().map(|p| p.prior_sd(&fitted.sizes));
         Self {

@@ -6,7 +6,7 @@ use super::candidate::{Candidates, in_the_file};
 use super::information::Information;
 use super::prospect::Prospect;
 use super::rivals::separated;
-use admire_diagnosis::{Fitted, Hypothesis, NextMeasurement, Outcome, Subject};
+use admire_diagnosis::{DiagnosisProblem, FittedModel, Hypothesis, NextMeasurement, Outcome};
 
 /// What separates less than this does not.
 const SEPARATED: f64 = 6.0;
@@ -24,9 +24,9 @@ pub fn propose(outcome: &mut Outcome<'_>) {
 /// The load case within the range of those applied that tells a finding from its rival, or the repetition of one where a single
 /// reading is in question.
 fn next_measurement(
-    subject: &Subject<'_>,
-    (best, finding): (&Fitted, &Hypothesis),
-    (other, rival): (&Fitted, &Hypothesis),
+    subject: &DiagnosisProblem<'_>,
+    (best, finding): (&FittedModel, &Hypothesis),
+    (other, rival): (&FittedModel, &Hypothesis),
 ) -> Option<NextMeasurement> {
     let programme = subject.problem.programme;
     let case_of = |values: &[f64]| -> BTreeMap<String, f64> {

@@ -13,8 +13,8 @@ use super::information::{Information, ln_det};
 use super::prospect::{Prospect, Readings};
 use super::rivals::{Rivals, Separation, separated};
 use admire_diagnosis::{
-    CauseLimit, Data, DetectionLimit, Fitted, Progress, Subject, as_it_is, cause_limits,
-    detection_limits, seek,
+    CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, as_it_is,
+    cause_limits, detection_limits, seek,
 };
 use admire_identify::{IdentifyError, Problem};
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -153,8 +153,8 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let no_cases = || IdentifyError::NoCases(None);
     let held = |case: &admire_study::Case| case.held_out;
     let held_out: Vec<bool> = problem.measurement.cases.iter().map(held).collect();
-    let mut of_all = Subject::new(problem, held_out.clone());
-    of_all.watched_by(progress);
+    let mut of_all = DiagnosisProblem::new(problem, held_out.clone());
+    of_all.with_progress(progress);
     let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
     if aim.looks_at(Aim::Causes) {
         let sought = seek(&mut of_all, progress).ok_or_else(no_cases)?;
@@ -162,8 +162,8 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         of_points = detection_limits(&of_all, &sought.leading);
         of_causes = cause_limits(&of_all, &sought.leading);
     }
-    let mut subject = Subject::new(problem, held_out);
-    subject.watched_by(progress);
+    let mut subject = DiagnosisProblem::new(problem, held_out);
+    subject.with_progress(progress);
     progress.begin("fitting the model as it is");
     let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
@@ -228,7 +228,7 @@ struct Apart<'a, 'b> {
 
 impl<'a, 'b> Apart<'a, 'b> {
     fn new(
-        subject: &'a Subject<'b>,
+        subject: &'a DiagnosisProblem<'b>,
         rivals: &'a Rivals,
         candidates: &'a Candidates,
     ) -> Option<Self> {
@@ -252,7 +252,7 @@ impl<'a, 'b> Apart<'a, 'b> {
 
 /// What the readings of the study leave open.
 struct Weighing<'a, 'b> {
-    subject: &'a Subject<'b>,
+    subject: &'a DiagnosisProblem<'b>,
     prospect: Prospect<'a, 'b>,
     information: Information,
     aim: Aim,
@@ -272,8 +272,8 @@ struct Said {
 
 impl<'a, 'b> Weighing<'a, 'b> {
     fn new(
-        subject: &'a Subject<'b>,
-        fitted: &'a Fitted,
+        subject: &'a DiagnosisProblem<'b>,
+        fitted: &'a FittedModel,
         candidates: &'a Candidates,
         aim: Aim,
     ) -> Option<Self> {
@@ -394,7 +394,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
 }
 
 /// The directions of largest variance among logarithms of stiffnesses.
-fn combinations(subject: &Subject<'_>, covariance: &DMatrix<f64>) -> Vec<Combination> {
+fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Vec<Combination> {
     if covariance.nrows() == 0 {
         return Vec::new();
     }

@@ -5,9 +5,9 @@ use nalgebra::{DMatrix, DVector};
 use super::candidate::{Candidate, Candidates, New, sigma_of_a_cell, sigma_of_a_mark};
 use super::forecast::{Asked, Forecast, nearest};
 use super::wheel_place::WheelPlace;
-use admire_diagnosis::{Fitted, Subject, at_point, by_frame, centroid, motions};
+use admire_diagnosis::{DiagnosisProblem, FittedModel, at_point, by_frame, centroid, motions};
 use admire_identify::global::{CaseChange, CasePrediction, NuisanceLayout, Observations, Row};
-use admire_identify::tolerance::{Group, MarkBlock, Whitening};
+use admire_identify::tolerance::{EffectGroup, MarkBlock, Whitening};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartIx;
 use admire_study::wheel::WheelReading;
@@ -68,8 +68,8 @@ impl Readings {
 
 /// A fitted model, asked about candidates.
 pub(super) struct Prospect<'a, 'b> {
-    subject: &'a Subject<'b>,
-    fitted: &'a Fitted,
+    subject: &'a DiagnosisProblem<'b>,
+    fitted: &'a FittedModel,
     forecast: Forecast,
     candidates: &'a Candidates,
     /// Which sequence of the forecast each candidate has.
@@ -82,8 +82,8 @@ pub(super) struct Prospect<'a, 'b> {
 impl<'a, 'b> Prospect<'a, 'b> {
     /// Solves all that is needed. `None` where the deck cannot be solved in a case of the study.
     pub(super) fn new(
-        subject: &'a Subject<'b>,
-        fitted: &'a Fitted,
+        subject: &'a DiagnosisProblem<'b>,
+        fitted: &'a FittedModel,
         candidates: &'a Candidates,
     ) -> Option<Self> {
         let mut sequences: Vec<Vec<Vec<f64>>> = Vec::new();
@@ -176,11 +176,11 @@ impl<'a, 'b> Prospect<'a, 'b> {
                 let of_the_rig = matches!(
                     self.fitted.priors[column].group,
                     Some(
-                        Group::LoadGains
-                            | Group::LoadRepeatability
-                            | Group::IdleLoads
-                            | Group::LoadDirections
-                            | Group::LoadPoints
+                        EffectGroup::LoadGains
+                            | EffectGroup::LoadRepeatability
+                            | EffectGroup::IdleLoads
+                            | EffectGroup::LoadDirections
+                            | EffectGroup::LoadPoints
                     )
                 );
                 if of_the_rig {
@@ -243,7 +243,8 @@ impl<'a, 'b> Prospect<'a, 'b> {
         let mut prior = Vec::new();
         if fitted.layout.frames.is_some() {
             let size = |group| fitted.sizes.of(group).unwrap_or_default();
-            let of_a_case = [Group::FrameShifts, Group::FrameTurns].map(|group| [size(group); 3]);
+            let of_a_case =
+                [EffectGroup::FrameShifts, EffectGroup::FrameTurns].map(|group| [size(group); 3]);
             for case in &cases {
                 let first = jacobian.ncols();
                 let readings = 0..measurement.cases[*case].marks.len();
@@ -369,8 +370,8 @@ impl<'a, 'b> Prospect<'a, 'b> {
             blocks[0].push(block);
             blocks[1].push(before);
         }
-        let further = self.subject.sizes.group(Group::Marks).map(|_| {
-            let size = self.fitted.sizes.of(Group::Marks);
+        let further = self.subject.sizes.group(EffectGroup::Marks).map(|_| {
+            let size = self.fitted.sizes.of(EffectGroup::Marks);
             vec![size.unwrap_or_default(); 3]
         });
         let further = further.unwrap_or_default();
@@ -459,7 +460,7 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
 
 /// The measurement of a study with further cases, in which all is read that the study reads anywhere; their readings are zero. Where parts
 /// move freely their marks are where the nearest case has them: predictions are compared beside such a place.
-fn continued(subject: &Subject<'_>, further: &[Vec<f64>]) -> Measurement {
+fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measurement {
     let mut new = subject.problem.measurement.clone();
     // One unit of a row stays what it is.
     new.sigma = subject.sigma;

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::information::Information;
 use super::prospect::Readings;
-use admire_diagnosis::{Fitted, Found, Hypothesis, Visited};
+use admire_diagnosis::{FittedModel, Found, Hypothesis, Visited};
 
 /// A rival that is less probable than this beside the leading model is none.
 const UNDECIDED: f64 = 0.01;
@@ -16,7 +16,7 @@ const UNDECIDED: f64 = 0.01;
 #[derive(Clone, Debug)]
 pub(super) struct Rivals {
     /// Both fits.
-    pub fits: [Arc<Fitted>; 2],
+    pub fits: [Arc<FittedModel>; 2],
     /// What each holds that the other does not.
     pub names: [String; 2],
     /// Probability of each; of the two and all others together one.
@@ -36,13 +36,14 @@ pub struct Separation {
 
 impl Rivals {
     /// Of a search; `None` if it is decided.
-    pub(super) fn of(found: &Found, leading: &Arc<Fitted>) -> Option<Self> {
+    pub(super) fn of(found: &Found, leading: &Arc<FittedModel>) -> Option<Self> {
         let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
-        let mut fits: Vec<(Arc<Fitted>, f64)> = found.models.iter().filter_map(fitted).collect();
+        let mut fits: Vec<(Arc<FittedModel>, f64)> =
+            found.models.iter().filter_map(fitted).collect();
         let at = fits.iter().position(|(fit, _)| Arc::ptr_eq(fit, leading))?;
         let (own, p) = fits.remove(at);
         let differs =
-            |fit: &Fitted| !without(fit, &own).is_empty() || !without(&own, fit).is_empty();
+            |fit: &FittedModel| !without(fit, &own).is_empty() || !without(&own, fit).is_empty();
         let (other, q) = fits.into_iter().find(|(fit, _)| differs(fit))?;
         let names = [without(&own, &other), without(&other, &own)].map(|causes| {
             if causes.is_empty() {
@@ -61,7 +62,7 @@ impl Rivals {
 
     /// True if one of them depends on the order of the load cases.
     pub(super) fn remember(&self) -> bool {
-        let mut causes = self.fits.iter().flat_map(|fit| &fit.chosen);
+        let mut causes = self.fits.iter().flat_map(|fit| &fit.effects);
         causes.any(|h| h.memory.is_some())
     }
 
@@ -72,9 +73,9 @@ impl Rivals {
 }
 
 /// Causes of one model that are at no place of the other.
-fn without<'a>(fit: &'a Fitted, other: &Fitted) -> Vec<&'a Hypothesis> {
-    let there = |h: &&Hypothesis| !other.chosen.iter().any(|o| o.same_place(h));
-    fit.chosen.iter().filter(there).collect()
+fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a Hypothesis> {
+    let there = |h: &&Hypothesis| !other.effects.iter().any(|o| o.same_site(h));
+    fit.effects.iter().filter(there).collect()
 }
 
 /// The chi-square by which readings hold two models apart: `d' (I + J C J')^-1 d`, what the first model does not know being no surprise.

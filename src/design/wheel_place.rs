@@ -1,7 +1,7 @@
 //! The wheel whose place and angles are predicted, whatever a study reads.
 
 use super::candidate::loaded_marker;
-use admire_diagnosis::Subject;
+use admire_diagnosis::DiagnosisProblem;
 use admire_identify::global::{CaseChange, CasePrediction};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartIx;
@@ -24,7 +24,7 @@ pub(super) type Five = [f64; 5];
 
 impl WheelPlace {
     /// The wheel of `[wheel]`, else that of `[kc]`, else the point where the loads act with the spin axis along y of ground.
-    pub(super) fn of(subject: &Subject<'_>) -> Option<Self> {
+    pub(super) fn of(subject: &DiagnosisProblem<'_>) -> Option<Self> {
         let (model, measurement) = (subject.problem.model, subject.problem.measurement);
         if let Some(wheel) = &measurement.wheel {
             let marker = &model.markers[wheel.marker.0];

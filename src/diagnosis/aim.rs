@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use admire_identify::tolerance::Reached;
+use admire_identify::tolerance::Solution;
 
 /// What the linear model promises has to come to within so many nats of the model that leads,
 const BEHIND: f64 = 50.0;
@@ -65,12 +65,12 @@ impl Aim<'_> {
     }
 
     /// True where a fit is far behind even if its way brings twice what it promises.
-    pub(super) fn is_lost(&self, promised: &Reached) -> bool {
+    pub(super) fn is_lost(&self, promised: &Solution) -> bool {
         promised.ln_z + promised.gain < self.lead - LOST
     }
 
     /// True for a fit at `x` whose linear model leads to the known end.
-    pub(super) fn is_known(&self, x: &[f64], reached: &Reached) -> bool {
+    pub(super) fn is_known(&self, x: &[f64], reached: &Solution) -> bool {
         let known = self.known.filter(|known| known.len() == x.len());
         known.is_some_and(|known| {
             let there =

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::diagnosis::Parameter;
-use super::subject::Subject;
+use super::diagnosis_problem::DiagnosisProblem;
 use super::visited::Visited;
 use admire_identify::Status;
 use admire_identify::global::UNIDENTIFIABLE;
@@ -15,7 +15,10 @@ const WIDE: f64 = 0.8;
 
 /// Mean and variance of the mixture over fitted models, each number with its interval on the scale of the stiffness itself: there the
 /// posterior is closer to a Gaussian than in logarithms where a number is poorly known.
-pub(super) fn averaged(subject: &Subject<'_>, models: &[(Visited, f64)]) -> Vec<Parameter> {
+pub(super) fn model_averaged_parameters(
+    subject: &DiagnosisProblem<'_>,
+    models: &[(Visited, f64)],
+) -> Vec<Parameter> {
     let fitted: Vec<_> = models
         .iter()
         .filter_map(|(model, probability)| Some((model.fitted.as_ref()?, *probability)))

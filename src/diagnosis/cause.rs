@@ -47,7 +47,7 @@ pub enum Cause {
     /// A reading's gain, zero or single value is wrong.
     ChannelFault,
     /// A force whose law no cause of the catalogue has: never a finding, shown as what remains.
-    UnnamedForce,
+    UnmodelledForce,
 }
 
 impl Cause {
@@ -74,7 +74,7 @@ impl Cause {
             Self::MarkOutlier => "mark-outlier",
             Self::MarkPlace => "mark-place",
             Self::ChannelFault => "channel-fault",
-            Self::UnnamedForce => "unnamed-force",
+            Self::UnmodelledForce => "unnamed-force",
         }
     }
 

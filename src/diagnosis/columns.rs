@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::hypothesis::{Column, Number};
+use super::hypothesis::{EffectParameter, Sensitivity};
 use super::survey::Survey;
 use admire_identify::global::{
     CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
@@ -24,7 +24,7 @@ pub(super) struct Responses<'a> {
     changes: Vec<CaseChanges>,
     done: usize,
     /// Numbers that are left.
-    numbers: &'a [&'a Number],
+    numbers: &'a [&'a EffectParameter],
 }
 
 impl Responses<'_> {
@@ -57,7 +57,7 @@ impl Responses<'_> {
         }
         self.prediction.extend(prediction.into_iter().flatten());
         for (k, number) in numbers.iter().enumerate() {
-            if let Column::Rows(rows) = &number.column {
+            if let Sensitivity::Rows(rows) = &number.column {
                 for (row, value) in rows {
                     out[(*row, k)] += value * number.sd;
                 }
@@ -68,18 +68,18 @@ impl Responses<'_> {
 }
 
 /// True for a number whose effect only the solver knows.
-fn is_asked(number: &Number) -> bool {
-    !matches!(number.column, Column::Rows(_) | Column::None)
+fn is_asked(number: &EffectParameter) -> bool {
+    !matches!(number.column, Sensitivity::Rows(_) | Sensitivity::None)
 }
 
 impl<'a> Survey<'a> {
     /// Effects of these numbers, see [`Responses::columns`].
-    pub(super) fn columns(&self, numbers: &[&Number]) -> DMatrix<f64> {
+    pub(super) fn columns(&self, numbers: &[&EffectParameter]) -> DMatrix<f64> {
         self.responses(numbers).columns(numbers.len())
     }
 
     /// How all cases respond to these numbers.
-    pub(super) fn responses<'b>(&self, numbers: &'b [&'b Number]) -> Responses<'b>
+    pub(super) fn responses<'b>(&self, numbers: &'b [&'b EffectParameter]) -> Responses<'b>
     where
         'a: 'b,
     {
@@ -92,15 +92,15 @@ impl<'a> Survey<'a> {
         let direction = |k: &usize| {
             let mut direction = Direction::default();
             match &numbers[*k].column {
-                Column::Always(pairs) => direction
+                Sensitivity::Always(pairs) => direction
                     .always
                     .extend(pairs.iter().filter_map(|(a, f)| Some((slot(a)?, *f)))),
-                Column::PerCase(pairs) => direction.per_case.extend(
+                Sensitivity::PerCase(pairs) => direction.per_case.extend(
                     pairs
                         .iter()
                         .filter_map(|(a, f)| Some((slot(a)?, f.clone()))),
                 ),
-                Column::Wrench(..) | Column::Rows(_) | Column::None => {}
+                Sensitivity::Wrench(..) | Sensitivity::Rows(_) | Sensitivity::None => {}
             }
             direction
         };
@@ -155,7 +155,7 @@ impl<'a> Survey<'a> {
         (theta, state): (&Parameters, &State),
         (scratch, mut tangents): (&mut Scratch, Tangents),
         (asked, directions): (&[usize], &[Direction]),
-        numbers: &[&Number],
+        numbers: &[&EffectParameter],
     ) -> [(DMatrix<f64>, DMatrix<f64>); 2] {
         let system = &self.fitted.deck.prepared.system;
         let n = system.unknowns();
@@ -183,7 +183,7 @@ impl<'a> Survey<'a> {
         let mut open: Vec<usize> = Vec::new();
         for (at, (k, direction)) in asked.iter().zip(directions).enumerate() {
             let mut dg = responses.column_mut(at);
-            if let Column::Wrench(pair, wrenches) = &numbers[*k].column {
+            if let Sensitivity::Wrench(pair, wrenches) = &numbers[*k].column {
                 for (axis, size) in wrenches[case].iter().enumerate() {
                     if *size == 0.0 {
                         continue;
@@ -233,16 +233,16 @@ impl<'a> Survey<'a> {
 mod tests {
     use super::*;
     use crate::causes::{bushing_coupling, dry_friction};
-    use crate::fit::{Fitted, fit, unguessed};
+    use crate::diagnosis_problem::{Data, DiagnosisProblem};
+    use crate::fit::{FittedModel, fit, with_zero_guesses};
     use crate::hypothesis::{BY_DIRECTION, Hypothesis};
     use crate::scan::Catalogue;
     use crate::sought::tests::{of_the_axle, shipped_axle};
-    use crate::subject::{Data, Subject};
 
     /// Holds the columns of the last cause of a fit against the derivatives of the deck that has it.
-    fn compare(subject: &Subject<'_>, fitted: &Fitted) {
-        let at = fitted.chosen.len() - 1;
-        let own = &fitted.chosen[at];
+    fn compare(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) {
+        let at = fitted.effects.len() - 1;
+        let own = &fitted.effects[at];
         let survey = Survey::new(subject, fitted);
         let here = match own.part {
             BY_DIRECTION => own.clone(),
@@ -251,7 +251,7 @@ mod tests {
         let columns = survey.columns(&here.numbers.iter().collect::<Vec<_>>());
         for (k, column) in columns.column_iter().enumerate() {
             let scale = here.numbers[k].sd / own.numbers[k].sd;
-            let exact = fitted.jacobian.column(fitted.places[at][k]) * scale;
+            let exact = fitted.jacobian.column(fitted.parameter_index[at][k]) * scale;
             let off = (&exact - column).norm() / exact.norm();
             // The derivatives are those of the last step but one.
             assert!(off < 1e-3, "{own} {}: {off:e}", own.numbers[k].name);
@@ -264,13 +264,16 @@ mod tests {
         let loaded = shipped_axle();
         let problem = loaded.problem();
         let (subject, none) = of_the_axle(&problem);
-        let with = |base: &Fitted, h: &Hypothesis| {
-            let mut chosen = unguessed(base);
+        let with = |base: &FittedModel, h: &Hypothesis| {
+            let mut chosen = with_zero_guesses(base);
             chosen.push((h.clone(), vec![0.05; h.numbers.len()]));
             fit(&subject, &chosen, Some((base, &base.x)), Data::All)
         };
         let catalogue = Catalogue::new(&subject, &none);
-        let growing = catalogue.hypotheses.iter().filter(|h| h.with.is_some());
+        let growing = catalogue
+            .hypotheses
+            .iter()
+            .filter(|h| h.joint_with.is_some());
         // Each is a fit. With some of them there is no equilibrium on the way.
         let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
         let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();

@@ -14,13 +14,13 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use serde::Serialize;
 
-use super::fit::Fitted;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
+use super::hold_out::HoldOutSelection;
 use super::hypothesis::Hypothesis;
-use super::jackknife::{Squares, fall};
+use super::jackknife::{Squares, rms_reduction};
 use super::progress::Progress;
 use super::sought::Begun;
-use super::subject::Subject;
-use super::unseen::Unseen;
 use super::visited::Visited;
 use admire_identify::global::Row;
 use admire_session::backend::LoadCase;
@@ -158,12 +158,12 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
 
 /// Models as the rest of the cases see them.
 pub(super) struct Folds<'a> {
-    subject: &'a Subject<'a>,
+    subject: &'a DiagnosisProblem<'a>,
     groups: Vec<Vec<usize>>,
     /// For each group the rows that the rest of the cases does not see.
     left_out: Vec<Vec<bool>>,
     /// Models as the rest of each group sees them.
-    known: RefCell<Vec<(Arc<Fitted>, Rc<Refits>)>>,
+    known: RefCell<Vec<(Arc<FittedModel>, Rc<Refits>)>>,
 }
 
 /// A model without each of the groups.
@@ -179,7 +179,7 @@ struct Refit {
 
 impl<'a> Folds<'a> {
     /// Over the cases of a study; `None` with too few.
-    pub(super) fn new(subject: &'a Subject<'a>) -> Option<Self> {
+    pub(super) fn new(subject: &'a DiagnosisProblem<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
         let left_out = |group: &Vec<usize>| {
             let is_seen = |case: usize| !group.contains(&case);
@@ -195,12 +195,12 @@ impl<'a> Folds<'a> {
     }
 
     /// A model of all cases as the rest of each group sees it.
-    fn refits(&self, fitted: &Arc<Fitted>) -> Rc<Refits> {
-        let is_own = |(of, _): &&(Arc<Fitted>, Rc<Refits>)| Arc::ptr_eq(of, fitted);
+    fn refits(&self, fitted: &Arc<FittedModel>) -> Rc<Refits> {
+        let is_own = |(of, _): &&(Arc<FittedModel>, Rc<Refits>)| Arc::ptr_eq(of, fitted);
         if let Some((_, refits)) = self.known.borrow().iter().find(is_own) {
             return Rc::clone(refits);
         }
-        let (jacobian, residual) = (fitted.turned(), fitted.turned_residual());
+        let (jacobian, residual) = (fitted.whitened_jacobian(), fitted.whitened_residual());
         let without = |left_out: &Vec<bool>| {
             let rows = (&jacobian, &residual);
             let (misfit, ln_z) = fitted.evidence_without(rows, left_out)?;
@@ -213,8 +213,12 @@ impl<'a> Folds<'a> {
     }
 
     /// By how many nats a model predicts the groups, each from the others, better than another.
-    pub(super) fn advantage(&self, fitted: &Arc<Fitted>, other: &Arc<Fitted>) -> Option<f64> {
-        let score = |fitted: &Arc<Fitted>| -> Option<f64> {
+    pub(super) fn advantage(
+        &self,
+        fitted: &Arc<FittedModel>,
+        other: &Arc<FittedModel>,
+    ) -> Option<f64> {
+        let score = |fitted: &Arc<FittedModel>| -> Option<f64> {
             let refits = self.refits(fitted);
             let gains = refits.iter();
             gains
@@ -240,12 +244,12 @@ impl<'a> Folds<'a> {
     /// Predicts each group by the model that the others choose among all that were fitted.
     pub(super) fn validate(
         &self,
-        none: &Arc<Fitted>,
+        none: &Arc<FittedModel>,
         models: &[(Visited, f64)],
     ) -> Option<CrossValidation> {
         self.collected(false, |group| {
             let before = self.refits(none)[group].as_ref()?.misfit.clone();
-            let mut best: Option<(f64, Rc<Refits>, &Fitted)> = None;
+            let mut best: Option<(f64, Rc<Refits>, &FittedModel)> = None;
             for fitted in models.iter().filter_map(|(m, _)| m.fitted.as_ref()) {
                 let refits = self.refits(fitted);
                 let Some(refit) = &refits[group] else {
@@ -260,7 +264,7 @@ impl<'a> Folds<'a> {
             let after = refits[group].as_ref()?.misfit.clone();
             Some(Predicted {
                 misfits: [before, after],
-                causes: Hypothesis::causes(&chosen.chosen)
+                causes: Hypothesis::causes(&chosen.effects)
                     .map(ToString::to_string)
                     .collect(),
             })
@@ -270,15 +274,16 @@ impl<'a> Folds<'a> {
     /// Predicts each group by a search of the others that nothing was fitted to yet. `None` where a search may not begin or come to its end.
     pub(super) fn search(
         &self,
-        unfitted: &Subject<'_>,
+        unfitted: &DiagnosisProblem<'_>,
         progress: &Progress,
     ) -> Option<CrossValidation> {
         self.collected(true, |group| {
             let mut subject = unfitted.clone();
             subject.hold_out(&self.groups[group]);
             let begun = Begun::without_held_out(&subject)?;
-            let unseen = Unseen::new(begun, &[], progress).filter(|found| !found.is_cut_short())?;
-            let chosen = Hypothesis::causes(&unseen.chosen.chosen);
+            let unseen = HoldOutSelection::new(begun, &[], progress)
+                .filter(|found| !found.is_cut_short())?;
+            let chosen = Hypothesis::causes(&unseen.chosen.effects);
             Some(Predicted {
                 causes: chosen.map(ToString::to_string).collect(),
                 misfits: unseen.predicted.map(|blind| blind.misfit),
@@ -323,7 +328,7 @@ impl<'a> Folds<'a> {
         if sums.len() < 2 {
             return None;
         }
-        let fall = fall(&sums)?;
+        let fall = rms_reduction(&sums)?;
         Some(CrossValidation {
             searched,
             of,

@@ -1,16 +1,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::averaged::averaged;
+use super::averaged::model_averaged_parameters;
 use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
 };
-use super::findings::{faults_of_marks, findings, rival_fit, without};
-use super::fit::{Fitted, Plain, fit, unguessed};
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::findings::{findings, mark_findings, rival_fit, without};
+use super::fit::{DeckOnlyPrediction, FittedModel, fit, with_zero_guesses};
 use super::folds::{Blind, HeldOutTest};
 use super::frame::motions;
 use super::gain_check::GainCheck;
+use super::hold_out::HoldOutSelection;
 use super::hypothesis::Hypothesis;
 use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
@@ -19,9 +21,7 @@ use super::searched::Searched;
 use super::sought::{Sought, none_of_these};
 use super::stiffness::{CorrectedStiffness, corrected};
 use super::structure::{StructureTest, is_significant, is_structured, least, structure};
-use super::subject::{Data, Subject};
-use super::unseen::Unseen;
-use admire_identify::tolerance::{Group, Scale};
+use admire_identify::tolerance::{EffectGroup, NoiseScale};
 use admire_identify::{IdentifyError, Problem};
 use admire_study::{Measurement, Study};
 
@@ -34,17 +34,17 @@ pub struct Outcome<'a> {
     /// The answer.
     pub diagnosis: Diagnosis,
     /// The study under diagnosis.
-    pub subject: Subject<'a>,
+    pub subject: DiagnosisProblem<'a>,
     /// The model as it was, fitted to all cases.
-    pub baseline: Arc<Fitted>,
+    pub baseline: Arc<FittedModel>,
     /// The extended model, fitted to all cases.
-    pub extended: Arc<Fitted>,
+    pub extended: Arc<FittedModel>,
     /// The extended model as it is written for others.
-    pub plain: Plain,
+    pub plain: DeckOnlyPrediction,
     /// Tests of structure before and after.
     pub structure: [Vec<StructureTest>; 2],
     /// The cases held out as models predict them that were neither chosen nor fitted with them; `None` without such cases or findings.
-    pub unseen: Option<Unseen>,
+    pub unseen: Option<HoldOutSelection>,
     /// Stiffnesses before and after.
     pub stiffnesses: Vec<CorrectedStiffness>,
     /// Models that hold another cause in place of a finding, in the order of the findings.
@@ -61,7 +61,7 @@ pub struct Rival {
     /// The cause that was found.
     pub finding: Hypothesis,
     /// The other model, fitted to all cases.
-    pub fitted: Arc<Fitted>,
+    pub fitted: Arc<FittedModel>,
     /// The cause it holds instead.
     pub instead: Hypothesis,
 }
@@ -102,8 +102,8 @@ pub fn diagnose_watched<'a>(
 ) -> Result<Outcome<'a>, IdentifyError> {
     let no_cases = || IdentifyError::NoCases(None);
     let is_blind = check != GainCheck::Quick;
-    let mut unfitted = Subject::new(problem, held_out);
-    unfitted.watched_by(progress);
+    let mut unfitted = DiagnosisProblem::new(problem, held_out);
+    unfitted.with_progress(progress);
     let searched = Searched::to_the_end(unfitted, is_blind, progress);
     let (unfitted, searched) = searched.ok_or_else(no_cases)?;
     let Searched {
@@ -120,7 +120,7 @@ pub fn diagnose_watched<'a>(
         structure(&subject, &none)
     };
     let structures = [before, tested];
-    let test = |fitted: &Fitted| Blind::new(&subject, fitted)?.test(&subject, fitted);
+    let test = |fitted: &FittedModel| Blind::new(&subject, fitted)?.test(&subject, fitted);
     let tests = [test(&none), test(&leading)];
     let folds = Folds::new(&subject);
     let (mut findings, order, is_nameless) = findings(
@@ -133,7 +133,7 @@ pub fn diagnose_watched<'a>(
     let rivals = order.iter().filter_map(|k| {
         let (fitted, instead) = rival_fit(&found, &leading, *k)?;
         Some(Rival {
-            finding: leading.chosen[*k].clone(),
+            finding: leading.effects[*k].clone(),
             fitted,
             instead,
         })
@@ -142,9 +142,9 @@ pub fn diagnose_watched<'a>(
     let mut unexplained = unexplained(&structures[1]);
     let matters = findings.iter().any(|finding| !finding.minor);
     if let (true, Some(after)) = (matters, &tests[1]) {
-        surprised(after, &mut unexplained);
+        check_posterior_predictive(after, &mut unexplained);
     }
-    stacked(&findings, &mut unexplained);
+    two_laws_at_one_element(&findings, &mut unexplained);
     if is_nameless {
         unexplained.structured = true;
         let acts = 100.0 * (1.0 - none_of_these(&found));
@@ -152,12 +152,12 @@ pub fn diagnose_watched<'a>(
             "some cause acts with a probability of {acts:.0} percent, but none that is more probable than not and predicts other cases"
         ));
     }
-    let stand_in = leading.chosen.iter().position(|h| !h.is_named());
+    let stand_in = leading.effects.iter().position(|h| !h.is_in_catalogue());
     if let Some(at) = stand_in {
         unexplained.structured = true;
         unexplained.places.push(format!(
             "{}, where one force of an unknown law explains more than several causes together",
-            leading.chosen[at].address
+            leading.effects[at].address
         ));
     }
     let verdict = if unexplained.structured {
@@ -180,7 +180,8 @@ pub fn diagnose_watched<'a>(
         unseen = None;
     } else {
         if unseen.is_none() {
-            unseen = Unseen::refitted_only(&subject, [Arc::clone(&none), Arc::clone(&leading)]);
+            unseen =
+                HoldOutSelection::refit_only(&subject, [Arc::clone(&none), Arc::clone(&leading)]);
         }
         let searched = folds
             .as_ref()
@@ -192,10 +193,13 @@ pub fn diagnose_watched<'a>(
     if let Some(remainder) = &mut unexplained.remainder
         && subject.holds_out()
     {
-        let own = unseen.as_ref().and_then(Unseen::own_choice).cloned();
+        let own = unseen
+            .as_ref()
+            .and_then(HoldOutSelection::selected_without_held_out)
+            .cloned();
         let own = own.unwrap_or_else(|| Arc::clone(&leading));
-        let mut causes = unguessed(&own);
-        causes.retain(|(h, _)| h.is_named());
+        let mut causes = with_zero_guesses(&own);
+        causes.retain(|(h, _)| h.is_in_catalogue());
         let blind = fit(&subject, &causes, Some((&own, &own.x)), Data::Fitted);
         remainder.held_out = blind.and_then(|blind| {
             let sizes = if stand_in.is_some() {
@@ -206,8 +210,8 @@ pub fn diagnose_watched<'a>(
             predicted(&subject, &blind, sizes)
         });
     }
-    let cut_short = found.cut_short || unseen.as_ref().is_some_and(Unseen::is_cut_short);
-    let mut listed = faults_of_marks(&subject);
+    let cut_short = found.cut_short || unseen.as_ref().is_some_and(HoldOutSelection::is_cut_short);
+    let mut listed = mark_findings(&subject);
     listed.append(&mut findings);
     let baseline_rms = match &unseen {
         Some(unseen) => unseen.tests[0].marks_rms,
@@ -223,7 +227,7 @@ pub fn diagnose_watched<'a>(
             },
             findings: listed,
             none_of_these: none_of_these(&found),
-            parameters: averaged(&subject, &found.models),
+            parameters: model_averaged_parameters(&subject, &found.models),
             tolerances: tolerances(&subject, &leading),
             detection_limits: detection_limits(&subject, &leading),
             cause_limits: cause_limits(&subject, &leading),
@@ -244,7 +248,7 @@ pub fn diagnose_watched<'a>(
         stiffnesses: corrected(problem, &none, &leading),
         places: found.places,
         cut_short,
-        plain: Plain::new(&subject, &leading).ok_or_else(no_cases)?,
+        plain: DeckOnlyPrediction::new(&subject, &leading).ok_or_else(no_cases)?,
         baseline: none,
         extended: leading,
         subject,
@@ -253,15 +257,15 @@ pub fn diagnose_watched<'a>(
 
 /// Sizes of tolerances as the report states them.
 pub(super) fn tolerances(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
 ) -> BTreeMap<String, ToleranceFound> {
     let mut out = BTreeMap::new();
     let sizes = &fitted.sizes;
     let length = subject.millimetre();
-    let present = |group: Group| {
-        group == Group::Marks && fitted.layout.marks.is_some()
-            || matches!(group, Group::FrameShifts | Group::FrameTurns)
+    let present = |group: EffectGroup| {
+        group == EffectGroup::Marks && fitted.layout.marks.is_some()
+            || matches!(group, EffectGroup::FrameShifts | EffectGroup::FrameTurns)
                 && fitted.layout.frames.is_some()
             || motions(subject, &[]).iter().any(|(of, _)| *of == group)
             || subject
@@ -275,28 +279,30 @@ pub(super) fn tolerances(
             continue;
         }
         let (scale, unit) = match group {
-            Group::Axes | Group::LoadDirections | Group::FrameTurns => (1f64.to_degrees(), "deg"),
-            Group::LoadGains
-            | Group::LoadRepeatability
-            | Group::IdleLoads
-            | Group::Preloads
-            | Group::SpringRates
-            | Group::KnownStiffnesses => (1.0, "fraction"),
+            EffectGroup::Axes | EffectGroup::LoadDirections | EffectGroup::FrameTurns => {
+                (1f64.to_degrees(), "deg")
+            }
+            EffectGroup::LoadGains
+            | EffectGroup::LoadRepeatability
+            | EffectGroup::IdleLoads
+            | EffectGroup::Preloads
+            | EffectGroup::SpringRates
+            | EffectGroup::KnownStiffnesses => (1.0, "fraction"),
             _ => (1.0 / length, "mm"),
         };
         out.insert(
             group.as_str().to_string(),
             ToleranceFound {
                 sd: libm::exp(sizes.ln[k]) * scale,
-                usual: size.usual * scale,
+                usual: size.median * scale,
                 unit,
                 strained: size.is_strained(sizes.ln[k]),
             },
         );
     }
     for (scale, factor, unit) in [
-        (Scale::PoseShift, 1.0 / length, "mm"),
-        (Scale::PoseTurn, 1f64.to_degrees(), "deg"),
+        (NoiseScale::PoseShift, 1.0 / length, "mm"),
+        (NoiseScale::PoseTurn, 1f64.to_degrees(), "deg"),
     ] {
         if let (Some(at), false) = (
             sizes.scale(scale),
@@ -305,12 +311,12 @@ pub(super) fn tolerances(
             let size = &sizes.scales[at - sizes.groups.len()].1;
             // A whole part read with a larger error than one of its marks is not noise of the marks.
             let coarse =
-                scale == Scale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
+                scale == NoiseScale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
             out.insert(
                 scale.as_str().to_string(),
                 ToleranceFound {
                     sd: libm::exp(sizes.ln[at]) * factor,
-                    usual: size.usual * factor,
+                    usual: size.median * factor,
                     unit,
                     strained: coarse || size.is_strained(sizes.ln[at]),
                 },
@@ -320,11 +326,11 @@ pub(super) fn tolerances(
     // Noises over what is declared are told where they are more than that.
     for (scale, size) in &sizes.scales {
         let name = match scale {
-            Scale::PoseShift | Scale::PoseTurn => continue,
-            Scale::Marks => "noise of marks".to_string(),
-            Scale::WheelPosition => "noise of the wheel's place".to_string(),
-            Scale::WheelAngles => "noise of the wheel's angles".to_string(),
-            Scale::Channel(k) => {
+            NoiseScale::PoseShift | NoiseScale::PoseTurn => continue,
+            NoiseScale::Marks => "noise of marks".to_string(),
+            NoiseScale::WheelPosition => "noise of the wheel's place".to_string(),
+            NoiseScale::WheelAngles => "noise of the wheel's angles".to_string(),
+            NoiseScale::Channel(k) => {
                 let channels = &subject.problem.measurement.channels;
                 format!("noise of {}", channels[*k].name)
             }
@@ -333,7 +339,7 @@ pub(super) fn tolerances(
         if size.is_strained(ln) {
             let found = ToleranceFound {
                 sd: libm::exp(ln),
-                usual: size.usual,
+                usual: size.median,
                 unit: "times as stated",
                 strained: true,
             };
@@ -359,7 +365,7 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
 }
 
 /// A name that does not predict the cases held out is not to be trusted: what they show beyond it remains unexplained.
-fn surprised(test: &HeldOutTest, unexplained: &mut Unexplained) {
+fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained) {
     if test.p_value < SURPRISED {
         unexplained.structured = true;
         unexplained.p_value = unexplained.p_value.min(test.p_value);
@@ -371,7 +377,7 @@ fn surprised(test: &HeldOutTest, unexplained: &mut Unexplained) {
 }
 
 /// Two laws at once in one component: their sum follows the readings, but neither is what that component does.
-fn stacked(findings: &[Finding], unexplained: &mut Unexplained) {
+fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) {
     for (k, finding) in findings.iter().enumerate() {
         let of_the_model = |f: &&Finding| !f.minor && !f.cause.of_the_measurement();
         let other = findings[..k]

@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::cause::Cause;
 use super::cross_validation::CrossValidation;
+use super::hold_out::HoldOut;
 use super::remainder::Remainder;
 use super::solver_difference::SolverDifference;
-use super::unseen::HoldOut;
 use admire_identify::Status;
 pub use admire_identify::{NoiseFound, ToleranceFound};
 

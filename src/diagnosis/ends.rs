@@ -1,8 +1,8 @@
 //! Where the fits of a search began and how they ended, so that none is made twice.
 
-use super::fit::{Fit, Fitted, Target};
+use super::fit::{EarlyStopping, FitOutcome, FittedModel};
 use super::hypothesis::Hypothesis;
-use admire_identify::tolerance::Sizes;
+use admire_identify::tolerance::VarianceComponents;
 
 /// Where a fit begins.
 #[derive(Clone, PartialEq)]
@@ -12,14 +12,14 @@ pub(super) struct Start {
     /// Unknowns of the fit that it begins at, and what they are taken to be; `None` for the deck.
     from: Option<(Vec<f64>, Vec<f64>)>,
     /// Sizes of tolerances, if not those of that fit.
-    sizes: Option<Sizes>,
+    sizes: Option<VarianceComponents>,
 }
 
 impl Start {
     pub(super) fn new(
         causes: &[(Hypothesis, Vec<f64>)],
-        from: Option<(&Fitted, &[f64])>,
-        sizes: Option<&Sizes>,
+        from: Option<(&FittedModel, &[f64])>,
+        sizes: Option<&VarianceComponents>,
     ) -> Self {
         Self {
             causes: causes.to_vec(),
@@ -37,7 +37,7 @@ pub(super) struct End {
     least: f64,
     known: Option<Vec<f64>>,
     /// and how it ended; `None` where it could not be made.
-    pub fit: Option<Fit>,
+    pub fit: Option<FitOutcome>,
 }
 
 /// Fits that were made on the same readings.
@@ -46,17 +46,19 @@ pub(super) struct Ends(Vec<End>);
 
 impl Ends {
     /// The fit from a start, if it was made. One that stopped short counts where its target was no harder: now it would stop no later.
-    pub(super) fn of(&self, start: &Start, target: &Target<'_>) -> Option<&End> {
+    pub(super) fn of(&self, start: &Start, target: &EarlyStopping<'_>) -> Option<&End> {
         let known = target.known.map(|known| known.x.as_slice());
         let counts = |end: &&End| {
             let is_as_hard = target.lead >= end.lead && target.least >= end.least;
-            let own = Target {
+            let own = EarlyStopping {
                 lead: end.lead,
-                ..Target::NONE
+                ..EarlyStopping::NONE
             };
             let is_over = match &end.fit {
-                Some(Fit::New(fit)) => is_as_hard || (fit.is_settled() && !own.is_beaten(fit)),
-                Some(Fit::Known) | None => true,
+                Some(FitOutcome::New(fit)) => {
+                    is_as_hard || (fit.is_converged() && !own.is_beaten(fit))
+                }
+                Some(FitOutcome::Duplicate) | None => true,
             };
             is_over && end.known.as_deref() == known && end.start == *start
         };
@@ -64,7 +66,12 @@ impl Ends {
     }
 
     /// Takes note of how a fit ended.
-    pub(super) fn note(&mut self, start: Start, target: &Target<'_>, fit: Option<&Fit>) {
+    pub(super) fn note(
+        &mut self,
+        start: Start,
+        target: &EarlyStopping<'_>,
+        fit: Option<&FitOutcome>,
+    ) {
         self.0.push(End {
             start,
             lead: target.lead,
@@ -77,10 +84,10 @@ impl Ends {
 
 #[cfg(test)]
 mod tests {
+    use super::super::diagnosis_problem::Data;
     use super::super::progress::Progress;
     use super::super::scan::Catalogue;
     use super::super::sought::tests::{of_the_axle, shipped_axle};
-    use super::super::subject::Data;
     use super::super::tried::Tried;
     use super::*;
 
@@ -91,19 +98,19 @@ mod tests {
         let problem = loaded.problem();
         let (mut subject, none) = of_the_axle(&problem);
         let progress = Progress::default();
-        subject.watched_by(&progress);
+        subject.with_progress(&progress);
         let catalogue = Catalogue::new(&subject, &none);
         let mut smooth = catalogue.hypotheses.iter();
         let smooth = smooth.find(|h| !h.cause.has_rough_law() && h.numbers.len() == 1);
         let far = vec![(smooth.expect("a cause of one number").clone(), vec![3.0])];
         let mut tried = Tried::new(&subject, Data::All);
         let mut reached = |lead: f64| {
-            let target = Target {
+            let target = EarlyStopping {
                 lead,
-                ..Target::NONE
+                ..EarlyStopping::NONE
             };
             let from = Some((&none, none.x.as_slice()));
-            let Some(Fit::New(found)) = tried.fitted(&far, from, None, target) else {
+            let Some(FitOutcome::New(found)) = tried.fitted(&far, from, None, target) else {
                 panic!("it can be fitted");
             };
             (found.posterior.gain, progress.sweeps())

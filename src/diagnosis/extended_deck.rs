@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::diagnosis_problem::DiagnosisProblem;
 use super::hypothesis::{Change, Hypothesis};
-use super::subject::Subject;
 use admire_identify::Problem;
 use admire_identify::global::Prepared;
 use admire_solver::model::Model;
@@ -25,7 +25,7 @@ pub struct ExtendedDeck {
 
 /// The deck with the statements of some hypotheses, that of another fit where it is the same.
 pub(super) fn deck_of(
-    subject: &Subject<'_>,
+    subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
     warm: Option<(&[Hypothesis], &Arc<ExtendedDeck>)>,
 ) -> Option<Arc<ExtendedDeck>> {

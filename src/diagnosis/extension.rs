@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use super::diagnose::Outcome;
-use super::fit::{Fitted, Plain};
-use super::subject::Subject;
-use admire_identify::global::Meaning;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::{DeckOnlyPrediction, FittedModel};
+use admire_identify::global::Target;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 use admire_solver::system::{Parameters, Slot};
@@ -50,15 +50,15 @@ impl Outcome<'_> {
         }
         let mut text = String::from("extended.adm\nextended\n");
         text.push_str("EQUILIBRIUM/ERROR=1.0E-09, IMBALANCE=1.0E-05, MAXIT=100\n");
-        if !fitted.chosen.is_empty() {
+        if !fitted.effects.is_empty() {
             let names: Vec<String> = fitted
-                .chosen
+                .effects
                 .iter()
                 .map(|h| format!("{} at {}", h.cause, h.address))
                 .collect();
             let _ = writeln!(text, "! {}", names.join(", "));
         }
-        if fitted.chosen.iter().any(|h| h.memory.is_some()) {
+        if fitted.effects.iter().any(|h| h.memory.is_some()) {
             text.push_str(
                 "! Friction and flow have memory: where their springs are unstretched holds for this sequence of loads only.\n",
             );
@@ -83,7 +83,7 @@ impl Outcome<'_> {
 }
 
 /// Slots that change from case to case: those of the loads first.
-pub(super) fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
+pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Slot> {
     let catalogue = fitted.deck.prepared.system.catalogue();
     let loads = &subject.problem.programme.loads;
     let mut slots: Vec<Slot> = loads
@@ -99,10 +99,10 @@ pub(super) fn driven(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Slot> {
 }
 
 /// Slots of a fit that change from case to case besides the loads.
-fn per_case(fitted: &Fitted) -> Vec<Slot> {
+fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
     for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
-        if let (Meaning::PerCase(slots), true) = (&unknown.meaning, fitted.is_of_the_model(k)) {
+        if let (Target::PerCase(slots), true) = (&unknown.target, fitted.is_of_the_model(k)) {
             out.extend(slots.iter().map(|(slot, _)| *slot));
         }
     }
@@ -136,7 +136,7 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
 }
 
 /// A fit's numbers written into its deck, those that change from case to case left as they are.
-fn deck(fitted: &Fitted, plain: &Plain, driven: &[Slot]) -> Vec<u8> {
+fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Vec<u8> {
     let system = &fitted.deck.prepared.system;
     let catalogue = system.catalogue();
     let (before, after) = (system.parameters(), &plain.thetas[0]);

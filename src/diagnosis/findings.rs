@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::cause::Cause;
 use super::cross_validation::Folds;
 use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
-use super::fit::{Estimate, Fitted};
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::{Estimate, FittedModel};
 use super::folds::{Blind, HeldOutTest, moved};
 use super::hypothesis::{BY_DIRECTION, Hypothesis};
 use super::remainder::is_at_element_of;
 use super::sought::{NAMED, none_of_these, of_place, probability};
-use super::subject::Subject;
 use super::visited::{Found, Visited};
 use admire_study::orientation::chi_square_p_value;
 
@@ -21,16 +21,16 @@ const MATTERS_MARKS: f64 = 0.2;
 const MATTERS_WHEEL_DEG: f64 = 0.01;
 /// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison. A member
 /// of a group of tolerances is taken up by the group where it is no cause, and both predict nearly alike: then by so many.
-const WORSE: (f64, f64) = (0.5, 3.0);
+const CV_TOLERANCE_NATS: (f64, f64) = (0.5, 3.0);
 /// Rivals are no further behind than so many units of twice the logarithm of probability.
 const RIVAL: f64 = 6.0;
 
 /// A fitted model with another cause in the place of one.
 pub(super) fn rival_fit(
     found: &Found,
-    leading: &Fitted,
+    leading: &FittedModel,
     at: usize,
-) -> Option<(Arc<Fitted>, Hypothesis)> {
+) -> Option<(Arc<FittedModel>, Hypothesis)> {
     found.models.iter().find_map(|(model, _)| {
         let rival = instead(model, leading, at)?;
         Some((Arc::clone(model.fitted.as_ref()?), rival.clone()))
@@ -38,32 +38,32 @@ pub(super) fn rival_fit(
 }
 
 /// What a model holds instead of one cause, all others being the same places.
-fn instead<'m>(model: &'m Visited, leading: &Fitted, at: usize) -> Option<&'m Hypothesis> {
-    let own = &leading.chosen[at];
-    let others = Hypothesis::causes(&leading.chosen).filter(|h| !h.same_place(own));
+fn instead<'m>(model: &'m Visited, leading: &FittedModel, at: usize) -> Option<&'m Hypothesis> {
+    let own = &leading.effects[at];
+    let others = Hypothesis::causes(&leading.effects).filter(|h| !h.same_site(own));
     let mut rest: Vec<&Hypothesis> = Hypothesis::causes(&model.causes).collect();
-    if rest.len() != Hypothesis::causes(&leading.chosen).count() {
+    if rest.len() != Hypothesis::causes(&leading.effects).count() {
         return None;
     }
     for other in others {
-        let place = rest.iter().position(|h| h.same_place(other))?;
+        let place = rest.iter().position(|h| h.same_site(other))?;
         rest.remove(place);
     }
-    rest.pop().filter(|h| !h.same_place(own))
+    rest.pop().filter(|h| !h.same_site(own))
 }
 
 /// Findings of the leading model, the most important first; which of its causes each is; and whether some cause acts and matters though no
 /// such finding is one.
 pub(super) fn findings(
-    subject: &Subject<'_>,
+    subject: &DiagnosisProblem<'_>,
     found: &Found,
-    leading: &Arc<Fitted>,
+    leading: &Arc<FittedModel>,
     folds: Option<&Folds<'_>>,
     after: Option<&HeldOutTest>,
 ) -> (Vec<Finding>, Vec<usize>, bool) {
     let own = leading.ln_posterior();
     let of = |k: usize| {
-        let h = &leading.chosen[k];
+        let h = &leading.effects[k];
         let mut rivals: Vec<Indistinguishable> = Vec::new();
         for (model, _) in &found.models {
             let Some(rival) = instead(model, leading, k) else {
@@ -85,7 +85,7 @@ pub(super) fn findings(
         }
         let in_group = |other: &Hypothesis| {
             let mut rivals = rivals.iter();
-            other.same_place(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
+            other.same_site(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
         };
         let group = probability(found, |causes| causes.iter().any(in_group));
         let without = without(found, leading, k);
@@ -99,9 +99,9 @@ pub(super) fn findings(
             .filter(|_| h.only_case(&subject.rows).is_none())
             .and_then(|folds| folds.advantage(leading, &without));
         let mut numbers = leading.estimates(k);
-        let further = leading.chosen.iter().enumerate();
+        let further = leading.effects.iter().enumerate();
         let mut left = None;
-        for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_place(h)) {
+        for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_site(h)) {
             let own = leading.estimates(at).into_iter();
             if other.is_left_by_law() {
                 left = Some(own.map(|n| n.value * n.value).sum::<f64>().sqrt());
@@ -156,26 +156,26 @@ pub(super) fn findings(
     };
     // Beside a force of an unknown law, cases in which it is met badly look like faults of theirs, and what it does beyond the first
     // order looks like a second cause at its own element.
-    let stands_in = leading.chosen.iter().find(|h| !h.is_named());
+    let stands_in = leading.effects.iter().find(|h| !h.is_in_catalogue());
     let of_a_case = |h: &Hypothesis| h.only_case(&subject.rows).is_some();
-    let faults = leading.chosen.iter().filter(|h| of_a_case(h)).count();
+    let faults = leading.effects.iter().filter(|h| of_a_case(h)).count();
     let is_told = |k: &usize| {
-        let h = &leading.chosen[*k];
+        let h = &leading.effects[*k];
         h.part == 0
             && stands_in.is_none_or(|force| {
-                h.is_named()
+                h.is_in_catalogue()
                     && !(faults > 1 && of_a_case(h))
                     && !is_at_element_of(subject.problem.model, h, force)
             })
     };
-    let told = (0..leading.chosen.len()).filter(is_told);
+    let told = (0..leading.effects.len()).filter(is_told);
     let out: Vec<(Finding, usize)> = told.map(of).collect();
     // What makes the prediction of other cases worse is no cause.
     let predicts = |(finding, k): &(Finding, usize)| {
-        let worse = if leading.chosen[*k].is_slab() {
-            WORSE.1
+        let worse = if leading.effects[*k].is_slab() {
+            CV_TOLERANCE_NATS.1
         } else {
-            WORSE.0
+            CV_TOLERANCE_NATS.0
         };
         let nats = finding.gain.cross_validated_nats;
         finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)
@@ -198,12 +198,12 @@ fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {
 }
 
 /// The best fitted model without one cause and what refines it; the one without any where there is none.
-pub(super) fn without(found: &Found, leading: &Fitted, at: usize) -> Arc<Fitted> {
+pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<FittedModel> {
     let is_rest = |model: &Visited| {
-        let own = &leading.chosen[at];
-        let mut rest = leading.chosen.iter().filter(|h| !h.same_place(own));
+        let own = &leading.effects[at];
+        let mut rest = leading.effects.iter().filter(|h| !h.same_site(own));
         model.causes.len() == rest.clone().count()
-            && rest.all(|h| model.causes.iter().any(|other| other.same(h)))
+            && rest.all(|h| model.causes.iter().any(|other| other.same_form(h)))
     };
     let mut models = found.models.iter().map(|(model, _)| model);
     let fitted = models.find_map(|model| model.fitted.as_ref().filter(|_| is_rest(model)));
@@ -211,7 +211,7 @@ pub(super) fn without(found: &Found, leading: &Fitted, at: usize) -> Arc<Fitted>
 }
 
 /// What the marks alone say: their noise, and readings that are plainly wrong.
-pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
+pub(super) fn mark_findings(subject: &DiagnosisProblem<'_>) -> Vec<Finding> {
     let mut out = Vec::new();
     let measurement = subject.problem.measurement;
     let fault = |cause, address: String, numbers: [BTreeMap<String, f64>; 2], value: f64| Finding {
@@ -234,9 +234,11 @@ pub(super) fn faults_of_marks(subject: &Subject<'_>) -> Vec<Finding> {
         gain: Gain::default(),
     };
     let noise = &subject.noise;
-    if let (true, Some(declared), Some(estimated)) =
-        (subject.contradicts_noise(), noise.declared, noise.estimated)
-    {
+    if let (true, Some(declared), Some(estimated)) = (
+        subject.declared_noise_rejected(),
+        noise.declared,
+        noise.estimated,
+    ) {
         let one = |value: f64| BTreeMap::from([("sigma".to_string(), value)]);
         let z = libm::log(estimated / declared) / noise.ln_sd;
         out.push(fault(

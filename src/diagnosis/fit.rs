@@ -6,15 +6,17 @@ use nalgebra::{DMatrix, DVector};
 
 use super::aim::Aim;
 use super::cause::Cause;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::hypothesis::{Hypothesis, Unknown};
+use super::hypothesis::{Hypothesis, Parametrisation};
 use super::settle::{End, Settled, Sweep};
-use super::subject::{Data, Subject};
 use super::unknowns::{Known, Unknowns};
 use admire_identify::global::{
-    FitUnknowns, Memory, NativePredictor, NuisanceLayout, Observations, Predictor,
+    FitUnknowns, HysteresisState, NativePredictor, NuisanceLayout, Observations, Predictor,
 };
-use admire_identify::tolerance::{ByClass, Linear, Posterior, Sizes, Whitening};
+use admire_identify::tolerance::{
+    LinearModel, Posterior, RowsByVarianceClass, VarianceComponents, Whitening,
+};
 use admire_identify::{Problem, tolerance};
 use admire_solver::system::{Parameters, State};
 
@@ -29,11 +31,11 @@ const SETTLED: f64 = 1.0;
 
 /// A model linearised where its fit ended, and what the readings say there.
 #[derive(Clone, Debug)]
-pub struct Fitted {
+pub struct FittedModel {
     /// The deck; fits of the same structure share it.
     pub deck: Arc<ExtendedDeck>,
     /// What is in it.
-    pub chosen: Vec<Hypothesis>,
+    pub effects: Vec<Hypothesis>,
     /// Unknowns of the deck: stiffnesses, members of the tolerance layer, numbers of causes.
     pub unknowns: FitUnknowns,
     /// Unknowns of the measurement.
@@ -41,27 +43,27 @@ pub struct Fitted {
     /// Values of all unknowns.
     pub x: Vec<f64>,
     /// Priors of all unknowns.
-    pub priors: Vec<tolerance::Unknown>,
+    pub priors: Vec<tolerance::Coefficient>,
     /// Prediction minus reading of all rows in units of the declared noise.
-    pub misfit: DVector<f64>,
+    pub residual: DVector<f64>,
     /// Its derivative by all unknowns.
     pub jacobian: DMatrix<f64>,
     /// What turned the rows.
     pub whitening: Arc<Whitening>,
     /// The linear model.
-    pub linear: Arc<Linear>,
+    pub linear: Arc<LinearModel>,
     /// Sizes of tolerances.
-    pub sizes: Sizes,
+    pub sizes: VarianceComponents,
     /// What the readings say.
     pub posterior: Posterior,
     /// Where each number of each chosen hypothesis is among the unknowns.
-    pub places: Vec<Vec<usize>>,
+    pub parameter_index: Vec<Vec<usize>>,
     /// Numbers of each case.
     pub thetas: Vec<Parameters>,
     /// Equilibrium of each case.
     pub states: Vec<State>,
     /// Contacts that remember.
-    pub memories: Vec<Memory>,
+    pub memories: Vec<HysteresisState>,
 }
 
 /// A number's estimate and its standard error in the units of `diagnosis.json`.
@@ -75,7 +77,7 @@ pub struct Estimate {
     pub std_error: f64,
 }
 
-impl Fitted {
+impl FittedModel {
     /// Turned residual (reading minus prediction) where the linear model ends, and Jacobian, whitened at the fit's sizes. What a fit
     /// stopped short of its minimum by would look like structure along directions that it absorbs.
     pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
@@ -85,13 +87,13 @@ impl Fitted {
     /// The same at other sizes of tolerances, with the posterior there.
     pub fn whitened_at(
         &self,
-        sizes: &Sizes,
+        sizes: &VarianceComponents,
         posterior: &Posterior,
     ) -> (DVector<f64>, DMatrix<f64>) {
         let weights = self.whitening.weights(&sizes.ln);
-        let end = &self.misfit + &self.jacobian * &posterior.step;
+        let end = &self.residual + &self.jacobian * &posterior.step;
         let residual = self.whitening.apply_vector(&-end).component_mul(&weights);
-        let mut jacobian = self.turned();
+        let mut jacobian = self.whitened_jacobian();
         for (mut row, weight) in jacobian.row_iter_mut().zip(weights.iter()) {
             row *= *weight;
         }
@@ -101,12 +103,16 @@ impl Fitted {
     /// True for a stiffness or a number of a cause, false for a small error.
     pub fn is_of_the_model(&self, unknown: usize) -> bool {
         self.priors[unknown].group.is_none()
-            || self.places.iter().flatten().any(|at| *at == unknown)
+            || self
+                .parameter_index
+                .iter()
+                .flatten()
+                .any(|at| *at == unknown)
     }
 
     /// Logarithm of the prior odds of what is in it.
     pub fn ln_prior(&self) -> f64 {
-        Hypothesis::ln_prior_of(&self.chosen)
+        Hypothesis::ln_prior_of(&self.effects)
     }
 
     /// Logarithm of evidence and prior. What the linear model promises beyond where the fit could go does not count.
@@ -115,25 +121,25 @@ impl Fitted {
     }
 
     /// False for a fit that stopped early, far from the optimum of its linear model.
-    pub fn is_settled(&self) -> bool {
+    pub fn is_converged(&self) -> bool {
         self.posterior.gain < SETTLED
     }
 
     /// Numbers of a chosen hypothesis.
     pub fn estimates(&self, chosen: usize) -> Vec<Estimate> {
-        let hypothesis = &self.chosen[chosen];
+        let hypothesis = &self.effects[chosen];
         let covariance = &self.posterior.covariance;
         hypothesis
             .numbers
             .iter()
-            .zip(&self.places[chosen])
+            .zip(&self.parameter_index[chosen])
             .map(|(number, &at)| {
                 let (x, sd) = (self.x[at], covariance[(at, at)].max(0.0).sqrt());
                 let (value, std_error) = match number.unknown {
-                    Unknown::Compliance(_) => (libm::exp(-x), libm::exp(-x) * sd),
-                    Unknown::Rate { .. } => (libm::exp(x), libm::exp(x) * sd),
-                    Unknown::SlipLength { .. } => {
-                        let first = self.places[chosen][0];
+                    Parametrisation::Compliance(_) => (libm::exp(-x), libm::exp(-x) * sd),
+                    Parametrisation::Rate { .. } => (libm::exp(x), libm::exp(x) * sd),
+                    Parametrisation::SlipLength { .. } => {
+                        let first = self.parameter_index[chosen][0];
                         let force = self.x[first];
                         let scale = hypothesis.numbers[0].sd;
                         let stiffness = force * scale / libm::exp(x);
@@ -143,7 +149,7 @@ impl Fitted {
                             - 2.0 * covariance[(first, at)] / force;
                         (stiffness, stiffness.abs() * relative.max(0.0).sqrt())
                     }
-                    Unknown::Offset { .. } | Unknown::Member(_) => (x, sd),
+                    Parametrisation::Offset { .. } | Parametrisation::Member(_) => (x, sd),
                     _ => (x * number.sd, sd * number.sd),
                 };
                 Estimate {
@@ -158,10 +164,13 @@ impl Fitted {
     /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors. A further part of a law may not pull at
     /// all; a play below zero is none, but a link that yields.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
-        let hypothesis = &self.chosen[chosen];
-        let at = self.places[chosen][0];
+        let hypothesis = &self.effects[chosen];
+        let at = self.parameter_index[chosen][0];
         hypothesis.one_sided
-            && !matches!(hypothesis.numbers[0].unknown, Unknown::Compliance(_))
+            && !matches!(
+                hypothesis.numbers[0].unknown,
+                Parametrisation::Compliance(_)
+            )
             && self.x[at]
                 < match hypothesis.part {
                     0 if hypothesis.cause != Cause::FreePlay => {
@@ -182,11 +191,11 @@ impl Fitted {
 
     /// What one cause does to each row, further parts of its law included: the prediction less that without it, stiffnesses, tolerances and
     /// all else being what they are. `None` where a case has no equilibrium without it.
-    pub fn effect(&self, subject: &Subject<'_>, chosen: usize) -> Option<DVector<f64>> {
+    pub fn effect(&self, subject: &DiagnosisProblem<'_>, chosen: usize) -> Option<DVector<f64>> {
         let inner = self.unknowns.len() + self.layout.sd.len();
         let mut x = self.x.clone();
-        for (h, places) in self.chosen.iter().zip(&self.places) {
-            if !h.same_place(&self.chosen[chosen]) {
+        for (h, places) in self.effects.iter().zip(&self.parameter_index) {
+            if !h.same_site(&self.effects[chosen]) {
                 continue;
             }
             for (number, at) in h.numbers.iter().zip(places) {
@@ -210,14 +219,14 @@ impl Fitted {
                 &x[..self.unknowns.len()],
             );
             let prediction = predictor.predict(&numbers, None);
-            subject.spend(1);
+            subject.count_sweeps(1);
             let cases: Vec<usize> = (0..self.states.len()).collect();
             let rows = Observations::new(problem.measurement, problem.model, &cases);
             let without = rows
                 .evaluate(&prediction, &self.layout, &x[..inner], 0)?
                 .residual;
             effect +=
-                &self.misfit - on_rows * DVector::from_column_slice(&self.x[inner..]) - without;
+                &self.residual - on_rows * DVector::from_column_slice(&self.x[inner..]) - without;
         }
         Some(effect)
     }
@@ -237,20 +246,20 @@ impl Fitted {
     }
 
     /// The same linear model on other rows, at the same sizes: unknowns and their covariance, without any new solution.
-    pub fn linearly(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
-        self.linearly_off(whitening, &DVector::zeros(self.misfit.len()))
+    pub fn relinearised_on(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
+        self.relinearised_with_offset(whitening, &DVector::zeros(self.residual.len()))
     }
 
     /// The same with predictions that are off by so much in each row.
-    pub fn linearly_off(
+    pub fn relinearised_with_offset(
         &self,
         whitening: &Whitening,
         off: &DVector<f64>,
     ) -> Option<(DVector<f64>, Posterior)> {
-        let misfit = &self.misfit + off;
-        let linear = Linear::new(
+        let misfit = &self.residual + off;
+        let linear = LinearModel::new(
             whitening,
-            &ByClass::new(whitening, &whitening.apply(&self.jacobian)),
+            &RowsByVarianceClass::new(whitening, &whitening.apply(&self.jacobian)),
             &whitening.apply_vector(&-&misfit),
             self.priors.clone(),
             DVector::from_column_slice(&self.x),
@@ -261,13 +270,13 @@ impl Fitted {
     }
 
     /// The Jacobian of turned rows, made anew: searches keep many fits.
-    pub fn turned(&self) -> DMatrix<f64> {
+    pub fn whitened_jacobian(&self) -> DMatrix<f64> {
         self.whitening.apply(&self.jacobian)
     }
 
     /// Turned rows of reading minus prediction.
-    pub fn turned_residual(&self) -> DVector<f64> {
-        self.whitening.apply_vector(&-&self.misfit)
+    pub fn whitened_residual(&self) -> DVector<f64> {
+        self.whitening.apply_vector(&-&self.residual)
     }
 
     /// The evidence of the same linear model without some rows, whose marks of one part and case go together, and what it leaves of
@@ -278,8 +287,8 @@ impl Fitted {
         left_out: &[bool],
     ) -> Option<(DVector<f64>, f64)> {
         let linear = self.linear.without(&self.whitening, rows, left_out);
-        let reached = linear.reached(&self.sizes, 0.0)?;
-        let misfit = &self.misfit + &self.jacobian * &reached.step;
+        let reached = linear.solve(&self.sizes, 0.0)?;
+        let misfit = &self.residual + &self.jacobian * &reached.step;
         Some((misfit, reached.ln_z))
     }
 }
@@ -287,29 +296,29 @@ impl Fitted {
 /// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
 /// taken from there. `None` where the extended deck cannot be compiled or solved.
 pub(super) fn fit(
-    subject: &Subject<'_>,
+    subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
-    warm: Option<(&Fitted, &[f64])>,
+    warm: Option<(&FittedModel, &[f64])>,
     data: Data,
-) -> Option<Fitted> {
-    match aimed(subject, chosen, warm, None, data, Target::NONE)? {
-        Fit::New(fitted) => Some(Arc::unwrap_or_clone(fitted)),
-        Fit::Known => None,
+) -> Option<FittedModel> {
+    match fit_with_early_stopping(subject, chosen, warm, None, data, EarlyStopping::NONE)? {
+        FitOutcome::New(fitted) => Some(Arc::unwrap_or_clone(fitted)),
+        FitOutcome::Duplicate => None,
     }
 }
 
 /// What a fit is for.
 #[derive(Clone, Copy)]
-pub(super) struct Target<'a> {
+pub(super) struct EarlyStopping<'a> {
     /// Evidence in nats, prior left out, of the model that leads: a fit that will not come near stops where it is.
     pub lead: f64,
     /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
-    pub known: Option<&'a Fitted>,
+    pub known: Option<&'a FittedModel>,
     /// Evidence in nats, prior left out: a fit that begins below goes no further.
     pub least: f64,
 }
 
-impl<'a> Target<'a> {
+impl<'a> EarlyStopping<'a> {
     /// No other model is known.
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
@@ -318,7 +327,7 @@ impl<'a> Target<'a> {
     };
 
     /// Another fit of the same causes, or a better one of others.
-    pub(super) fn beyond(known: &'a Fitted) -> Self {
+    pub(super) fn beyond(known: &'a FittedModel) -> Self {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
             known: Some(known),
@@ -332,7 +341,7 @@ impl<'a> Target<'a> {
     }
 
     /// True for a fit that stopped because it will not come near, or would have.
-    pub(super) fn is_beaten(&self, fitted: &Fitted) -> bool {
+    pub(super) fn is_beaten(&self, fitted: &FittedModel) -> bool {
         let aim = Aim {
             lead: self.lead,
             ..Aim::NONE
@@ -341,16 +350,16 @@ impl<'a> Target<'a> {
     }
 
     /// True for a fit that went no further because it began astray.
-    pub(super) fn is_astray(&self, fitted: &Fitted) -> bool {
+    pub(super) fn is_astray(&self, fitted: &FittedModel) -> bool {
         fitted.posterior.ln_z - fitted.posterior.gain < self.least
     }
 
     fn aim(&self, chosen: &[(Hypothesis, Vec<f64>)]) -> Aim<'a> {
-        let alike = |(a, (b, _)): (&Hypothesis, &(Hypothesis, Vec<f64>))| a.is_law_of(b);
-        let same = |known: &&Fitted| {
-            known.is_settled()
-                && known.chosen.len() == chosen.len()
-                && known.chosen.iter().zip(chosen).all(alike)
+        let alike = |(a, (b, _)): (&Hypothesis, &(Hypothesis, Vec<f64>))| a.same_law(b);
+        let same = |known: &&FittedModel| {
+            known.is_converged()
+                && known.effects.len() == chosen.len()
+                && known.effects.iter().zip(chosen).all(alike)
         };
         Aim {
             lead: self.lead,
@@ -362,31 +371,31 @@ impl<'a> Target<'a> {
 
 /// How a fit ended.
 #[derive(Clone)]
-pub(super) enum Fit {
+pub(super) enum FitOutcome {
     /// Where no other did.
-    New(Arc<Fitted>),
+    New(Arc<FittedModel>),
     /// Where the known one of its target ended.
-    Known,
+    Duplicate,
 }
 
 /// The same for a target, the sizes of tolerances from `sizes` if not from `warm`.
-pub(super) fn aimed(
-    subject: &Subject<'_>,
+pub(super) fn fit_with_early_stopping(
+    subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
-    warm: Option<(&Fitted, &[f64])>,
-    sizes: Option<&Sizes>,
+    warm: Option<(&FittedModel, &[f64])>,
+    sizes: Option<&VarianceComponents>,
     data: Data,
-    target: Target<'_>,
-) -> Option<Fit> {
+    target: EarlyStopping<'_>,
+) -> Option<FitOutcome> {
     let chosen = &apart(chosen)[..];
-    let parent = warm.filter(|warm| sizes.is_none() && is_end_with(*warm, chosen));
+    let parent = warm.filter(|warm| sizes.is_none() && is_submodel_start(*warm, chosen));
     let own = || warm.map_or(&subject.sizes, |(fitted, _)| &fitted.sizes);
     let sizes = sizes.unwrap_or_else(own);
     let aim = target.aim(chosen);
     let deck = deck_of(
         subject,
         chosen,
-        warm.map(|(fitted, _)| (fitted.chosen.as_slice(), &fitted.deck)),
+        warm.map(|(fitted, _)| (fitted.effects.as_slice(), &fitted.deck)),
     )?;
     let problem = Problem {
         dataset: &deck.dataset,
@@ -395,8 +404,8 @@ pub(super) fn aimed(
     };
     let known = warm.map(|(fitted, x)| Known {
         unknowns: &fitted.unknowns,
-        chosen: &fitted.chosen,
-        places: &fitted.places,
+        chosen: &fitted.effects,
+        places: &fitted.parameter_index,
         x,
     });
     let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
@@ -431,16 +440,16 @@ pub(super) fn aimed(
                 .start_from(case, state, unknowns.deck.clone());
         }
         // What a further cause takes up is left to it at first. Of the same causes sizes are known.
-        let is_again = parent.is_some_and(|(parent, _)| parent.chosen.len() == chosen.len());
+        let is_again = parent.is_some_and(|(parent, _)| parent.effects.len() == chosen.len());
         let first = if is_again {
             sizes.clone()
         } else {
-            sizes.at(sizes.modest(1.0))
+            sizes.at(sizes.shrunk_to_median(1.0))
         };
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
         let is_free = parent.is_some();
         let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), is_free));
-        subject.spend(sweep.predictor.sweeps());
+        subject.count_sweeps(sweep.predictor.sweeps());
         (sweep, end)
     } else {
         // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them; everything at once
@@ -458,7 +467,7 @@ pub(super) fn aimed(
                 residual.norm_squared() > MISSED * MISSED * residual.len() as f64
             });
             let end = start.and_then(|start| sweep.settle(start, sizes, (steps, aim), alone));
-            subject.spend(sweep.predictor.sweeps());
+            subject.count_sweeps(sweep.predictor.sweeps());
             Some((sweep, end, missed))
         };
         let (sweep, first, missed) = from(true, aim)?;
@@ -481,7 +490,7 @@ pub(super) fn aimed(
     };
     let settled = match end? {
         End::Own(settled) => *settled,
-        End::Known => return Some(Fit::Known),
+        End::Known => return Some(FitOutcome::Duplicate),
     };
     let (mut thetas, mut states) = (Vec::new(), Vec::new());
     for case in cases {
@@ -490,10 +499,10 @@ pub(super) fn aimed(
         thetas.push(theta.clone());
     }
     let (x, misfit, jacobian, linear) = settled.point.into_parts();
-    Some(Fit::New(Arc::new(Fitted {
-        chosen: chosen.iter().map(|(h, _)| h.clone()).collect(),
+    Some(FitOutcome::New(Arc::new(FittedModel {
+        effects: chosen.iter().map(|(h, _)| h.clone()).collect(),
         x,
-        misfit,
+        residual: misfit,
         jacobian,
         linear: Arc::new(linear),
         sizes: settled.sizes,
@@ -501,7 +510,7 @@ pub(super) fn aimed(
         priors: unknowns.priors,
         unknowns: unknowns.list,
         layout: unknowns.layout,
-        places: unknowns.places,
+        parameter_index: unknowns.places,
         memories: unknowns.memories,
         whitening,
         thetas,
@@ -511,9 +520,13 @@ pub(super) fn aimed(
 }
 
 /// True for a fit of these causes, and perhaps others, and unknowns as it left them.
-fn is_end_with((fitted, x): (&Fitted, &[f64]), chosen: &[(Hypothesis, Vec<f64>)]) -> bool {
-    let is_held = |(h, _): &(Hypothesis, Vec<f64>)| fitted.chosen.iter().any(|own| own.same(h));
-    fitted.is_settled() && fitted.x == x && chosen.iter().all(is_held)
+fn is_submodel_start(
+    (fitted, x): (&FittedModel, &[f64]),
+    chosen: &[(Hypothesis, Vec<f64>)],
+) -> bool {
+    let is_held =
+        |(h, _): &(Hypothesis, Vec<f64>)| fitted.effects.iter().any(|own| own.same_form(h));
+    fitted.is_converged() && fitted.x == x && chosen.iter().all(is_held)
 }
 
 /// Causes and the further parts that come in with them, each for itself.
@@ -525,23 +538,23 @@ fn apart(chosen: &[(Hypothesis, Vec<f64>)]) -> Vec<(Hypothesis, Vec<f64>)> {
             left = rest;
             (h, own.to_vec())
         };
-        h.apart().into_iter().map(own).collect::<Vec<_>>()
+        h.split().into_iter().map(own).collect::<Vec<_>>()
     };
     chosen.iter().flat_map(each).collect()
 }
 
 /// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.
 #[derive(Clone, Debug)]
-pub struct Plain {
+pub struct DeckOnlyPrediction {
     /// Numbers of each case.
     pub thetas: Vec<Parameters>,
     /// Equilibrium of each case.
     pub states: Vec<State>,
 }
 
-impl Plain {
+impl DeckOnlyPrediction {
     /// Of a fit; `None` where a case cannot be solved.
-    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Option<Self> {
+    pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         let deck = &fitted.deck;
         let problem = Problem {
             dataset: &deck.dataset,
@@ -558,7 +571,7 @@ impl Plain {
         }
         let numbers = fitted.unknowns.numbers(&parameters, &x);
         predictor.predict(&numbers, None);
-        subject.spend(1);
+        subject.count_sweeps(1);
         let held = problem.free.held_weights(&deck.prepared.system);
         let (mut thetas, mut states) = (Vec::new(), Vec::new());
         for case in 0..fitted.states.len() {
@@ -575,14 +588,18 @@ impl Plain {
 }
 
 /// The model of a fit on other data or with other weights, from where it ended.
-pub(super) fn refit(subject: &Subject<'_>, fitted: &Fitted, data: Data) -> Option<Fitted> {
+pub(super) fn refit(
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    data: Data,
+) -> Option<FittedModel> {
     let from = Some((fitted, fitted.x.as_slice()));
-    fit(subject, &unguessed(fitted), from, data)
+    fit(subject, &with_zero_guesses(fitted), from, data)
 }
 
 /// What is in a fit, with guesses that its own values replace.
-pub fn unguessed(fitted: &Fitted) -> Vec<(Hypothesis, Vec<f64>)> {
-    let chosen = fitted.chosen.iter();
+pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(Hypothesis, Vec<f64>)> {
+    let chosen = fitted.effects.iter();
     chosen
         .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))
         .collect()

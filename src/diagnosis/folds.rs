@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::Fitted;
-use super::foreseen::Foreseen;
-use super::subject::{Data, Subject};
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::FittedModel;
+use super::predictive::PredictiveDistribution;
 use admire_identify::global::Row;
 use admire_study::orientation::chi_square_p_value;
 
@@ -34,11 +34,11 @@ pub struct Blind {
 
 impl Blind {
     /// A fit without the cases held out, in the linear model of all. What acts on single rows alone is as it was.
-    pub fn new(subject: &Subject<'_>, fitted: &Fitted) -> Option<Self> {
+    pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         if !subject.holds_out() {
             return None;
         }
-        let (misfit, posterior) = fitted.linearly(&subject.whitening(Data::Fitted))?;
+        let (misfit, posterior) = fitted.relinearised_on(&subject.whitening(Data::Fitted))?;
         Some(Self {
             misfit,
             covariance: posterior.covariance,
@@ -46,7 +46,11 @@ impl Blind {
     }
 
     /// Tests the held-out rows; `None` where there are none.
-    pub fn test(&self, subject: &Subject<'_>, fitted: &Fitted) -> Option<HeldOutTest> {
+    pub fn test(
+        &self,
+        subject: &DiagnosisProblem<'_>,
+        fitted: &FittedModel,
+    ) -> Option<HeldOutTest> {
         let rows = unseen(subject);
         let (chi_square, dof) = self.chi_square(subject, fitted, &rows)?;
         Some(HeldOutTest {
@@ -60,8 +64,8 @@ impl Blind {
 
     fn chi_square(
         &self,
-        subject: &Subject<'_>,
-        fitted: &Fitted,
+        subject: &DiagnosisProblem<'_>,
+        fitted: &FittedModel,
         rows: &[usize],
     ) -> Option<(f64, usize)> {
         let mut only = vec![false; subject.rows.len()];
@@ -82,12 +86,12 @@ impl Blind {
             row *= *weight;
         }
         let (r, J) = (r.select_rows(&turned), J.select_rows(&turned));
-        let foreseen = Foreseen::new(J, &self.covariance);
+        let foreseen = PredictiveDistribution::new(J, &self.covariance);
         Some((foreseen.chi_square(&r)?, turned.len()))
     }
 
     /// Rms of one mark coordinate held out, outliers left out.
-    pub fn marks_rms(&self, subject: &Subject<'_>) -> Option<f64> {
+    pub fn marks_rms(&self, subject: &DiagnosisProblem<'_>) -> Option<f64> {
         let rows = unseen(subject).into_iter();
         let marks = rows.filter(|k| {
             matches!(subject.rows[*k], Row::Mark { .. }) && subject.precision[*k] > 0.0
@@ -97,7 +101,7 @@ impl Blind {
         (!squares.is_empty()).then(|| mean.sqrt() * subject.sigma)
     }
 
-    fn wheel_rms(&self, subject: &Subject<'_>, rows: &[usize]) -> Option<[f64; 2]> {
+    fn wheel_rms(&self, subject: &DiagnosisProblem<'_>, rows: &[usize]) -> Option<[f64; 2]> {
         let sigma = subject.problem.measurement.wheel.as_ref()?.sigma_angle_deg;
         let rms = |component: usize| {
             let of = |k: &&usize| matches!(subject.rows[**k], Row::Wheel { component: c, .. } if c == component);
@@ -114,14 +118,14 @@ impl Blind {
 }
 
 /// Rows of the cases and curves held out.
-pub(super) fn unseen(subject: &Subject<'_>) -> Vec<usize> {
+pub(super) fn unseen(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     (0..subject.rows.len())
         .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 
 /// Those of them by which predictions are compared; outliers left out.
-pub(super) fn compared(subject: &Subject<'_>) -> Vec<usize> {
+pub(super) fn compared(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     let marks_alone = subject.compared().0 == "mark";
     let is_compared = |k: &usize| {
         let of_a_mark = matches!(subject.rows[*k], Row::Mark { .. });
@@ -132,7 +136,7 @@ pub(super) fn compared(subject: &Subject<'_>) -> Vec<usize> {
 
 /// How large a change of all rows is: rms of marks and channels in units of their noise, and of wheel angles in degrees.
 /// Where there are neither marks nor channels all readings of the wheel stand for them.
-pub(super) fn moved(subject: &Subject<'_>, rows: &DVector<f64>) -> (f64, f64) {
+pub(super) fn moved(subject: &DiagnosisProblem<'_>, rows: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles, mut wheel) = ((0.0, 0), (0.0, 0), (0.0, 0));
     let sigmas = subject.problem.measurement.wheel.as_ref();
     let angle = sigmas.map_or(0.0, |w| w.sigma_angle_deg);

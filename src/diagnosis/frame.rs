@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::subject::Subject;
+use super::diagnosis_problem::DiagnosisProblem;
 use admire_identify::global::gauss_newton::LeastSquares;
 use admire_identify::global::{Observations, Prepared, Row, fit_unknowns, global_problem};
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_study::{Case, FramePlace};
@@ -57,13 +57,13 @@ pub fn centroid(places: &[Vec3]) -> Vec3 {
 
 /// True if the marks sit all alike far from where the model has them at the start values, in the cases that are not held out: they are told in
 /// another frame than the deck's.
-pub(super) fn is_another(subject: &Subject<'_>) -> bool {
+pub(super) fn is_another(subject: &DiagnosisProblem<'_>) -> bool {
     let length = subject.problem.model.units.length.si;
     place_at_start(subject).is_some_and(|place| place.is_another(length))
 }
 
 /// `None` where there are no marks, or where the start values have no equilibrium.
-fn place_at_start(subject: &Subject<'_>) -> Option<FramePlace> {
+fn place_at_start(subject: &DiagnosisProblem<'_>) -> Option<FramePlace> {
     if !subject.compares_marks() {
         return None;
     }
@@ -77,7 +77,7 @@ fn place_at_start(subject: &Subject<'_>) -> Option<FramePlace> {
     let mut global = global_problem(problem, observations, unknowns, Box::new(predictor));
     let start = global.start();
     let residual = global.evaluate(&start, false)?.residual;
-    subject.spend(1);
+    subject.count_sweeps(1);
     let predicted = global.observations.predicted(&residual);
     let of = |all: &[Case]| -> Vec<Vec3> {
         let marks = cases.iter().flat_map(|case| &all[*case].marks);
@@ -87,18 +87,21 @@ fn place_at_start(subject: &Subject<'_>) -> Option<FramePlace> {
 }
 
 /// A motion of the frame through the cases: its group, and its factor in each of them.
-pub(super) type Motion = (Group, Vec<f64>);
+pub(super) type Motion = (EffectGroup, Vec<f64>);
 
 /// The motions that are among the tolerances of a study, through its cases and then through further ones with these loads.
-pub fn motions(subject: &Subject<'_>, further: &[&[f64]]) -> Vec<Motion> {
-    let has = |group: Group| subject.compares_marks() && subject.sizes.group(group).is_some();
+pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion> {
+    let has = |group: EffectGroup| subject.compares_marks() && subject.sizes.group(group).is_some();
     let programme = subject.problem.programme;
     let count = programme.cases.len();
     let mut out = Vec::new();
-    if has(Group::FrameAlignment) {
-        out.push((Group::FrameAlignment, vec![1.0; count + further.len()]));
+    if has(EffectGroup::FrameAlignment) {
+        out.push((
+            EffectGroup::FrameAlignment,
+            vec![1.0; count + further.len()],
+        ));
     }
-    if has(Group::FrameDrifts) {
+    if has(EffectGroup::FrameDrifts) {
         // Where the frame will have gone in a further case nobody knows.
         let of = |case: usize| {
             if case < count {
@@ -109,14 +112,14 @@ pub fn motions(subject: &Subject<'_>, further: &[&[f64]]) -> Vec<Motion> {
         };
         let all: Vec<[f64; DRIFTS]> = (0..count + further.len()).map(of).collect();
         let one = |k: usize| all.iter().map(|of| of[k]).collect();
-        out.extend((0..DRIFTS).map(|k| (Group::FrameDrifts, one(k))));
+        out.extend((0..DRIFTS).map(|k| (EffectGroup::FrameDrifts, one(k))));
     }
-    if has(Group::MountYield) {
+    if has(EffectGroup::MountYield) {
         for (load, largest) in varying(programme) {
             let known = programme.cases.iter().map(|case| case.values[load]);
             let values = known.chain(further.iter().map(|values| values[load]));
             out.push((
-                Group::MountYield,
+                EffectGroup::MountYield,
                 values.map(|value| value / largest).collect(),
             ));
         }

@@ -1,14 +1,14 @@
 //! A hypothesis as data: what would be wrong, what that does to first order, and how a fit takes it in.
 
 use super::cause::Cause;
-use admire_identify::global::{Carries, Row};
+use admire_identify::global::{Evolution, Row};
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
 use admire_syntax::{Address, NewStatement};
 
 /// The effect of one number of a hypothesis to first order, per unit of the number.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Column {
+pub enum Sensitivity {
     /// None of its own: it is a member of the tolerance layer, or is found by fitting alone.
     None,
     /// Numbers of the deck change by these amounts in every load case.
@@ -23,7 +23,7 @@ pub enum Column {
 
 /// How the number becomes an unknown of a fit.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Unknown {
+pub enum Parametrisation {
     /// As the column says, which holds for any size.
     Linear,
     /// The readings of these rows are 1 plus the number times the truth. With each row stands its reading in units of its noise.
@@ -62,7 +62,7 @@ pub enum Unknown {
 
 /// One number of a hypothesis.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Number {
+pub struct EffectParameter {
     /// Its name in `diagnosis.json`.
     pub name: String,
     /// Prior mean, where the fit starts; zero for everything that is not there in a sound model.
@@ -72,9 +72,9 @@ pub struct Number {
     /// What one unit of it is in the units of `diagnosis.json`.
     pub unit: f64,
     /// First-order effect.
-    pub column: Column,
+    pub column: Sensitivity,
     /// How a fit sets it.
-    pub unknown: Unknown,
+    pub unknown: Parametrisation,
 }
 
 /// A change of the deck's structure.
@@ -102,7 +102,7 @@ pub struct Hypothesis {
     /// Distinguishes several forms of the same cause at the same place.
     pub form: &'static str,
     /// Its numbers.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<EffectParameter>,
     /// Logarithm of its prior odds.
     pub ln_prior: f64,
     /// True if the first number can only be positive.
@@ -115,14 +115,14 @@ pub struct Hypothesis {
     /// [`BY_DIRECTION`] for a limit that differs by direction, [`LEFT_BY_LAW`] for what the law leaves.
     pub part: usize,
     /// A further part of its law that is tried together with it. Its numbers and changes are the last ones here; a fit takes the two apart.
-    pub with: Option<Box<Hypothesis>>,
+    pub joint_with: Option<Box<Hypothesis>>,
 }
 
 /// A compliance of this part of its usual size is none.
 const ABSENT: f64 = 1e-3;
 
 /// Rubber that grows stiffer in one translation of a bushing does so in another with this probability, by each law.
-const ALONG_OTHERS: f64 = 0.15;
+const PROGRESSIVE_IN_OTHER_AXIS: f64 = 0.15;
 
 /// The part of a friction by which its limit differs by direction.
 pub(super) const BY_DIRECTION: usize = usize::MAX - 1;
@@ -135,7 +135,7 @@ pub struct MemoryPlan {
     /// A number of the extended deck: where its spring is unstretched before the first case.
     pub anchor: Address,
     /// How that moves on.
-    pub carries: Carries,
+    pub carries: Evolution,
     /// A number of the extended deck: the length of a slider's spring, or the part of the way that rubber flows in a case.
     pub by: Address,
     /// A function of the extended deck.
@@ -151,7 +151,12 @@ impl std::fmt::Display for Hypothesis {
 
 impl Hypothesis {
     /// One that needs no change of the deck's structure.
-    pub fn plain(cause: Cause, address: String, form: &'static str, numbers: Vec<Number>) -> Self {
+    pub fn plain(
+        cause: Cause,
+        address: String,
+        form: &'static str,
+        numbers: Vec<EffectParameter>,
+    ) -> Self {
         Self {
             cause,
             address,
@@ -164,24 +169,24 @@ impl Hypothesis {
             changes: Vec::new(),
             memory: None,
             part: 0,
-            with: None,
+            joint_with: None,
         }
     }
 
     /// A cause and a further part of its law at once.
     #[must_use]
-    pub fn together(mut self, further: Self) -> Self {
+    pub fn joined(mut self, further: Self) -> Self {
         self.numbers.extend(further.numbers.iter().cloned());
         self.changes.extend(further.changes.iter().cloned());
         self.ln_prior += further.ln_prior;
-        self.with = Some(Box::new(further));
+        self.joint_with = Some(Box::new(further));
         self
     }
 
     /// The cause and the further part that comes in with it, each for itself.
-    pub fn apart(&self) -> Vec<Self> {
+    pub fn split(&self) -> Vec<Self> {
         let mut own = self.clone();
-        let Some(further) = own.with.take() else {
+        let Some(further) = own.joint_with.take() else {
             return vec![own];
         };
         own.numbers
@@ -200,13 +205,13 @@ impl Hypothesis {
         members: impl IntoIterator<Item = (usize, String)>,
         sd: f64,
     ) -> Self {
-        let numbers = members.into_iter().map(|(member, name)| Number {
+        let numbers = members.into_iter().map(|(member, name)| EffectParameter {
             name,
             mean: 0.0,
             sd,
             unit: 1.0,
-            column: Column::None,
-            unknown: Unknown::Member(member),
+            column: Sensitivity::None,
+            unknown: Parametrisation::Member(member),
         });
         Self::plain(cause, address, form, numbers.collect())
     }
@@ -218,7 +223,7 @@ impl Hypothesis {
 
     /// True if another one of these is a further part of its law.
     pub fn is_refined(&self, all: &[Self]) -> bool {
-        all.iter().any(|h| h.part > self.part && h.same_place(self))
+        all.iter().any(|h| h.part > self.part && h.same_site(self))
     }
 
     /// True for what the law of a cause leaves at its place.
@@ -227,20 +232,20 @@ impl Hypothesis {
     }
 
     /// True if both say the same of the same place, in whatever form.
-    pub fn same_place(&self, other: &Self) -> bool {
+    pub fn same_site(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address && self.side == other.side
     }
 
     /// Logarithm of its prior odds beside these causes: rubber that grows stiffer in one translation of a bushing mostly does so in others.
-    pub fn ln_prior_beside(&self, others: &[Self]) -> f64 {
+    pub fn ln_prior_given(&self, others: &[Self]) -> f64 {
         let translations = |h: &Self| h.address.rsplit_once(".K.").map(|(of, _)| of.to_string());
         let is_alike = |other: &Self| {
             other.cause == self.cause
-                && !other.same_place(self)
+                && !other.same_site(self)
                 && translations(self).is_some_and(|own| translations(other) == Some(own))
         };
         if self.cause == Cause::ProgressiveStiffness && others.iter().any(is_alike) {
-            libm::log(ALONG_OTHERS)
+            libm::log(PROGRESSIVE_IN_OTHER_AXIS)
         } else {
             self.ln_prior
         }
@@ -249,19 +254,19 @@ impl Hypothesis {
     /// Logarithm of the prior odds of all of these together, in whatever order.
     pub fn ln_prior_of(all: &[Self]) -> f64 {
         let own = all.iter().enumerate();
-        own.map(|(k, h)| h.ln_prior_beside(&all[..k])).sum()
+        own.map(|(k, h)| h.ln_prior_given(&all[..k])).sum()
     }
 
     /// True for a law that is known in kind but not in shape.
-    pub fn has_rough_law(&self) -> bool {
+    pub fn is_poorly_linearised(&self) -> bool {
         self.cause.has_rough_law() && self.part != BY_DIRECTION
     }
 
     /// True if both are the same part of the same cause at the same place, with or without a further part, in whatever form.
-    pub fn same_part(&self, other: &Self) -> bool {
-        self.same_place(other)
+    pub fn same_term(&self, other: &Self) -> bool {
+        self.same_site(other)
             && self.part == other.part
-            && self.with.is_some() == other.with.is_some()
+            && self.joint_with.is_some() == other.joint_with.is_some()
     }
 
     /// The case in which alone it acts, if it is a fault of readings of one case.
@@ -270,7 +275,7 @@ impl Hypothesis {
             .numbers
             .iter()
             .flat_map(|number| match &number.column {
-                Column::Rows(column) if self.cause.of_the_measurement() => column.as_slice(),
+                Sensitivity::Rows(column) if self.cause.of_the_measurement() => column.as_slice(),
                 _ => &[],
             })
             .map(|(row, _)| rows[*row].case());
@@ -279,18 +284,18 @@ impl Hypothesis {
     }
 
     /// False for what stands in for an effect that no cause of the catalogue has.
-    pub fn is_named(&self) -> bool {
-        self.cause != Cause::UnnamedForce
+    pub fn is_in_catalogue(&self) -> bool {
+        self.cause != Cause::UnmodelledForce
     }
 
     /// False for forces of unknown laws, alone or beside a law that was met badly.
-    pub fn is_plain(&self) -> bool {
-        self.is_named() && !self.is_left_by_law()
+    pub fn has_no_gp_term(&self) -> bool {
+        self.is_in_catalogue() && !self.is_left_by_law()
     }
 
     /// True if both are the same in the same form.
-    pub fn same(&self, other: &Self) -> bool {
-        self.same_place(other)
+    pub fn same_form(&self, other: &Self) -> bool {
+        self.same_site(other)
             && self.form == other.form
             && self.part == other.part
             && self.numbers.len() == other.numbers.len()
@@ -298,18 +303,18 @@ impl Hypothesis {
 
     /// True if both are the same law at the same place: the same in the same form, or contacts that remember, whose forms say where
     /// their numbers begin. Beside other causes the statements of a law have other ids.
-    pub fn is_law_of(&self, other: &Self) -> bool {
+    pub fn same_law(&self, other: &Self) -> bool {
         let remembers = self.memory.is_some()
             && other.memory.is_some()
             && self.part == other.part
             && self.numbers.len() == other.numbers.len();
-        self.same(other) || (self.same_place(other) && remembers)
+        self.same_form(other) || (self.same_site(other) && remembers)
     }
 
     /// The members of the tolerance layer it lets stand out, with how far they may.
     pub fn slab(&self) -> Vec<(usize, f64)> {
-        let member = |number: &Number| match number.unknown {
-            Unknown::Member(at) => Some((at, number.sd)),
+        let member = |number: &EffectParameter| match number.unknown {
+            Parametrisation::Member(at) => Some((at, number.sd)),
             _ => None,
         };
         self.numbers.iter().filter_map(member).collect()
@@ -319,36 +324,36 @@ impl Hypothesis {
     pub fn is_slab(&self) -> bool {
         self.numbers
             .iter()
-            .all(|number| matches!(number.unknown, Unknown::Member(_)))
+            .all(|number| matches!(number.unknown, Parametrisation::Member(_)))
     }
 }
 
-impl Number {
+impl EffectParameter {
     /// The unknown of a fit where the cause is absent; what alone does nothing, such as the slip length of friction, is where it is.
     pub fn absent(&self, x: f64) -> f64 {
         match self.unknown {
-            Unknown::Compliance(_) => x.max(-libm::log(ABSENT * self.sd)),
-            Unknown::Rate { .. } | Unknown::SlipLength { .. } => x,
+            Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT * self.sd)),
+            Parametrisation::Rate { .. } | Parametrisation::SlipLength { .. } => x,
             _ => self.mean / self.sd,
         }
     }
 
     /// A number whose column holds for any size.
-    pub fn linear(name: impl Into<String>, sd: f64, column: Column) -> Self {
+    pub fn linear(name: impl Into<String>, sd: f64, column: Sensitivity) -> Self {
         Self {
             column,
-            ..Self::new(name, sd, Unknown::Linear)
+            ..Self::new(name, sd, Parametrisation::Linear)
         }
     }
 
     /// A number without any first-order effect of its own, which is found by fitting alone.
-    pub fn new(name: impl Into<String>, sd: f64, unknown: Unknown) -> Self {
+    pub fn new(name: impl Into<String>, sd: f64, unknown: Parametrisation) -> Self {
         Self {
             name: name.into(),
             mean: 0.0,
             sd,
             unit: 1.0,
-            column: Column::None,
+            column: Sensitivity::None,
             unknown,
         }
     }
@@ -391,7 +396,7 @@ mod tests {
             let all = addresses.iter().map(|a| at(Cause::ProgressiveStiffness, a));
             Hypothesis::ln_prior_of(&all.collect::<Vec<_>>())
         };
-        let shared = libm::log(ALONG_OTHERS);
+        let shared = libm::log(PROGRESSIVE_IN_OTHER_AXIS);
         assert_eq!(of(&["BUSHING/1.K.1"]), -7.0);
         assert_eq!(of(&["BUSHING/1.K.1", "BUSHING/2.K.1"]), -14.0);
         let three = ["BUSHING/1.K.1", "BUSHING/2.K.1", "BUSHING/1.K.2"];

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::fit::Fitted;
+use super::fit::FittedModel;
 use admire_identify::tolerance::{Factor, transposed};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_study::orientation::chi_square_p_value;
@@ -11,12 +11,12 @@ use admire_study::orientation::chi_square_p_value;
 pub(super) type Contrast = Vec<(usize, f64)>;
 
 /// Contrasts that the fit has absorbed up to so little are none: there a fit that stopped a little short of its minimum shows.
-const ABSORBED: f64 = 0.01;
+const ABSORBED_SHARE: f64 = 0.01;
 
 /// Whitened residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
 /// posterior covariance. Source: the marginal likelihood of a linear model with Gaussian priors.
-pub(super) struct Influence<'a> {
-    fitted: &'a Fitted,
+pub(super) struct ResidualCovariance<'a> {
+    fitted: &'a FittedModel,
     weights: DVector<f64>,
     /// Reading minus prediction, whitened.
     pub residual: DVector<f64>,
@@ -40,9 +40,9 @@ impl Statistic {
     }
 }
 
-impl<'a> Influence<'a> {
+impl<'a> ResidualCovariance<'a> {
     /// Of a fit. Rows it has not seen take no part.
-    pub(super) fn new(fitted: &'a Fitted) -> Self {
+    pub(super) fn new(fitted: &'a FittedModel) -> Self {
         let (residual, J) = fitted.whitened();
         let (covariance, step) = with_wide_priors(fitted);
         Self {
@@ -70,11 +70,11 @@ impl<'a> Influence<'a> {
     /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
     /// noise and tolerances do not explain.
     pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
-        self.along(contrasts).statistic()
+        self.score(contrasts).statistic()
     }
 
     /// What the residuals have along these contrasts.
-    fn along(&self, contrasts: &[Contrast]) -> Along {
+    fn score(&self, contrasts: &[Contrast]) -> Along {
         let k = contrasts.len();
         let mut s = DVector::zeros(k);
         let mut QX = DMatrix::zeros(self.Q.nrows(), k);
@@ -112,7 +112,7 @@ impl<'a> Influence<'a> {
 
     /// Contrasts of each case by itself, to be added up with weights.
     pub(super) fn by_case(&self, cases: &[Vec<Contrast>]) -> ByCase {
-        ByCase(cases.iter().map(|case| self.along(case)).collect())
+        ByCase(cases.iter().map(|case| self.score(case)).collect())
     }
 }
 
@@ -177,7 +177,7 @@ impl ByCase {
 /// Chi-square `r'(c - Q'Q)^-1 r` of rows of which a fit took the share `Q`; `c` is a little more than one. Of more rows than unknowns by
 /// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`: it takes a factor of the smaller number.
 fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
-    let c = 1.0 + ABSORBED;
+    let c = 1.0 + ABSORBED_SHARE;
     let rest = |squares: DMatrix<f64>| {
         let n = squares.nrows();
         Factor::new(DMatrix::identity(n, n) * c - squares)
@@ -194,7 +194,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
         let solved = c * factor.inverse_trace() - Q.nrows() as f64;
         (value, (count + solved) / c)
     };
-    let dof = (count - ABSORBED * trace).round();
+    let dof = (count - ABSORBED_SHARE * trace).round();
     (dof > 0.0 && value.is_finite()).then_some(Statistic {
         value,
         dof: dof as usize,
@@ -204,9 +204,9 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
 /// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED`] is left do not count.
 fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
     let k = s.len();
-    let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED)?.inverse();
+    let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_SHARE)?.inverse();
     let value = s.dot(&(&inverse * s));
-    let dof = (k as f64 - ABSORBED * inverse.trace()).round();
+    let dof = (k as f64 - ABSORBED_SHARE * inverse.trace()).round();
     (dof > 0.0 && value.is_finite()).then_some(Statistic {
         value,
         dof: dof as usize,
@@ -216,10 +216,10 @@ fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
 /// The covariance of a fit's unknowns, and the step to their maximum, with priors of the numbers of causes as wide as these came out: a
 /// cause that is larger than usual would look like structure along what it does itself. One prior after the other, by the formula of
 /// Sherman and Morrison.
-fn with_wide_priors(fitted: &Fitted) -> (DMatrix<f64>, DVector<f64>) {
+fn with_wide_priors(fitted: &FittedModel) -> (DMatrix<f64>, DVector<f64>) {
     let mut covariance = fitted.posterior.covariance.clone();
     let mut step = DVector::zeros(covariance.nrows());
-    for at in fitted.places.iter().flatten() {
+    for at in fitted.parameter_index.iter().flatten() {
         let prior = &fitted.priors[*at];
         let off: f64 = fitted.x[*at] + fitted.posterior.step[*at] + step[*at] - prior.mean;
         let precision = prior.prior_sd(&fitted.sizes).powi(-2);
@@ -265,7 +265,7 @@ mod tests {
             let mut Q = DMatrix::from_fn(unknowns, rows, |_, _| noise.normal());
             let values = singular_values(Q.clone(), false, false).unwrap();
             Q *= 0.99 / values.singular_values.max();
-            let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED) - Q.tr_mul(&Q);
+            let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED_SHARE) - Q.tr_mul(&Q);
             let inverse = covariance.try_inverse().unwrap();
             let found = scatter(&Q, &r).unwrap();
             let value = r.dot(&(&inverse * &r));
@@ -273,7 +273,7 @@ mod tests {
                 (found.value / value - 1.0).abs() < 1e-9,
                 "{found:?} {value}"
             );
-            let dof = rows as f64 - ABSORBED * inverse.trace();
+            let dof = rows as f64 - ABSORBED_SHARE * inverse.trace();
             assert_eq!(found.dof, dof.round() as usize);
         }
     }

@@ -15,7 +15,7 @@ pub(super) struct Squares {
 
 /// Rms by both models and how much it falls.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fall {
+pub(super) struct RmsReduction {
     /// By the first model.
     pub before: f64,
     /// By the second.
@@ -25,7 +25,7 @@ pub(super) struct Fall {
 }
 
 /// Over all groups; `None` where there is none.
-pub(super) fn fall(groups: &[Squares]) -> Option<Fall> {
+pub(super) fn rms_reduction(groups: &[Squares]) -> Option<RmsReduction> {
     let total = |without: Option<usize>| {
         let mut sum = Squares::default();
         for (_, own) in groups
@@ -52,7 +52,7 @@ pub(super) fn fall(groups: &[Squares]) -> Option<Fall> {
     let mean = falls.iter().sum::<f64>() / n;
     let spread: f64 = falls.iter().map(|fall| (fall - mean).powi(2)).sum();
     let [before, after] = total(None);
-    Some(Fall {
+    Some(RmsReduction {
         before,
         after,
         std_error: if groups.len() > 1 {
@@ -65,7 +65,7 @@ pub(super) fn fall(groups: &[Squares]) -> Option<Fall> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Squares, fall};
+    use super::{Squares, rms_reduction};
 
     /// Of a mean the jackknife gives the standard error of the mean.
     #[test]
@@ -77,7 +77,7 @@ mod tests {
             after: 1.0,
             count: 1.0,
         });
-        let fall = fall(&groups).unwrap();
+        let fall = rms_reduction(&groups).unwrap();
         let mean = d.iter().sum::<f64>() / 5.0;
         let variance: f64 = d.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 20.0;
         assert!((fall.before - fall.after - 0.5 * mean).abs() < 1e-9);

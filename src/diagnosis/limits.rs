@@ -2,11 +2,11 @@
 
 use super::cause::Cause;
 use super::diagnosis::{CauseLimit, DetectionLimit};
-use super::fit::Fitted;
-use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
+use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
 use super::scan::{Catalogue, first_member};
-use super::subject::Subject;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 
 /// Millimetres a point may well be off, as the hypothesis has it.
 const SD: f64 = 3.0;
@@ -16,15 +16,18 @@ const FAR: f64 = 50.0;
 const BEYOND: f64 = 20.0;
 
 /// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group.
-pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<DetectionLimit> {
-    let Some(tau) = fitted.sizes.of(Group::Hardpoints) else {
+pub fn detection_limits(
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+) -> Vec<DetectionLimit> {
+    let Some(tau) = fitted.sizes.of(EffectGroup::Hardpoints) else {
         return Vec::new();
     };
     let millimetre = subject.millimetre();
     let slab = SD * millimetre;
     let points = &subject.layer.points;
     // Each point in all directions and along each one alone.
-    let odds = super::causes::PRESENT / (4 * points.len()) as f64;
+    let odds = super::causes::CLASS_PRIOR_PROBABILITY / (4 * points.len()) as f64;
     let mut out = Vec::new();
     for point in points {
         let name = |marker: &admire_solver::model::MarkerIx| {
@@ -38,7 +41,7 @@ pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Detection
             let d = outstanding(fitted, member, (tau, slab), libm::log(odds))? / millimetre;
             (d < FAR).then_some(d)
         };
-        let axes = subject.layer.at(Group::Hardpoints, &members[0]);
+        let axes = subject.layer.at(EffectGroup::Hardpoints, &members[0]);
         let mm: Vec<Option<f64>> = axes.map(limit).collect();
         if let [x, y, z] = mm[..] {
             out.push(DetectionLimit {
@@ -54,7 +57,7 @@ pub fn detection_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Detection
 /// The error at which a member of the tolerance layer that may be larger by `slab` is as probable as not: with `F` the information of the
 /// readings on the error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`, `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
 fn outstanding(
-    fitted: &Fitted,
+    fitted: &FittedModel,
     member: usize,
     (tau, slab): (f64, f64),
     ln_odds: f64,
@@ -76,24 +79,26 @@ fn outstanding(
 /// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
 /// of one cause at one place the one that is seen worst, for any of them may act; of first guesses of one law the one that is seen best.
 /// Faults of readings of single cases are left out.
-pub fn cause_limits(subject: &Subject<'_>, fitted: &Fitted) -> Vec<CauseLimit> {
+pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<CauseLimit> {
     let catalogue = Catalogue::new(subject, fitted);
     let information = catalogue.information(fitted, &fitted.sizes);
     let mut out: Vec<CauseLimit> = Vec::new();
     for (h, information) in catalogue.hypotheses.iter().zip(&information) {
-        let is_part = h.part > 0 || h.with.is_some();
+        let is_part = h.part > 0 || h.joint_with.is_some();
         if h.cause == Cause::HardpointError || is_part || h.only_case(&subject.rows).is_some() {
             continue;
         }
         for (k, number) in h.numbers.iter().enumerate() {
             let d = match number.unknown {
-                Unknown::Member(member) => {
+                Parametrisation::Member(member) => {
                     let group = fitted.priors[first_member(fitted) + member].group;
                     let tau = group.and_then(|group| fitted.sizes.of(group));
                     tau.and_then(|tau| outstanding(fitted, member, (tau, number.sd), h.ln_prior))
                         .map(|d| d / number.sd)
                 }
-                Unknown::SlipLength { .. } | Unknown::Rate { .. } | Unknown::Offset { .. } => {
+                Parametrisation::SlipLength { .. }
+                | Parametrisation::Rate { .. }
+                | Parametrisation::Offset { .. } => {
                     continue;
                 }
                 _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
@@ -112,7 +117,7 @@ fn alone(information: f64, ln_odds: f64) -> Option<f64> {
 }
 
 /// Adds a limit, or joins it to that of another form of the same.
-fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &Number, d: Option<f64>) {
+fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &EffectParameter, d: Option<f64>) {
     let size = d.map(|d| d * number.sd * number.unit);
     let same = |l: &&mut CauseLimit| {
         (l.cause, l.address.as_str(), l.number.as_str())
@@ -142,7 +147,7 @@ mod tests {
     fn joined(cause: Cause, sizes: [Option<f64>; 2]) -> Option<f64> {
         let mut out = Vec::new();
         for size in sizes {
-            let number = Number::new("size", 2.0, Unknown::Linear);
+            let number = EffectParameter::new("size", 2.0, Parametrisation::Linear);
             let h = Hypothesis::plain(cause, "PART/6".to_string(), "", Vec::new());
             take(&mut out, &h, &number, size);
         }

@@ -7,11 +7,11 @@
 use nalgebra::DVector;
 
 use super::diagnose::Outcome;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::extension::driven;
-use super::fit::{Fitted, Plain};
+use super::fit::{DeckOnlyPrediction, FittedModel};
 use super::hypothesis::Hypothesis;
 use super::stiffness::corrected;
-use super::subject::{Data, Subject};
 use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
 use admire_identify::meet_marks_of_all;
 use admire_session::backend::{
@@ -65,7 +65,7 @@ impl Outcome<'_> {
             })?),
             None => None,
         };
-        let Some(plain) = Plain::new(subject, &extended) else {
+        let Some(plain) = DeckOnlyPrediction::new(subject, &extended) else {
             return Ok(false);
         };
         let poses = solved(other, &extended, &plain, subject)?;
@@ -74,7 +74,7 @@ impl Outcome<'_> {
             parameter.scale(libm::exp(extended.x[k] - self.extended.x[k]));
         }
         for finding in &mut self.diagnosis.findings {
-            let mut chosen = extended.chosen.iter();
+            let mut chosen = extended.effects.iter();
             let is_named = |h: &Hypothesis| {
                 let form = finding.form.as_deref().unwrap_or_default();
                 h.cause == finding.cause && h.address == finding.address && h.side == form
@@ -105,20 +105,20 @@ impl Outcome<'_> {
 
 /// A fit carried on to what another solver predicts.
 fn refitted(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
     data: Data,
     other: &mut dyn Backend,
-) -> Result<Fitted, BackendError> {
+) -> Result<FittedModel, BackendError> {
     let whitening = subject.whitening(data);
     let stiffnesses = subject.problem.unknowns.len();
     let mut at = fitted.clone();
     for _ in 0..ROUNDS {
-        let Some(plain) = Plain::new(subject, &at) else {
+        let Some(plain) = DeckOnlyPrediction::new(subject, &at) else {
             break;
         };
         let apart = apart(subject, &at, &plain, other)?;
-        let Some((_, posterior)) = fitted.linearly_off(&whitening, &apart) else {
+        let Some((_, posterior)) = fitted.relinearised_with_offset(&whitening, &apart) else {
             break;
         };
         let mut most = 0.0_f64;
@@ -137,7 +137,7 @@ fn refitted(
         }
         // Where a step was shortened the misfit is that of the shorter one.
         let step = DVector::from_column_slice(&next) - DVector::from_column_slice(&fitted.x);
-        at.misfit = &fitted.misfit + apart + &fitted.jacobian * step;
+        at.residual = &fitted.residual + apart + &fitted.jacobian * step;
         at.x = next;
         at.posterior = posterior;
         at.posterior.step.fill(0.0);
@@ -152,9 +152,9 @@ fn refitted(
 /// Predictions of another solver minus those of the built-in one, row by row in units of the rows; zero where one has none, and for
 /// channels that the places of the parts do not tell.
 fn apart(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
-    plain: &Plain,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    plain: &DeckOnlyPrediction,
     other: &mut dyn Backend,
 ) -> Result<DVector<f64>, BackendError> {
     let own = solved(&mut NativeBackend::new(), fitted, plain, subject)?;
@@ -177,7 +177,7 @@ fn apart(
 
 /// Prediction minus reading of all rows at these poses; channels that these do not tell are taken to be zero.
 fn residuals(
-    (subject, fitted, plain): (&Subject<'_>, &Fitted, &Plain),
+    (subject, fitted, plain): (&DiagnosisProblem<'_>, &FittedModel, &DeckOnlyPrediction),
     poses: &Poses,
 ) -> Option<DVector<f64>> {
     let measurement = subject.problem.measurement;
@@ -208,7 +208,7 @@ fn residuals(
 }
 
 /// Rms of a mark coordinate, reading minus prediction, outliers left out.
-fn missed(subject: &Subject<'_>, poses: &Poses) -> Option<f64> {
+fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     let measurement = subject.problem.measurement;
     let (mut sum, mut count) = (0.0, 0.0);
     for (row, precision) in subject.rows.iter().zip(&subject.precision) {
@@ -235,9 +235,9 @@ fn missed(subject: &Subject<'_>, poses: &Poses) -> Option<f64> {
 /// The deck of a fit as it is written for others, solved.
 fn solved(
     by: &mut dyn Backend,
-    fitted: &Fitted,
-    plain: &Plain,
-    subject: &Subject<'_>,
+    fitted: &FittedModel,
+    plain: &DeckOnlyPrediction,
+    subject: &DiagnosisProblem<'_>,
 ) -> Result<Poses, BackendError> {
     let system = &fitted.deck.prepared.system;
     let (catalogue, deck) = (system.catalogue(), system.parameters());

@@ -12,15 +12,15 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::cause::Cause;
-use super::causes::PRESENT;
-use super::fit::Fitted;
+use super::causes::CLASS_PRIOR_PROBABILITY;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::FittedModel;
 use super::folds::{compared, unseen};
-use super::foreseen::Foreseen;
 use super::gaussian_process::{LAWS, Law, Reach};
-use super::hypothesis::{Column, Hypothesis, LEFT_BY_LAW, Number, component};
-use super::subject::{Data, Subject};
+use super::hypothesis::{EffectParameter, Hypothesis, LEFT_BY_LAW, Sensitivity, component};
+use super::predictive::PredictiveDistribution;
 use super::survey::Survey;
-use admire_identify::tolerance::{Posterior, Sizes, transposed};
+use admire_identify::tolerance::{Posterior, VarianceComponents, transposed};
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::{Header, JointKind, MarkerIx, Model};
 use admire_study::orientation::chi_square_p_value;
@@ -137,9 +137,9 @@ struct Best {
 /// The place, coordinate and law that the residuals of a fit speak for most, tolerances being of such sizes; `None` where none stands
 /// out.
 pub(super) fn remainder(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
-    sizes: &Sizes,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    sizes: &VarianceComponents,
 ) -> Option<Remainder> {
     let Best {
         address,
@@ -175,12 +175,12 @@ pub(super) fn remainder(
 /// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
 /// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
 pub(super) fn predicted(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
-    sizes: &Sizes,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    sizes: &VarianceComponents,
 ) -> Option<Predicted> {
     let found = most_spoken_for(subject, fitted, sizes, None)?;
-    let before = &fitted.misfit + &fitted.jacobian * &found.posterior.step;
+    let before = &fitted.residual + &fitted.jacobian * &found.posterior.step;
     let after = &before + &found.response * &found.process.law.mean;
     let rows = compared(subject);
     let (_, unit) = subject.compared();
@@ -208,7 +208,7 @@ pub(super) fn predicted(
     let r = whitening.apply_vector(&after).component_mul(&weights);
     let r = r.select_rows(&turned);
     let n = turned.len();
-    let foreseen = Foreseen::new(J, &found.posterior.covariance);
+    let foreseen = PredictiveDistribution::new(J, &found.posterior.covariance);
     let foreseen = foreseen.with(&R, &found.process.law.covariance);
     let within = (0..n).filter(|k| r[*k].abs() < 1.96 * foreseen.variance(*k).sqrt());
     let within95 = within.count() as f64 / n as f64;
@@ -239,7 +239,7 @@ pub(super) struct Unnamed {
 
 impl Unnamed {
     /// The same law linearised at another fit.
-    pub(super) fn at(&self, subject: &Subject<'_>, fitted: &Fitted) -> Hypothesis {
+    pub(super) fn at(&self, subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Hypothesis {
         let survey = Survey::new(subject, fitted);
         Hypothesis {
             numbers: numbers(&effect(&survey, &self.place), &self.root),
@@ -251,15 +251,15 @@ impl Unnamed {
 /// Such forces as hypotheses: the one that stands out at a fit's own sizes of tolerances, and the one that does with sizes that are
 /// usual, for its own may have swallowed the effect. The prior is that of a class of causes, spread over all places, coordinates, lengths
 /// and sizes that were tried.
-pub(super) fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
-    let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
+pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
+    let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
     let mut out: Vec<Unnamed> = Vec::new();
     for unnamed in found.map(|best| as_hypothesis(fitted, best)) {
         if !out
             .iter()
-            .any(|other| other.hypothesis.same(&unnamed.hypothesis))
+            .any(|other| other.hypothesis.same_form(&unnamed.hypothesis))
         {
             out.push(unnamed);
         }
@@ -269,20 +269,20 @@ pub(super) fn unnamed(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
 
 /// What the laws of causes in a fit leave at their own places, each as a further part of its cause. Only laws that are known in kind
 /// only leave anything: friction that is not a slider, rubber that is not a polynomial.
-pub(super) fn left_by_laws(subject: &Subject<'_>, fitted: &Fitted) -> Vec<Unnamed> {
-    let chosen = &fitted.chosen;
+pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
+    let chosen = &fitted.effects;
     let is_closed = |h: &Hypothesis| {
-        let mut parts = chosen.iter().filter(|other| other.same_place(h));
+        let mut parts = chosen.iter().filter(|other| other.same_site(h));
         parts.any(Hypothesis::is_left_by_law)
     };
-    let usual = fitted.sizes.at(fitted.sizes.modest(0.0));
+    let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
     let left = |h: &Hypothesis| {
         let best = most_spoken_for(subject, fitted, &usual, Some(&h.address))?;
         let mut left = as_hypothesis(fitted, best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
         left.hypothesis.part = LEFT_BY_LAW;
-        left.hypothesis.ln_prior += libm::log(LEAVES / PRESENT);
+        left.hypothesis.ln_prior += libm::log(LEAVES / CLASS_PRIOR_PROBABILITY);
         Some(left)
     };
     let open = Hypothesis::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
@@ -307,20 +307,20 @@ pub(super) fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis
 }
 
 /// One for each column of what a force does, per unit of its weight; told as a force whose mean square is that over all cases.
-fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<Number> {
+fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     let columns = effect * root;
     let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {
         let rows = column.iter().copied().enumerate();
         let moved = rows.filter(|(_, value)| *value != 0.0).collect();
-        Number {
+        EffectParameter {
             unit: root.column(k).norm() / (root.nrows() as f64).sqrt(),
-            ..Number::linear(format!("f{}", k + 1), 1.0, Column::Rows(moved))
+            ..EffectParameter::linear(format!("f{}", k + 1), 1.0, Sensitivity::Rows(moved))
         }
     };
     columns.column_iter().enumerate().map(number).collect()
 }
 
-fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
+fn as_hypothesis(fitted: &FittedModel, found: Best) -> Unnamed {
     let form = match found.process.over {
         Over::Deflection => "over deflection",
         Over::Load => "over a load",
@@ -334,13 +334,13 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
         ..
     } = found.process.law;
     let mut hypothesis = Hypothesis::plain(
-        Cause::UnnamedForce,
+        Cause::UnmodelledForce,
         found.address,
         form,
         numbers(&found.effect, &root),
     );
     let laws = found.tried * LAWS;
-    hypothesis.ln_prior = libm::log(PRESENT / laws as f64);
+    hypothesis.ln_prior = libm::log(CLASS_PRIOR_PROBABILITY / laws as f64);
     let step = &found.posterior.step - &found.taken_up * mean;
     let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
     let moved = x.map(|((x, step), prior)| match prior.group {
@@ -359,9 +359,9 @@ fn as_hypothesis(fitted: &Fitted, found: Best) -> Unnamed {
 
 /// At all places, or at one where the law of a cause leaves it.
 fn most_spoken_for(
-    subject: &Subject<'_>,
-    fitted: &Fitted,
-    sizes: &Sizes,
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+    sizes: &VarianceComponents,
     only: Option<&str>,
 ) -> Option<Best> {
     let survey = Survey::new(subject, fitted);
@@ -500,7 +500,10 @@ fn places(survey: &Survey<'_>) -> Vec<Place> {
 }
 
 /// What the force may be a function of at a place.
-fn coordinates(subject: &Subject<'_>, place: &Place) -> Vec<(Over, Option<String>, Vec<f64>)> {
+fn coordinates(
+    subject: &DiagnosisProblem<'_>,
+    place: &Place,
+) -> Vec<(Over, Option<String>, Vec<f64>)> {
     let programme = subject.problem.programme;
     let order = (1..=programme.cases.len()).map(|k| k as f64).collect();
     let mut out = vec![
@@ -525,12 +528,12 @@ fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
                 Vec6::zeros()
             }
         };
-        Number::linear(
+        EffectParameter::linear(
             "force",
             1.0,
-            Column::Wrench(place.pair, (0..cases).map(unit).collect()),
+            Sensitivity::Wrench(place.pair, (0..cases).map(unit).collect()),
         )
     };
-    let numbers: Vec<Number> = (0..cases).map(number).collect();
+    let numbers: Vec<EffectParameter> = (0..cases).map(number).collect();
     survey.columns(&numbers.iter().collect::<Vec<_>>())
 }

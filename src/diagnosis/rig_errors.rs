@@ -6,13 +6,15 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::Fitted;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
 use super::frame::{by_frame, motions, varying};
-use super::subject::Subject;
-use admire_identify::tolerance::{Group, Posterior, Size, Sizes, scattering, transposed};
+use admire_identify::tolerance::{
+    EffectGroup, Posterior, Size, VarianceComponents, scattering, transposed,
+};
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
-use admire_study::Stated;
+use admire_study::PriorSetting;
 
 /// They have to make the readings more probable by so many nats.
 pub(super) const ASKED: f64 = 5.0;
@@ -50,14 +52,14 @@ impl RigErrors {
     pub(super) const ALL: [Self; 4] = [Self::Loads, Self::Frame, Self::Alignment, Self::Mount];
 
     /// The groups of tolerances that hold them and that a study lacks, with their usual sizes; none where they cannot be looked for.
-    pub(super) fn open(self, subject: &Subject<'_>) -> Vec<(Group, Size)> {
+    pub(super) fn open(self, subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, Size)> {
         let problem = &subject.problem;
         let cases = problem.programme.cases.len();
         let millimetre = subject.millimetre();
         let mut groups = match self {
             Self::Loads => {
                 let count = cases * scattering(problem.model, problem.programme).len();
-                let is_open = problem.tolerances.load_repeatability == Stated::Estimate;
+                let is_open = problem.tolerances.load_repeatability == PriorSetting::Estimate;
                 if !is_open || count == 0 || count > CASE_ERRORS {
                     return Vec::new();
                 }
@@ -66,19 +68,19 @@ impl RigErrors {
             Self::Frame if subject.compares_marks() => {
                 let mut groups = Size::of_frames(millimetre).to_vec();
                 let is_few = 6 * cases <= CASE_ERRORS;
-                groups.retain(|(group, _)| is_few || *group == Group::FrameDrifts);
+                groups.retain(|(group, _)| is_few || *group == EffectGroup::FrameDrifts);
                 groups
             }
             Self::Alignment if subject.compares_marks() => {
                 let stated = problem.tolerances.alignment;
-                if stated != Stated::Estimate {
+                if stated != PriorSetting::Estimate {
                     return Vec::new();
                 }
                 Size::of_alignment(stated, millimetre).into_iter().collect()
             }
             Self::Mount if subject.compares_marks() => {
                 let count = varying(problem.programme).len();
-                let is_open = problem.tolerances.mount == Stated::Estimate;
+                let is_open = problem.tolerances.mount == PriorSetting::Estimate;
                 if !is_open || count == 0 || count > LOADS {
                     return Vec::new();
                 }
@@ -97,7 +99,7 @@ impl RigErrors {
 
     /// By how many nats they would make the readings more probable beside a fit, in its linear model: with its sizes of tolerances or with
     /// usual ones, where other tolerances may have taken these errors up.
-    pub(super) fn promised(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+    pub(super) fn promised(self, subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> f64 {
         if self.open(subject).is_empty() {
             return 0.0;
         }
@@ -111,7 +113,7 @@ impl RigErrors {
     fn promised_beyond(
         self,
         least: f64,
-        (subject, fitted): (&Subject<'_>, &Fitted),
+        (subject, fitted): (&DiagnosisProblem<'_>, &FittedModel),
         whitened: &[Whitened],
     ) -> Option<f64> {
         let groups = self.open(subject);
@@ -122,8 +124,8 @@ impl RigErrors {
             return None;
         }
         let columns = match group {
-            Group::LoadRepeatability => of_loads(subject, fitted),
-            Group::FrameShifts => of_frames(subject),
+            EffectGroup::LoadRepeatability => of_loads(subject, fitted),
+            EffectGroup::FrameShifts => of_frames(subject),
             _ => of_motions(&subject.with_groups(groups), group),
         };
         if columns.values.ncols() == 0 {
@@ -136,7 +138,7 @@ impl RigErrors {
 
     /// By how many nats they make the readings of a fit that has them more probable, the priors of their sizes left out. `subject` is the
     /// study without them.
-    pub(super) fn carried(self, subject: &Subject<'_>, fitted: &Fitted) -> f64 {
+    pub(super) fn carried(self, subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> f64 {
         let mut without = fitted.sizes.clone();
         let mut of_priors = 0.0;
         for (group, _) in self.open(subject) {
@@ -147,7 +149,7 @@ impl RigErrors {
                 without.ln[at] = least;
             }
         }
-        let reached = fitted.linear.reached(&without, 0.0);
+        let reached = fitted.linear.solve(&without, 0.0);
         reached.map_or(0.0, |reached| {
             fitted.posterior.ln_z - reached.ln_z - of_priors
         })
@@ -156,11 +158,16 @@ impl RigErrors {
 
 /// What errors of the rig promise beside fits that were looked at.
 #[derive(Debug, Default)]
-pub struct Promises(Vec<(RigErrors, Arc<Fitted>, f64)>);
+pub struct Promises(Vec<(RigErrors, Arc<FittedModel>, f64)>);
 
 impl Promises {
     /// As [`RigErrors::promised`].
-    pub(super) fn of(&self, errors: RigErrors, subject: &Subject<'_>, fitted: &Arc<Fitted>) -> f64 {
+    pub(super) fn of(
+        &self,
+        errors: RigErrors,
+        subject: &DiagnosisProblem<'_>,
+        fitted: &Arc<FittedModel>,
+    ) -> f64 {
         let same =
             |(of, beside, _): &&(RigErrors, _, _)| *of == errors && Arc::ptr_eq(beside, fitted);
         match self.0.iter().find(same) {
@@ -173,7 +180,7 @@ impl Promises {
     pub(super) fn foremost(
         &mut self,
         open: &[RigErrors],
-        (subject, fitted): (&Subject<'_>, &Arc<Fitted>),
+        (subject, fitted): (&DiagnosisProblem<'_>, &Arc<FittedModel>),
         promised: f64,
     ) -> Option<GaveWay> {
         let (least, times) = FOREMOST;
@@ -216,14 +223,14 @@ struct ErrorColumns {
 }
 
 /// The rows of a case.
-fn rows_of(subject: &Subject<'_>, case: usize) -> Vec<usize> {
+fn rows_of(subject: &DiagnosisProblem<'_>, case: usize) -> Vec<usize> {
     let rows = subject.rows.iter().enumerate();
     let own = rows.filter(|(_, row)| row.case() == case);
     own.map(|(at, _)| at).collect()
 }
 
 /// By each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
-fn of_frames(subject: &Subject<'_>) -> ErrorColumns {
+fn of_frames(subject: &DiagnosisProblem<'_>) -> ErrorColumns {
     let measurement = subject.problem.measurement;
     let turn = Size::turn_by_shift(subject.millimetre());
     let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
@@ -245,7 +252,7 @@ fn of_frames(subject: &Subject<'_>) -> ErrorColumns {
 }
 
 /// By the motions of a group that the frame makes through the cases.
-fn of_motions(subject: &Subject<'_>, of: Group) -> ErrorColumns {
+fn of_motions(subject: &DiagnosisProblem<'_>, of: EffectGroup) -> ErrorColumns {
     let mut through = motions(subject, &[]);
     through.retain(|(group, _)| *group == of);
     let own = of_frames(subject).values;
@@ -264,12 +271,12 @@ fn of_motions(subject: &Subject<'_>, of: Group) -> ErrorColumns {
 
 /// By each load in each case, in units of the load's largest value: those by the gain of the load, row by row. A load that is zero in a case
 /// has none there: the fit has no derivative by it.
-fn of_loads(subject: &Subject<'_>, fitted: &Fitted) -> ErrorColumns {
+fn of_loads(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> ErrorColumns {
     let problem = &subject.problem;
     let programme = problem.programme;
     let by_gain = |(load, largest): (usize, f64)| {
         let name = programme.loads[load].target.to_string();
-        let gain = subject.layer.at(Group::LoadGains, &name).next()?;
+        let gain = subject.layer.at(EffectGroup::LoadGains, &name).next()?;
         let column = fitted.jacobian.column(problem.unknowns.len() + gain);
         Some((load, largest, column))
     };
@@ -316,12 +323,12 @@ struct Whitened {
 
 impl Whitened {
     /// At the sizes of a fit, and at usual ones.
-    fn of(fitted: &Fitted) -> Vec<Self> {
-        let modest = fitted.sizes.at(fitted.sizes.modest(0.0));
+    fn of(fitted: &FittedModel) -> Vec<Self> {
+        let modest = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
         let usual = fitted.linear.posterior(&modest);
         let own = Some((&fitted.sizes, fitted.posterior.clone()));
         let options = own.into_iter().chain(usual.map(|usual| (&modest, usual)));
-        let of = |(sizes, posterior): (&Sizes, Posterior)| {
+        let of = |(sizes, posterior): (&VarianceComponents, Posterior)| {
             let (residual, jacobian) = fitted.whitened_at(sizes, &posterior);
             Self {
                 behind: posterior.ln_z - fitted.posterior.ln_z,

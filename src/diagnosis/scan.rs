@@ -7,12 +7,14 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::cause::Cause;
 use super::causes;
-use super::fit::Fitted;
-use super::hypothesis::{BY_DIRECTION, Column, Hypothesis, Number};
-use super::subject::Subject;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
+use super::hypothesis::{BY_DIRECTION, EffectParameter, Hypothesis, Sensitivity};
 use super::survey::Survey;
 use super::visited::distinct;
-use admire_identify::tolerance::{ByClass, Further, Posterior, Sizes, Unknown, transposed};
+use admire_identify::tolerance::{
+    Coefficient, CrossProducts, Posterior, RowsByVarianceClass, VarianceComponents, transposed,
+};
 
 /// From each scan so many places may be weighed with sizes of their own.
 const WEIGHED: usize = 7;
@@ -26,7 +28,7 @@ pub(super) struct Catalogue {
     /// Columns of each among `further`: of its numbers that have an effect to first order; none of a slab.
     ranges: Vec<Range<usize>>,
     /// Effects on reading minus prediction per unit of the prior.
-    further: Further,
+    further: CrossProducts,
 }
 
 /// What a hypothesis promises.
@@ -39,7 +41,7 @@ pub(super) struct Promise {
 }
 
 /// What some cause promises, and the sizes at which that is most.
-pub(super) type AtSizes = (Promise, Sizes);
+pub(super) type AtSizes = (Promise, VarianceComponents);
 
 pub(super) fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
     b.0.ln_posterior.total_cmp(&a.0.ln_posterior)
@@ -47,11 +49,11 @@ pub(super) fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
 
 impl Catalogue {
     /// At a fit.
-    pub(super) fn new(subject: &Subject<'_>, fitted: &Fitted) -> Self {
+    pub(super) fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Self {
         let survey = Survey::new(subject, fitted);
         let mut hypotheses = causes::all(&survey);
         hypotheses.retain_mut(|h| {
-            let there = || fitted.chosen.iter().filter(|chosen| chosen.same_place(h));
+            let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
             let count = there().filter(|chosen| chosen.part != BY_DIRECTION).count();
             let is_closed = there().any(Hypothesis::is_left_by_law);
             if (1..causes::dry_friction::SLIDERS).contains(&count)
@@ -66,17 +68,18 @@ impl Catalogue {
         let own = |h: &Hypothesis| causes::bushing_coupling::growth(&survey, h);
         let growing = hypotheses
             .iter()
-            .filter_map(|h| Some(h.clone().together(own(h)?)));
+            .filter_map(|h| Some(h.clone().joined(own(h)?)));
         let growing: Vec<Hypothesis> = growing.collect();
         hypotheses.extend(growing);
-        let coupled = Hypothesis::causes(&fitted.chosen).filter(|h| !h.is_refined(&fitted.chosen));
+        let coupled =
+            Hypothesis::causes(&fitted.effects).filter(|h| !h.is_refined(&fitted.effects));
         hypotheses.extend(coupled.filter_map(own));
         hypotheses.extend(causes::dry_friction::by_direction(&survey));
-        let seen: Vec<&Number> = hypotheses.iter().flat_map(seen).collect();
+        let seen: Vec<&EffectParameter> = hypotheses.iter().flat_map(seen).collect();
         let mut responses = survey.responses(&seen);
         let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));
-        let residual = fitted.turned_residual();
-        let by_class = ByClass::new(&fitted.whitening, &fitted.turned());
+        let residual = fitted.whitened_residual();
+        let by_class = RowsByVarianceClass::new(&fitted.whitening, &fitted.whitened_jacobian());
         let mut next = 0;
         let range = |h: &Hypothesis| {
             let from = next;
@@ -85,7 +88,7 @@ impl Catalogue {
         };
         let ranges: Vec<Range<usize>> = hypotheses.iter().map(range).collect();
         let known = (&by_class, &residual);
-        let further = Further::new(&fitted.whitening, known, (&ranges, turned));
+        let further = CrossProducts::new(&fitted.whitening, known, (&ranges, turned));
         Self {
             hypotheses,
             ranges,
@@ -94,7 +97,11 @@ impl Catalogue {
     }
 
     /// The causes at the places that promise most at one of these sizes.
-    pub(super) fn promised(&self, base: &Fitted, sizes: [&Sizes; 2]) -> Vec<AtSizes> {
+    pub(super) fn promised(
+        &self,
+        base: &FittedModel,
+        sizes: [&VarianceComponents; 2],
+    ) -> Vec<AtSizes> {
         let mut union: Vec<AtSizes> = Vec::new();
         for sizes in sizes {
             let mut places: Vec<&Hypothesis> = Vec::new();
@@ -107,10 +114,10 @@ impl Catalogue {
                     (*known, *at) = (promise.clone(), sizes.clone());
                 }
                 let h = &self.hypotheses[at];
-                let forms = places.iter().filter(|other| other.same_part(h)).count();
+                let forms = places.iter().filter(|other| other.same_term(h)).count();
                 // Forms of one place differ little, but for laws that are known in kind only.
-                let most = if h.has_rough_law() { FORMS } else { 1 };
-                let is_elsewhere = !places.iter().any(|other| other.same_place(h));
+                let most = if h.is_poorly_linearised() { FORMS } else { 1 };
+                let is_elsewhere = !places.iter().any(|other| other.same_site(h));
                 is_full |= is_elsewhere && distinct(&places) == WEIGHED;
                 if is_full || forms >= most.max(if h.is_slab() { FORMS } else { 1 }) {
                     continue;
@@ -125,7 +132,7 @@ impl Catalogue {
     }
 
     /// What all of them promise at these sizes, best first.
-    pub(super) fn scan(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Promise> {
+    pub(super) fn scan(&self, fitted: &FittedModel, sizes: &VarianceComponents) -> Vec<Promise> {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return Vec::new();
         };
@@ -139,7 +146,7 @@ impl Catalogue {
                 let g = g.rows(from, count).into_owned();
                 projected(&effects.information(at, &range), &g, one_sided(h)?)?
             };
-            let prior = h.ln_prior_beside(&fitted.chosen) + fitted.ln_prior();
+            let prior = h.ln_prior_given(&fitted.effects) + fitted.ln_prior();
             let ln_posterior = gain + posterior.ln_z + prior;
             let promise = Promise { at, ln_posterior };
             ln_posterior.is_finite().then_some(promise)
@@ -151,7 +158,11 @@ impl Catalogue {
 
     /// For each hypothesis what the readings say of each of its numbers alone, the others being as in a sound model: the information in
     /// units of the number's prior, all that is fitted marginalised. Of hypotheses that are no slabs.
-    pub(super) fn information(&self, fitted: &Fitted, sizes: &Sizes) -> Vec<Vec<f64>> {
+    pub(super) fn information(
+        &self,
+        fitted: &FittedModel,
+        sizes: &VarianceComponents,
+    ) -> Vec<Vec<f64>> {
         let Some(posterior) = fitted.linear.posterior(sizes) else {
             return vec![Vec::new(); self.hypotheses.len()];
         };
@@ -165,7 +176,11 @@ impl Catalogue {
     }
 
     /// Effects at these sizes, and what each column would explain where the linear model is best.
-    fn effects(&self, sizes: &Sizes, posterior: &Posterior) -> (Effects<'_>, DVector<f64>) {
+    fn effects(
+        &self,
+        sizes: &VarianceComponents,
+        posterior: &Posterior,
+    ) -> (Effects<'_>, DVector<f64>) {
         let (cross, g) = self.further.at(&sizes.ln, &posterior.step);
         let effects = Effects {
             // A covariance is symmetric.
@@ -178,7 +193,12 @@ impl Catalogue {
     }
 
     /// A hypothesis with sizes of its own in the linear model: evidence and prior, and guesses of its numbers in units of their priors.
-    pub(super) fn weigh(&self, fitted: &Fitted, at: usize, start: &Sizes) -> Option<Weighed> {
+    pub(super) fn weigh(
+        &self,
+        fitted: &FittedModel,
+        at: usize,
+        start: &VarianceComponents,
+    ) -> Option<Weighed> {
         let h = &self.hypotheses[at];
         let linear = if h.is_slab() {
             let mut linear = (*fitted.linear).clone();
@@ -189,7 +209,7 @@ impl Catalogue {
             }
             linear
         } else {
-            let own = Unknown {
+            let own = Coefficient {
                 mean: 0.0,
                 sd: 1.0,
                 group: None,
@@ -197,7 +217,7 @@ impl Catalogue {
             let set = (at, self.ranges[at].len());
             fitted.linear.with(&self.further, set, own)
         };
-        let sizes = linear.sized(start);
+        let sizes = linear.maximise_evidence(start);
         let posterior = linear.posterior(&sizes)?;
         let guesses: Vec<f64> = if h.is_slab() {
             let first = first_member(fitted);
@@ -230,7 +250,7 @@ impl Catalogue {
             })
             .collect();
         Some(Weighed {
-            ln_posterior: posterior.ln_z + h.ln_prior_beside(&fitted.chosen) + fitted.ln_prior(),
+            ln_posterior: posterior.ln_z + h.ln_prior_given(&fitted.effects) + fitted.ln_prior(),
             guesses,
             x,
             sizes,
@@ -239,17 +259,17 @@ impl Catalogue {
 }
 
 /// Numbers of a hypothesis that do something to the rows to first order; none of a slab, whose members are in the fit.
-fn seen(h: &Hypothesis) -> impl Iterator<Item = &Number> {
+fn seen(h: &Hypothesis) -> impl Iterator<Item = &EffectParameter> {
     let numbers = if h.is_slab() { &[][..] } else { &h.numbers };
     numbers
         .iter()
-        .filter(|number| number.column != Column::None)
+        .filter(|number| number.column != Sensitivity::None)
 }
 
 /// Values of the numbers that are [`seen`], with zeros for the others.
 fn spread(h: &Hypothesis, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let of = |number: &Number| match number.column {
-        Column::None => 0.0,
+    let of = |number: &EffectParameter| match number.column {
+        Sensitivity::None => 0.0,
         _ => values.next().unwrap_or_default(),
     };
     h.numbers.iter().map(of).collect()
@@ -258,13 +278,13 @@ fn spread(h: &Hypothesis, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
 /// Whether the first number that is seen can only be positive. `None` where that is not the first of all: nothing promises it.
 fn one_sided(h: &Hypothesis) -> Option<bool> {
     let first = h.numbers.first()?;
-    (!h.one_sided || first.column != Column::None).then_some(h.one_sided)
+    (!h.one_sided || first.column != Sensitivity::None).then_some(h.one_sided)
 }
 
 /// What the numbers of all hypotheses do to the whitened rows: their columns `E`, `A'E` and `C A'E` with the columns `A` of a fit and
 /// its covariance `C`.
 struct Effects<'a> {
-    further: &'a Further,
+    further: &'a CrossProducts,
     ln: Vec<f64>,
     cross: DMatrix<f64>,
     through: DMatrix<f64>,
@@ -290,11 +310,11 @@ pub(super) struct Weighed {
     /// The fit's unknowns with it.
     pub x: Vec<f64>,
     /// Sizes with it.
-    pub sizes: Sizes,
+    pub sizes: VarianceComponents,
 }
 
 /// Where members of the layer begin among the unknowns.
-pub(super) fn first_member(fitted: &Fitted) -> usize {
+pub(super) fn first_member(fitted: &FittedModel) -> usize {
     fitted
         .priors
         .iter()
@@ -323,7 +343,12 @@ fn projected(information: &DMatrix<f64>, g: &DVector<f64>, one_sided: bool) -> O
 /// Logarithm of the evidence when members of a group may be larger than the others, over that when they may not: with their posterior
 /// `N(m, C)`, `T` their variances now and then, `D = T0^-1 - T1^-1`,
 /// `1/2 ln det T0/T1 - 1/2 ln det(1 - C D) + 1/2 m' D (1 - C D)^-1 m`.
-fn slab(fitted: &Fitted, posterior: &Posterior, sizes: &Sizes, h: &Hypothesis) -> Option<f64> {
+fn slab(
+    fitted: &FittedModel,
+    posterior: &Posterior,
+    sizes: &VarianceComponents,
+    h: &Hypothesis,
+) -> Option<f64> {
     let first = first_member(fitted);
     let slab = h.slab();
     let places: Vec<usize> = slab.iter().map(|(member, _)| first + member).collect();

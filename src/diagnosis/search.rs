@@ -3,15 +3,17 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::fit::{Fit, Fitted, Target, aimed, unguessed};
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::{
+    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
+};
 use super::hypothesis::Hypothesis;
 use super::rig_errors::{GaveWay, Promises, RigErrors};
 use super::scan::{Catalogue, FORMS, Weighed, by_promise};
 use super::stand_in::{StandIns, left_by_friction, loosened};
-use super::subject::{Data, Subject};
 use super::tried::{BETTER, Tried};
 use super::visited::{Found, LINEAR, Visited, distinct, probabilities};
-use admire_identify::tolerance::Sizes;
+use admire_identify::tolerance::VarianceComponents;
 
 /// What was promised is weighed with sizes of its own if that is no less than what would be refitted by so many nats,
 const ASIDE: f64 = 300.0;
@@ -40,16 +42,17 @@ const MODEST: f64 = 100.0;
 /// Resumes a search from the models, without and with causes, that a search of some of the cases ended with. That one may have
 /// avoided a fit that went astray here, or a first cause that hides the true one. `None` where its models are no better.
 pub(super) fn resume(
-    subject: &Subject<'_>,
+    subject: &DiagnosisProblem<'_>,
     found: &Found,
-    [none, best]: [&Arc<Fitted>; 2],
+    [none, best]: [&Arc<FittedModel>; 2],
     data: Data,
 ) -> Option<Found> {
-    let better = |other: &Arc<Fitted>, known: &Arc<Fitted>| {
+    let better = |other: &Arc<FittedModel>, known: &Arc<FittedModel>| {
         let from = Some((&**other, other.x.as_slice()));
-        let target = Target::beyond(known);
-        let again = aimed(subject, &unguessed(other), from, None, data, target)?;
-        let Fit::New(again) = again else {
+        let target = EarlyStopping::beyond(known);
+        let again =
+            fit_with_early_stopping(subject, &with_zero_guesses(other), from, None, data, target)?;
+        let FitOutcome::New(again) = again else {
             return None;
         };
         let is_better = again.ln_posterior() > known.ln_posterior() + ELSEWHERE;
@@ -60,7 +63,7 @@ pub(super) fn resume(
     if none.is_none() && best.is_none() {
         return None;
     }
-    let starts: Vec<Arc<Fitted>> = best.into_iter().chain(none.clone()).collect();
+    let starts: Vec<Arc<FittedModel>> = best.into_iter().chain(none.clone()).collect();
     let none = none.unwrap_or_else(|| Arc::clone(&found.none));
     let mut search = Search::new(subject, none, data);
     search.tried.visited = found.models.iter().map(|(m, _)| m.clone()).collect();
@@ -75,12 +78,12 @@ pub(super) fn resume(
     Some(search.into_found(best))
 }
 
-fn by_evidence(a: &Arc<Fitted>, b: &Arc<Fitted>) -> Ordering {
+fn by_evidence(a: &Arc<FittedModel>, b: &Arc<FittedModel>) -> Ordering {
     a.ln_posterior().total_cmp(&b.ln_posterior())
 }
 
 /// The one with more evidence.
-fn better(known: Option<Arc<Fitted>>, other: Arc<Fitted>) -> Arc<Fitted> {
+fn better(known: Option<Arc<FittedModel>>, other: Arc<FittedModel>) -> Arc<FittedModel> {
     match known {
         Some(known) if known.ln_posterior() >= other.ln_posterior() => known,
         _ => other,
@@ -93,11 +96,11 @@ type Candidate = (Hypothesis, Weighed);
 /// A search on some of the cases.
 pub(super) struct Search<'a, 'b> {
     /// The model without any cause.
-    none: Arc<Fitted>,
+    none: Arc<FittedModel>,
     tried: Tried<'a, 'b>,
     stand_ins: StandIns,
     /// Models, what was weighed beside each, and what that had to come near to.
-    weighed: Vec<(Arc<Fitted>, Arc<Vec<Candidate>>, f64)>,
+    weighed: Vec<(Arc<FittedModel>, Arc<Vec<Candidate>>, f64)>,
     places: usize,
     /// Errors of the rig to which it gives way, what they promise, and those it gave way to.
     open: Vec<RigErrors>,
@@ -107,7 +110,11 @@ pub(super) struct Search<'a, 'b> {
 
 impl<'a, 'b> Search<'a, 'b> {
     /// From the model without any cause.
-    pub(super) fn new(subject: &'a Subject<'b>, none: Arc<Fitted>, data: Data) -> Self {
+    pub(super) fn new(
+        subject: &'a DiagnosisProblem<'b>,
+        none: Arc<FittedModel>,
+        data: Data,
+    ) -> Self {
         let mut tried = Tried::new(subject, data);
         tried.note(&none);
         Self {
@@ -147,17 +154,17 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The same, or a better one beside a fit without any cause that begins where the one with them ended, where that is better than the
     /// one known: that one went astray.
-    fn held_against_none(&mut self, best: Arc<Fitted>) -> Arc<Fitted> {
+    fn held_against_none(&mut self, best: Arc<FittedModel>) -> Arc<FittedModel> {
         let known = &self.none;
         let gained = best.ln_posterior() - known.ln_posterior();
-        let is_open = self.gave_way.is_none() && !self.tried.subject.is_spent();
-        if best.chosen.is_empty() || gained > MODEST || !is_open {
+        let is_open = self.gave_way.is_none() && !self.tried.subject.budget_exhausted();
+        if best.effects.is_empty() || gained > MODEST || !is_open {
             return best;
         }
         let from = Some((&*best, best.x.as_slice()));
-        let target = Target::beyond(known);
+        let target = EarlyStopping::beyond(known);
         let again = self.tried.fitted(&[], from, None, target);
-        let Some(Fit::New(again)) = again else {
+        let Some(FitOutcome::New(again)) = again else {
             return best;
         };
         if again.ln_posterior() < known.ln_posterior() + ELSEWHERE {
@@ -176,11 +183,11 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// Searches to the end from the causes that a search of some of the cases chose; from none, too, if what that would begin with is not
     /// among the causes this one comes to. `fits` are all that search fitted.
-    pub(super) fn ended_from(mut self, chosen: &Fitted, fits: &[Arc<Fitted>]) -> Found {
+    pub(super) fn ended_from(mut self, chosen: &FittedModel, fits: &[Arc<FittedModel>]) -> Found {
         let none = Arc::clone(&self.none);
         let mut ends = Vec::new();
         let from = Some((chosen, chosen.x.as_slice()));
-        let causes = unguessed(chosen);
+        let causes = with_zero_guesses(chosen);
         self.tried.elsewhere = fits.to_vec();
         let start = self.tried.settled(&causes, from);
         if let Some(start) = start.filter(|start| start.ln_posterior() > none.ln_posterior()) {
@@ -189,10 +196,10 @@ impl<'a, 'b> Search<'a, 'b> {
             ends.push(self.climbed(start));
         }
         let candidates = self.candidates(&none, f64::NEG_INFINITY);
-        let is_held = |end: &Arc<Fitted>| {
+        let is_held = |end: &Arc<FittedModel>| {
             candidates
                 .first()
-                .is_none_or(|(first, _)| end.chosen.iter().any(|h| h.same_place(first)))
+                .is_none_or(|(first, _)| end.effects.iter().any(|h| h.same_site(first)))
         };
         if self.gave_way.is_none() && !ends.iter().any(is_held) {
             ends.push(self.climbed(Arc::clone(&none)));
@@ -203,9 +210,9 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The best model that adding, dropping and exchanging causes leads to.
-    fn climbed(&mut self, mut best: Arc<Fitted>) -> Arc<Fitted> {
+    fn climbed(&mut self, mut best: Arc<FittedModel>) -> Arc<FittedModel> {
         loop {
-            while best.chosen.len() < MOST && !self.tried.subject.is_spent() {
+            while best.effects.len() < MOST && !self.tried.subject.budget_exhausted() {
                 let candidates = self.candidates(&best, f64::NEG_INFINITY);
                 let first = candidates.first().map(|(_, weighed)| weighed.ln_posterior);
                 let first = first.map_or(best.ln_posterior(), |f| f.max(best.ln_posterior()));
@@ -240,14 +247,14 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// True where errors of the rig promise far more than the best cause does, `promised`. A search with them has to come to what a force of an
     /// unknown law does, too.
-    fn gives_way(&mut self, best: &Arc<Fitted>, promised: f64) -> bool {
+    fn gives_way(&mut self, best: &Arc<FittedModel>, promised: f64) -> bool {
         let beside = (self.tried.subject, best);
         let foremost = self.promises.foremost(&self.open, beside, promised);
         let Some(mut gave_way) = foremost else {
             return false;
         };
         if self.tried.data == Data::All {
-            let causes = best.chosen.clone();
+            let causes = best.effects.clone();
             let force = self.stand_ins.beside(&mut self.tried, best, causes);
             let worth = force.map_or(f64::NEG_INFINITY, |force| force.ln_posterior());
             gave_way.least = gave_way.least.max(worth);
@@ -256,20 +263,20 @@ impl<'a, 'b> Search<'a, 'b> {
         true
     }
 
-    fn into_found(self, best: Arc<Fitted>) -> Found {
+    fn into_found(self, best: Arc<FittedModel>) -> Found {
         Found {
             none: self.none,
             best,
             models: probabilities(&self.tried.visited),
             places: self.places,
-            cut_short: self.tried.subject.is_spent(),
+            cut_short: self.tried.subject.budget_exhausted(),
             gave_way: self.gave_way,
             promises: self.promises,
         }
     }
 
     /// Candidates for one more cause, weighed with their own sizes, best first. What promises far less than `least` is left out.
-    fn candidates(&mut self, base: &Arc<Fitted>, least: f64) -> Arc<Vec<Candidate>> {
+    fn candidates(&mut self, base: &Arc<FittedModel>, least: f64) -> Arc<Vec<Candidate>> {
         let known = self.weighed.iter();
         let mut known = known.filter(|(of, _, held)| Arc::ptr_eq(of, base) && *held <= least);
         if let Some((_, known, _)) = known.next() {
@@ -277,10 +284,10 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         let catalogue = Catalogue::new(self.tried.subject, base);
         self.places = self.places.max(catalogue.hypotheses.len());
-        let modest = base.sizes.at(base.sizes.modest(0.0));
+        let modest = base.sizes.at(base.sizes.shrunk_to_median(0.0));
         let mut union = catalogue.promised(base, [&base.sizes, &modest]);
         union.sort_by(by_promise);
-        let start: Sizes = base.sizes.at(base.sizes.modest(1.0));
+        let start: VarianceComponents = base.sizes.at(base.sizes.shrunk_to_median(1.0));
         let mut out: Vec<Candidate> = Vec::new();
         let mut best = f64::NEG_INFINITY;
         for k in 0..union.len() {
@@ -317,8 +324,8 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         out.sort_by(|a, b| b.1.ln_posterior.total_cmp(&a.1.ln_posterior));
         for (h, weighed) in &out {
-            let mut causes = base.chosen.clone();
-            causes.extend(h.apart());
+            let mut causes = base.effects.clone();
+            causes.extend(h.split());
             self.tried.visited.push(Visited {
                 causes,
                 ln_posterior: weighed.ln_posterior,
@@ -335,12 +342,12 @@ impl<'a, 'b> Search<'a, 'b> {
     /// second number.
     fn refitted(
         &mut self,
-        base: &Arc<Fitted>,
+        base: &Arc<FittedModel>,
         candidates: &[&Candidate],
         (least, lost): (f64, (f64, f64)),
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         // With a further part of its law a cause may promise much that it cannot keep.
-        let alone = candidates.iter().find(|(h, _)| h.with.is_none());
+        let alone = candidates.iter().find(|(h, _)| h.joint_with.is_none());
         let best = alone.or(candidates.first())?.1.ln_posterior;
         // Of every place its most promising form first.
         let mut forms: [Vec<(&Hypothesis, &Weighed)>; FORMS] = Default::default();
@@ -350,11 +357,11 @@ impl<'a, 'b> Search<'a, 'b> {
             } else {
                 WITHIN.0
             };
-            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_part(h);
+            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_term(h);
             let known = forms.iter().flatten().filter(same).count();
             let mut places: Vec<&Hypothesis> = forms[0].iter().map(|(h, _)| *h).collect();
             places.push(h);
-            let (most, hopeless) = if h.has_rough_law() {
+            let (most, hopeless) = if h.is_poorly_linearised() {
                 (FORMS, lost.1)
             } else {
                 (1, lost.0)
@@ -370,8 +377,8 @@ impl<'a, 'b> Search<'a, 'b> {
             forms[known].push((h, weighed));
         }
         let mut reached: Vec<(&Hypothesis, f64)> = Vec::new();
-        let mut winner: Option<Arc<Fitted>> = None;
-        let mut ends: Vec<(&Hypothesis, &Weighed, Arc<Fitted>)> = Vec::new();
+        let mut winner: Option<Arc<FittedModel>> = None;
+        let mut ends: Vec<(&Hypothesis, &Weighed, Arc<FittedModel>)> = Vec::new();
         for (h, weighed) in forms.into_iter().flatten() {
             if self.tried.subject.progress().is_stopped() {
                 break;
@@ -380,7 +387,7 @@ impl<'a, 'b> Search<'a, 'b> {
                 .as_ref()
                 .map_or(least, |w| w.ln_posterior().max(least));
             // Of a further slider the linear model knows well what it promises; with a further part it promises too much.
-            let least = match (h.part, &h.with) {
+            let least = match (h.part, &h.joint_with) {
                 (0, None) => f64::NEG_INFINITY,
                 (0, Some(_)) => leads,
                 _ => leads - LINEAR,
@@ -388,10 +395,10 @@ impl<'a, 'b> Search<'a, 'b> {
             if weighed.ln_posterior < least {
                 continue;
             }
-            let far = |(other, ln): &(&Hypothesis, f64)| other.same_part(h) && *ln < leads - BEHIND;
+            let far = |(other, ln): &(&Hypothesis, f64)| other.same_term(h) && *ln < leads - BEHIND;
             // What a slider of the winner would come to from another first guess is seen when that is fitted anew.
-            let is_winner = |w: &Arc<Fitted>| {
-                w.is_settled() && w.chosen.last().is_some_and(|l| l.same_place(h))
+            let is_winner = |w: &Arc<FittedModel>| {
+                w.is_converged() && w.effects.last().is_some_and(|l| l.same_site(h))
             };
             if reached.iter().any(far)
                 || (h.memory.is_some() && winner.as_ref().is_some_and(is_winner))
@@ -418,7 +425,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The best model with one more cause, if it is better.
-    fn grown(&mut self, base: &Arc<Fitted>) -> Option<Arc<Fitted>> {
+    fn grown(&mut self, base: &Arc<FittedModel>) -> Option<Arc<FittedModel>> {
         let candidates = self.candidates(base, f64::NEG_INFINITY);
         let least = base.ln_posterior();
         let all: Vec<&Candidate> = candidates.iter().collect();
@@ -429,7 +436,7 @@ impl<'a, 'b> Search<'a, 'b> {
 
     /// The best of a winner and what came near it beside `base`, friction fitted anew from other slip lengths: with the winner's alone
     /// its place would look certain.
-    fn restarted(&mut self, base: &Arc<Fitted>, winner: Arc<Fitted>) -> Arc<Fitted> {
+    fn restarted(&mut self, base: &Arc<FittedModel>, winner: Arc<FittedModel>) -> Arc<FittedModel> {
         let least = winner.ln_posterior() - NEAR;
         let rivals = self.tried.beside(base, &winner, least);
         let mut best = self.tried.restarted(winner);
@@ -446,14 +453,15 @@ impl<'a, 'b> Search<'a, 'b> {
     /// the guesses of the linear model may lead astray, and the winner's place would look certain.
     fn beside_winner(
         &mut self,
-        base: &Fitted,
+        base: &FittedModel,
         candidates: &[Candidate],
-        winner: Arc<Fitted>,
-    ) -> Arc<Fitted> {
-        let (Some(own), Some(places)) = (winner.chosen.last(), winner.places.last()) else {
+        winner: Arc<FittedModel>,
+    ) -> Arc<FittedModel> {
+        let (Some(own), Some(places)) = (winner.effects.last(), winner.parameter_index.last())
+        else {
             return winner;
         };
-        if !own.has_rough_law() || own.memory.is_some() {
+        if !own.is_poorly_linearised() || own.memory.is_some() {
             return winner;
         }
         let guesses: Vec<f64> = places.iter().map(|at| winner.x[*at]).collect();
@@ -461,26 +469,26 @@ impl<'a, 'b> Search<'a, 'b> {
         let mut best = Arc::clone(&winner);
         for (h, _) in candidates {
             let is_alike = h.cause == own.cause && h.numbers.len() == own.numbers.len();
-            let is_tried = tried.iter().chain([&own]).any(|other| other.same_place(h));
+            let is_tried = tried.iter().chain([&own]).any(|other| other.same_site(h));
             if !is_alike || tried.len() == REFITTED || is_tried {
                 continue;
             }
             tried.push(h);
-            let mut all = unguessed(base);
+            let mut all = with_zero_guesses(base);
             all.push((h.clone(), guesses.clone()));
             let causes: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
             if self.tried.known(&causes).is_some() {
                 continue;
             }
             let from = Some((&*winner, winner.x.as_slice()));
-            let target = Target {
+            let target = EarlyStopping {
                 lead: winner.ln_posterior().max(base.ln_posterior())
                     - base.ln_prior()
-                    - h.ln_prior_beside(&base.chosen),
-                ..Target::NONE
+                    - h.ln_prior_given(&base.effects),
+                ..EarlyStopping::NONE
             };
             let found = self.tried.fitted(&all, from, None, target);
-            if let Some(Fit::New(found)) = found
+            if let Some(FitOutcome::New(found)) = found
                 && !found.has_wrong_sign(all.len() - 1)
             {
                 self.tried.note(&found);
@@ -493,10 +501,10 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Drops what the other causes of a model make needless; the last ones in stay.
-    fn pruned(&mut self, mut current: Arc<Fitted>, stay: usize) -> Arc<Fitted> {
+    fn pruned(&mut self, mut current: Arc<FittedModel>, stay: usize) -> Arc<FittedModel> {
         let mut at = 0;
-        while at + stay < current.chosen.len() {
-            if current.chosen[at].is_refined(&current.chosen) {
+        while at + stay < current.effects.len() {
+            if current.effects[at].is_refined(&current.effects) {
                 at += 1;
                 continue;
             }
@@ -512,12 +520,12 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Holds each cause against what else could stand in its place; what would count beside it is refitted.
-    fn exchanged(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
+    fn exchanged(&mut self, mut current: Arc<FittedModel>) -> Arc<FittedModel> {
         let mut at = 0;
-        while at < current.chosen.len() && !self.tried.subject.is_spent() {
-            let base = if current.chosen[at].is_refined(&current.chosen) {
+        while at < current.effects.len() && !self.tried.subject.budget_exhausted() {
+            let base = if current.effects[at].is_refined(&current.effects) {
                 self.tried.without_all_parts(&current, at, &self.none)
-            } else if current.chosen.len() == 1 {
+            } else if current.effects.len() == 1 {
                 Some(Arc::clone(&self.none))
             } else {
                 self.tried.without_refitted(&current, at)
@@ -528,12 +536,13 @@ impl<'a, 'b> Search<'a, 'b> {
             };
             let least = current.ln_posterior();
             let candidates = self.candidates(&base, least);
-            let own = &current.chosen[at];
-            let is_refined = own.is_refined(&current.chosen);
-            let is_other = |(h, _): &&Candidate| !(h.same(own) || is_refined && h.same_place(own));
+            let own = &current.effects[at];
+            let is_refined = own.is_refined(&current.effects);
+            let is_other =
+                |(h, _): &&Candidate| !(h.same_form(own) || is_refined && h.same_site(own));
             let others: Vec<&Candidate> = candidates.iter().filter(is_other).collect();
             // Where a fit gains on what the linear model promised of it, that of a rival may gain as much.
-            let of_own = candidates.iter().filter(|(h, _)| h.same_place(own));
+            let of_own = candidates.iter().filter(|(h, _)| h.same_site(own));
             let of_own = of_own.map(|(_, weighed)| weighed.ln_posterior - least);
             let lost = of_own.reduce(f64::max).unwrap_or(0.0).min(0.0) - LINEAR;
             match self.refitted(&base, &others, (least, (lost, lost))) {
@@ -543,7 +552,7 @@ impl<'a, 'b> Search<'a, 'b> {
                     at = 0;
                 }
                 _ => {
-                    let own = &current.chosen[at];
+                    let own = &current.effects[at];
                     // Further sliders only say how friction gives way.
                     let found = if is_refined && own.memory.is_none() {
                         self.in_two(&base, own)
@@ -564,11 +573,11 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The best model with two causes more, neither of them at this place: a law of several parts may stand in for both.
-    fn in_two(&mut self, base: &Arc<Fitted>, place: &Hypothesis) -> Option<Arc<Fitted>> {
+    fn in_two(&mut self, base: &Arc<FittedModel>, place: &Hypothesis) -> Option<Arc<FittedModel>> {
         let mut found = Arc::clone(base);
         for _ in 0..2 {
             let candidates = self.candidates(&found, f64::NEG_INFINITY);
-            let others = candidates.iter().filter(|(h, _)| !h.same_place(place));
+            let others = candidates.iter().filter(|(h, _)| !h.same_site(place));
             let others: Vec<&Candidate> = others.collect();
             let least = found.ln_posterior();
             found = self.refitted(&found, &others, (least, HOPELESS))?;

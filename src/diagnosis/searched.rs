@@ -3,41 +3,41 @@
 
 use std::sync::Arc;
 
+use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::findings::without;
-use super::fit::Fitted;
+use super::fit::FittedModel;
 use super::frame;
+use super::hold_out::HoldOutSelection;
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
 use super::rig_errors::{ASKED, GaveWay, RigErrors, SHORT};
 use super::search::Search;
 use super::sought::{Begun, Sought, as_it_is};
 use super::structure::{StructureTest, is_structured, structure};
-use super::subject::{Data, Subject};
-use super::unseen::Unseen;
 use admire_identify::tolerance::Size;
 
 /// A search with errors of the rig that was made and rejected, and the study with them.
-type Rejected<'a> = (RigErrors, Subject<'a>, Searched<'a>);
+type Rejected<'a> = (RigErrors, DiagnosisProblem<'a>, Searched<'a>);
 
 /// A search of all cases, and one without those held out.
 pub(super) struct Searched<'a> {
     /// The study, its readings weighed.
-    pub subject: Subject<'a>,
+    pub subject: DiagnosisProblem<'a>,
     /// What the search of all cases ended with.
     pub sought: Sought,
     /// Tests of structure in what its leading model leaves.
     pub tested: Vec<StructureTest>,
     /// What the other one chose and predicts.
-    pub unseen: Option<Unseen>,
+    pub unseen: Option<HoldOutSelection>,
 }
 
 impl<'a> Searched<'a> {
     /// The study with the errors of the rig that its readings ask for, and what was found with them. `None` where the deck cannot be solved.
     pub(super) fn to_the_end(
-        mut unfitted: Subject<'a>,
+        mut unfitted: DiagnosisProblem<'a>,
         is_blind: bool,
         progress: &Progress,
-    ) -> Option<(Subject<'a>, Self)> {
+    ) -> Option<(DiagnosisProblem<'a>, Self)> {
         let mut open = RigErrors::ALL.to_vec();
         open.retain(|errors| !errors.open(&unfitted).is_empty());
         // Fits without the alignment go astray from so far away.
@@ -66,11 +66,11 @@ impl<'a> Searched<'a> {
     /// With those in `open` that promise far more than any cause on the way to the end; they are taken out of it. A search with such errors
     /// that was rejected is returned, too.
     fn giving_way(
-        unfitted: Subject<'a>,
+        unfitted: DiagnosisProblem<'a>,
         open: &mut Vec<RigErrors>,
         is_blind: bool,
         progress: &Progress,
-    ) -> Option<(Subject<'a>, Self, Option<Rejected<'a>>)> {
+    ) -> Option<(DiagnosisProblem<'a>, Self, Option<Rejected<'a>>)> {
         let searched = Self::new(&unfitted, open, is_blind, progress)?;
         let Some(gave_way) = searched.sought.found.gave_way else {
             return Some((unfitted, searched, None));
@@ -107,7 +107,7 @@ impl<'a> Searched<'a> {
 
     /// Searches that give way to errors of the rig in `open` where both do. `None` where the deck cannot be solved.
     fn new(
-        unfitted: &Subject<'a>,
+        unfitted: &DiagnosisProblem<'a>,
         open: &[RigErrors],
         is_blind: bool,
         progress: &Progress,
@@ -122,7 +122,7 @@ impl<'a> Searched<'a> {
         let mut search = Search::new(&subject, Arc::new(none), Data::All);
         // The search without the held-out cases says what is gained. Where a cause acts for sure it comes first: this one begins where it ends.
         let mut unseen = (is_blind && search.is_sure())
-            .then(|| Unseen::new(begun.take()?, open, progress))
+            .then(|| HoldOutSelection::new(begun.take()?, open, progress))
             .flatten();
         let is_first = unseen.is_some();
         if is_first {
@@ -130,13 +130,15 @@ impl<'a> Searched<'a> {
             progress.begin("searching causes");
         }
         // What only the cases held out ask for is not asked for.
-        let asked = unseen.as_ref().map(Unseen::gave_way);
+        let asked = unseen.as_ref().map(HoldOutSelection::gave_way);
         let search = search.giving_way_to(match &asked {
             Some(errors) => errors.as_slice(),
             None => open,
         });
         // Beside a law that was met badly it would begin with what that law leaves.
-        let is_plain = |unseen: &&Unseen| unseen.chosen.chosen.iter().all(Hypothesis::is_plain);
+        let is_plain = |unseen: &&HoldOutSelection| {
+            unseen.chosen.effects.iter().all(Hypothesis::has_no_gp_term)
+        };
         let start = unseen.as_ref().filter(is_plain);
         let is_second = start.is_none();
         let mut sought = Sought::new(match start {
@@ -148,12 +150,13 @@ impl<'a> Searched<'a> {
         let mut tested = structure(&subject, &sought.leading);
         let is_unsure = match gave_way {
             Some(_) => is_blind,
-            None => is_structured(&tested) || (is_blind && !sought.leading.chosen.is_empty()),
+            None => is_structured(&tested) || (is_blind && !sought.leading.effects.is_empty()),
         };
         if !is_first && is_unsure {
-            unseen = begun.and_then(|begun| Unseen::new(begun, gave_way.as_slice(), progress));
+            unseen =
+                begun.and_then(|begun| HoldOutSelection::new(begun, gave_way.as_slice(), progress));
         }
-        if unseen.as_ref().map_or(gave_way, Unseen::gave_way) != gave_way {
+        if unseen.as_ref().map_or(gave_way, HoldOutSelection::gave_way) != gave_way {
             progress.renew();
             return Self::new(unfitted, &[], is_blind, progress);
         }
@@ -183,10 +186,10 @@ impl<'a> Searched<'a> {
         let each = open.iter().map(|errors| self.promised(*errors)).enumerate();
         let best = each.max_by(|a, b| a.1.total_cmp(&b.1));
         let best = best.filter(|(_, promised)| *promised >= ASKED);
-        let plain = |fit: &Fitted| fit.chosen.iter().all(Hypothesis::is_plain);
+        let plain = |fit: &FittedModel| fit.effects.iter().all(Hypothesis::has_no_gp_term);
         let is_hidden = || {
             let unseen = self.unseen.as_ref();
-            let may_be = |unseen: &Unseen| {
+            let may_be = |unseen: &HoldOutSelection| {
                 !plain(&unseen.chosen) || self.unseen_agrees(unseen, RigErrors::Loads)
             };
             !self.is_plain() && unseen.is_none_or(may_be)
@@ -209,7 +212,7 @@ impl<'a> Searched<'a> {
             own + errors.promised(&self.subject, &rest) + 2.0 * ASKED
         };
         let causes = if errors.is_steady() {
-            leading.chosen.len()
+            leading.effects.len()
         } else {
             0
         };
@@ -223,9 +226,9 @@ impl<'a> Searched<'a> {
     }
 
     /// True if the search without the held-out cases asks for them, too, so that those cases do not choose the tolerances that predict them.
-    fn unseen_agrees(&self, unseen: &Unseen, errors: RigErrors) -> bool {
+    fn unseen_agrees(&self, unseen: &HoldOutSelection, errors: RigErrors) -> bool {
         let chosen = &unseen.chosen;
-        let asks = |fit: &Arc<Fitted>| {
+        let asks = |fit: &Arc<FittedModel>| {
             let behind = chosen.ln_posterior() - fit.ln_posterior();
             let within = if Arc::ptr_eq(fit, chosen) {
                 0.0
@@ -241,13 +244,13 @@ impl<'a> Searched<'a> {
     fn with(
         &self,
         errors: RigErrors,
-        unfitted: &Subject<'a>,
+        unfitted: &DiagnosisProblem<'a>,
         is_blind: bool,
         progress: &Progress,
-    ) -> Option<(Subject<'a>, Self)> {
+    ) -> Option<(DiagnosisProblem<'a>, Self)> {
         let scattered = unfitted.with_groups(errors.open(unfitted));
         progress.renew();
-        if scattered.is_spent() {
+        if scattered.budget_exhausted() {
             return None;
         }
         // Without a promise beside the leading model they are seldom there: the search of all cases alone tells.
@@ -266,7 +269,7 @@ impl<'a> Searched<'a> {
     }
 
     /// The search of all cases, nothing else. `None` where the deck cannot be solved.
-    fn of_all_cases(unfitted: &Subject<'a>) -> Option<Self> {
+    fn of_all_cases(unfitted: &DiagnosisProblem<'a>) -> Option<Self> {
         let mut subject = unfitted.clone();
         let none = as_it_is(&mut subject, None, Data::All)?;
         let search = Search::new(&subject, Arc::new(none), Data::All);
@@ -286,10 +289,10 @@ impl<'a> Searched<'a> {
             return false;
         }
         if self.subject.tails == again.subject.tails {
-            let is_named = leading.chosen.iter().all(Hypothesis::is_named);
+            let is_named = leading.effects.iter().all(Hypothesis::is_in_catalogue);
             let least = if again.is_plain() && !is_named {
                 -SHORT
-            } else if other.chosen.len() < leading.chosen.len() {
+            } else if other.effects.len() < leading.effects.len() {
                 0.0
             } else {
                 ASKED
@@ -299,12 +302,16 @@ impl<'a> Searched<'a> {
             // Readings are weighed differently: evidence does not tell.
             again.is_plain()
                 && !is_structured(&again.tested)
-                && other.chosen.len() <= leading.chosen.len()
+                && other.effects.len() <= leading.effects.len()
         }
     }
 
     /// True if no force of an unknown law is in the leading model.
     fn is_plain(&self) -> bool {
-        self.sought.leading.chosen.iter().all(Hypothesis::is_plain)
+        self.sought
+            .leading
+            .effects
+            .iter()
+            .all(Hypothesis::has_no_gp_term)
     }
 }

@@ -7,9 +7,11 @@ use nalgebra::{DMatrix, DVector};
 use super::aim::{Aim, is_still};
 use super::progress::Progress;
 use super::unknowns::{RowColumn, Unknowns};
-use admire_identify::global::gauss_newton::{LeastSquares, approach};
+use admire_identify::global::gauss_newton::{LeastSquares, homotopy_start};
 use admire_identify::global::{Evaluation, FitUnknowns, NativePredictor, Observations, Predictor};
-use admire_identify::tolerance::{ByClass, Linear, Posterior, Reached, Sizes, Whitening};
+use admire_identify::tolerance::{
+    LinearModel, Posterior, RowsByVarianceClass, Solution, VarianceComponents, Whitening,
+};
 
 /// The longest step of the logarithm of a stiffness, at first and later.
 const REACH: [f64; 2] = [0.8, 1.2];
@@ -49,7 +51,7 @@ struct Derivatives {
     /// The same of turned rows.
     turned: DMatrix<f64>,
     /// Of those the rows of each class.
-    by_class: ByClass,
+    by_class: RowsByVarianceClass,
 }
 
 /// Residuals and derivatives at some values of the unknowns.
@@ -59,7 +61,7 @@ pub(super) struct Point {
     /// Prediction minus reading of all rows in units of the declared noise.
     pub residual: DVector<f64>,
     /// The linear model.
-    pub linear: Linear,
+    pub linear: LinearModel,
     /// Derivatives here, or those of a point nearby that `own` replaces in part.
     derivatives: Arc<Derivatives>,
     /// Columns of derivatives, and of turned ones, and which.
@@ -83,7 +85,7 @@ impl Point {
     }
 
     /// Unknowns, residual, its derivatives and the linear model.
-    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, DMatrix<f64>, Linear) {
+    pub(super) fn into_parts(self) -> (Vec<f64>, DVector<f64>, DMatrix<f64>, LinearModel) {
         let mut jacobian = match Arc::try_unwrap(self.derivatives) {
             Ok(own) => own.jacobian,
             Err(shared) => shared.jacobian.clone(),
@@ -119,7 +121,7 @@ pub(super) struct Settled {
     /// Where.
     pub point: Point,
     /// Sizes of tolerances.
-    pub sizes: Sizes,
+    pub sizes: VarianceComponents,
     /// What the readings say there.
     pub posterior: Posterior,
 }
@@ -130,7 +132,7 @@ impl Settled {
         self.posterior.ln_z - self.posterior.gain
     }
 
-    fn end(point: Point, sizes: Sizes) -> Option<End> {
+    fn end(point: Point, sizes: VarianceComponents) -> Option<End> {
         Some(End::Own(Box::new(Self {
             posterior: point.linear.posterior(&sizes)?,
             point,
@@ -193,8 +195,8 @@ impl Sweep<'_> {
 
     fn linearised(&self, x: Vec<f64>, evaluation: Evaluation, is_exact: bool) -> Point {
         let turned = self.whitening.apply(&evaluation.jacobian);
-        let by_class = ByClass::new(self.whitening, &turned);
-        let linear = Linear::new(
+        let by_class = RowsByVarianceClass::new(self.whitening, &turned);
+        let linear = LinearModel::new(
             self.whitening,
             &by_class,
             &self.whitening.apply_vector(&-&evaluation.residual),
@@ -222,7 +224,7 @@ impl Sweep<'_> {
         let evaluation = self.evaluate(&x, Some(&own))?;
         let jacobian = evaluation.jacobian;
         let turned = self.whitening.apply(&jacobian);
-        let by_class = ByClass::new(self.whitening, &turned);
+        let by_class = RowsByVarianceClass::new(self.whitening, &turned);
         let linear = point.linear.moved(
             self.whitening,
             &point.derivatives.by_class,
@@ -312,14 +314,14 @@ impl Sweep<'_> {
             rest: x.to_vec(),
         };
         let held = vec![false; count];
-        x[..count].copy_from_slice(&approach(&mut alone, &start, &scale, &held));
+        x[..count].copy_from_slice(&homotopy_start(&mut alone, &start, &scale, &held));
     }
 
     /// The point that a part of a step leads to, logarithms moving within `reach` in the whole one.
     fn stepped(
         &mut self,
         from: &Point,
-        reached: &Reached,
+        reached: &Solution,
         list: &FitUnknowns,
         (reach, part): (f64, f64),
     ) -> Option<Point> {
@@ -330,7 +332,7 @@ impl Sweep<'_> {
         let limits: Vec<(usize, (f64, f64))> = limits.collect();
         // A fit without causes that followed its valley so closely was seen to end behind the one that does not.
         let step = if self.unknowns.has_causes() {
-            reached.step_within(&limits)
+            reached.box_constrained_step(&limits)
         } else {
             reached.step_clamped(&limits)
         };
@@ -347,7 +349,7 @@ impl Sweep<'_> {
     pub(super) fn settle(
         &mut self,
         start: Point,
-        first: &Sizes,
+        first: &VarianceComponents,
         (steps, aim): (usize, Aim<'_>),
         free: bool,
     ) -> Option<End> {
@@ -355,7 +357,7 @@ impl Sweep<'_> {
         let mut here = start;
         // Steps of stiffnesses are made in what the deflections are linear in.
         let mut list = self.unknowns.list.clone();
-        list.set_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
+        list.set_load_shares(&self.predictor.shares(&list.springs()).unwrap_or_default());
         let (mut slow, mut damping) = (0, 0.0);
         // The evidence of each step, without what is promised beyond.
         let mut course: Vec<f64> = Vec::new();
@@ -366,13 +368,13 @@ impl Sweep<'_> {
                 return Settled::end(here, sizes);
             }
             // Far from the answer the sizes would take up what is not fitted yet.
-            let mut reached = here.linear.reached(&sizes, 0.0)?;
+            let mut reached = here.linear.solve(&sizes, 0.0)?;
             if free || step_number >= HELD || reached.gain < NEAR {
-                sizes = here.linear.sized(&sizes);
-                reached = here.linear.reached(&sizes, 0.0)?;
+                sizes = here.linear.maximise_evidence(&sizes);
+                reached = here.linear.solve(&sizes, 0.0)?;
             } else if step_number > 0 && aim.is_lost(&reached) {
-                let own = here.linear.sized(&sizes);
-                let granted = here.linear.reached(&own, 0.0)?;
+                let own = here.linear.maximise_evidence(&sizes);
+                let granted = here.linear.solve(&own, 0.0)?;
                 if aim.is_lost(&granted) {
                     return Settled::end(here, own);
                 }
@@ -394,7 +396,7 @@ impl Sweep<'_> {
                     return Settled::end(here, sizes);
                 }
                 here = self.at(here.x)?;
-                let exact = here.linear.reached(&sizes, 0.0)?;
+                let exact = here.linear.solve(&sizes, 0.0)?;
                 if is_alike(exact.gain, reached.gain) {
                     return Settled::end(here, sizes);
                 }
@@ -415,14 +417,14 @@ impl Sweep<'_> {
                 ALONG
             };
             let (mut bend, mut bends): (Option<DMatrix<f64>>, usize) = (None, 0);
-            let mut held: Option<Reached> = None;
-            self.predictor.keep();
+            let mut held: Option<Solution> = None;
+            self.predictor.checkpoint();
             for trial in 0..TRIALS + along {
                 let other;
                 let damped = if damping == 0.0 {
                     &reached
                 } else {
-                    other = here.linear.reached(&sizes, damping)?;
+                    other = here.linear.solve(&sizes, damping)?;
                     &other
                 };
                 let held_here = held.take();
@@ -438,7 +440,7 @@ impl Sweep<'_> {
                 {
                     // Along a valley that bends a whole step ends up on its side, and the next one leads back to the ground. Source:
                     // Chamberlain, Powell, Lemarechal and Pedersen, Mathematical Programming Study 16 (1982) 1.
-                    let back = uphill.linear.reached(&sizes, 0.0);
+                    let back = uphill.linear.solve(&sizes, 0.0);
                     let back = back.filter(|b| value(uphill) - 2.0 * b.gain < objective);
                     if let Some(back) = back {
                         let returned = self.stepped(uphill, &back, &list, (reach, 1.0));
@@ -451,9 +453,9 @@ impl Sweep<'_> {
                     let value = value(&further);
                     let is_less = objective - value < FAITHFUL * 2.0 * reached.gain;
                     let further = if is_less && !is_sure {
-                        let near = further.linear.reached(&sizes, 0.0)?.gain;
+                        let near = further.linear.solve(&sizes, 0.0)?.gain;
                         let exact = self.at(further.x)?;
-                        let gain = exact.linear.reached(&sizes, 0.0)?.gain;
+                        let gain = exact.linear.solve(&sizes, 0.0)?.gain;
                         confirmed = is_alike(gain, near).then_some(value);
                         exact
                     } else {
@@ -469,7 +471,7 @@ impl Sweep<'_> {
                     break;
                 }
                 // The answers are those of the trial, and a further one would follow where it led.
-                self.predictor.go_back();
+                self.predictor.rollback();
                 if bends < along
                     && reached.gain > KINKS
                     && let Some(beyond) = beyond.or(further)
@@ -477,7 +479,7 @@ impl Sweep<'_> {
                     let weights = self.whitening.weights(&sizes.ln);
                     let crossed = here.bend(&beyond, &self.of_the_model, &weights);
                     let all = bend.map_or(crossed.clone(), |known| known + &crossed);
-                    let step = damped.held(&self.of_the_model, &all);
+                    let step = damped.with_quadratic_penalty(&self.of_the_model, &all);
                     held = step.filter(|step| step.gain > KINKS);
                     (bend, bends) = (Some(all), bends + 1);
                 }
@@ -516,7 +518,7 @@ impl Sweep<'_> {
             if is_sure {
                 return Settled::end(here, sizes);
             }
-            let exact = here.linear.reached(&sizes, 0.0)?;
+            let exact = here.linear.solve(&sizes, 0.0)?;
             confirmed = is_alike(exact.gain, reached.gain).then_some(objective);
             damping = 0.0;
         }
@@ -552,15 +554,15 @@ impl LeastSquares for Alone<'_, '_> {
         })
     }
 
-    fn keep(&mut self) {
-        self.sweep.predictor.keep();
+    fn checkpoint(&mut self) {
+        self.sweep.predictor.checkpoint();
     }
 
-    fn go_back(&mut self) {
-        self.sweep.predictor.go_back();
+    fn rollback(&mut self) {
+        self.sweep.predictor.rollback();
     }
 
-    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         self.sweep.unknowns.list.moved(x, step)
     }
 

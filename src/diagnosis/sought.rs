@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::fit::{Fitted, fit, refit};
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::{FittedModel, fit, refit};
 use super::hypothesis::Hypothesis;
 use super::progress::Progress;
 use super::search::{Search, resume};
 use super::structure::{is_of_far_readings, is_structured, structure};
-use super::subject::{Data, Subject};
 use super::visited::Found;
 
 /// A place is named from this probability on.
@@ -22,20 +22,20 @@ pub struct Sought {
     /// All models that were looked at.
     pub found: Found,
     /// The model that is reported.
-    pub leading: Arc<Fitted>,
+    pub leading: Arc<FittedModel>,
 }
 
 /// A model without any cause, where a search begins.
 pub(super) struct Begun<'a> {
     /// The study, its readings weighed by what the model leaves.
-    pub subject: Subject<'a>,
+    pub subject: DiagnosisProblem<'a>,
     /// The model.
-    pub none: Arc<Fitted>,
+    pub none: Arc<FittedModel>,
 }
 
 impl<'a> Begun<'a> {
     /// Fitted without the cases held out; `None` where there are none, or where the deck cannot be solved.
-    pub(super) fn without_held_out(subject: &Subject<'a>) -> Option<Self> {
+    pub(super) fn without_held_out(subject: &DiagnosisProblem<'a>) -> Option<Self> {
         if !subject.holds_out() {
             return None;
         }
@@ -50,7 +50,11 @@ impl<'a> Begun<'a> {
 
 /// Fits the model without any cause, from where a fit of it to some of the cases ended if one is known, and weighs the readings by what
 /// it leaves. `None` where the deck cannot be solved.
-pub fn as_it_is(subject: &mut Subject<'_>, known: Option<&Fitted>, data: Data) -> Option<Fitted> {
+pub fn as_it_is(
+    subject: &mut DiagnosisProblem<'_>,
+    known: Option<&FittedModel>,
+    data: Data,
+) -> Option<FittedModel> {
     let begun = known.and_then(|known| refit(subject, known, data));
     let mut none = match begun {
         Some(begun) => begun,
@@ -58,12 +62,12 @@ pub fn as_it_is(subject: &mut Subject<'_>, known: Option<&Fitted>, data: Data) -
     };
     // What is wrong hides other wrong readings until it is left out.
     for _ in 0..JUDGED {
-        if subject.suspect_three(&none.misfit) {
-            subject.weigh(None);
+        if subject.flag_three_mark_outliers(&none.residual) {
+            subject.set_row_weights(None);
             none = refit(subject, &none, data)?;
         }
-        let judged = subject.judge_suspects(&none.misfit);
-        subject.weigh(Some(&none.misfit));
+        let judged = subject.resolve_flagged(&none.residual);
+        subject.set_row_weights(Some(&none.residual));
         if judged || subject.is_reweighed() {
             none = refit(subject, &none, data)?;
         }
@@ -81,29 +85,32 @@ pub fn as_it_is(subject: &mut Subject<'_>, known: Option<&Fitted>, data: Data) -
 /// The readings weighed by tails, and a fit to them, where they explain what it leaves. Far readings of a model that is wrong may look
 /// like tails: they have to be all that there is.
 fn explained_by_tails<'a>(
-    subject: &Subject<'a>,
-    fitted: &Fitted,
+    subject: &DiagnosisProblem<'a>,
+    fitted: &FittedModel,
     data: Data,
-) -> Option<(Subject<'a>, Fitted)> {
+) -> Option<(DiagnosisProblem<'a>, FittedModel)> {
     let tailed = tailed(subject, fitted)?;
     let again = refit(&tailed, fitted, data)?;
     (!is_structured(&structure(&tailed, &again))).then_some((tailed, again))
 }
 
 /// The readings weighed by tails, where that may explain what a fit leaves.
-fn tailed<'a>(subject: &Subject<'a>, fitted: &Fitted) -> Option<Subject<'a>> {
-    if subject.tails.is_some() || !subject.has_few_far(&fitted.misfit) {
+fn tailed<'a>(
+    subject: &DiagnosisProblem<'a>,
+    fitted: &FittedModel,
+) -> Option<DiagnosisProblem<'a>> {
+    if subject.tails.is_some() || !subject.has_few_far(&fitted.residual) {
         return None;
     }
     let left = structure(subject, fitted);
     if !is_structured(&left) {
         return None;
     }
-    subject.with_tails(&fitted.misfit, is_of_far_readings(&left))
+    subject.with_tails(&fitted.residual, is_of_far_readings(&left))
 }
 
 /// Fits the model as it is to all cases, and searches causes. `None` where the deck cannot be solved.
-pub fn seek(subject: &mut Subject<'_>, progress: &Progress) -> Option<Sought> {
+pub fn seek(subject: &mut DiagnosisProblem<'_>, progress: &Progress) -> Option<Sought> {
     progress.begin("fitting the model as it is");
     let none = as_it_is(subject, None, Data::All)?;
     progress.begin("searching causes");
@@ -114,9 +121,9 @@ pub fn seek(subject: &mut Subject<'_>, progress: &Progress) -> Option<Sought> {
 impl Sought {
     /// Searches all cases again where tails of the readings explain what the leading model leaves: before its causes were known far
     /// readings were not all that there was. False where they do not.
-    pub(super) fn with_tails(&mut self, subject: &mut Subject<'_>) -> bool {
+    pub(super) fn with_tails(&mut self, subject: &mut DiagnosisProblem<'_>) -> bool {
         let (leading, data) = (&self.leading, Data::All);
-        if leading.chosen.is_empty() || subject.is_spent() {
+        if leading.effects.is_empty() || subject.budget_exhausted() {
             return false;
         }
         let Some((tailed, again)) = explained_by_tails(subject, leading, data) else {
@@ -142,8 +149,8 @@ impl Sought {
     /// Resumes the search from what a search of some of the cases chose; false where that is no better.
     pub(super) fn resume(
         &mut self,
-        subject: &Subject<'_>,
-        models: [&Arc<Fitted>; 2],
+        subject: &DiagnosisProblem<'_>,
+        models: [&Arc<FittedModel>; 2],
         data: Data,
     ) -> bool {
         let Some(found) = resume(subject, &self.found, models, data) else {
@@ -167,22 +174,24 @@ pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool)
 
 /// Probability that no cause of the catalogue acts.
 pub(super) fn none_of_these(found: &Found) -> f64 {
-    probability(found, |causes| !causes.iter().any(Hypothesis::is_named))
+    probability(found, |causes| {
+        !causes.iter().any(Hypothesis::is_in_catalogue)
+    })
 }
 
 /// Probability of a cause at its place.
 pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
     probability(found, |causes| {
-        causes.iter().any(|other| other.same_place(h))
+        causes.iter().any(|other| other.same_site(h))
     })
 }
 
 /// The model that is reported: the best fitted one that holds every place that is more probable than not, and a cause where it is more
 /// probable than not that one acts.
-fn leading(found: &Found) -> Arc<Fitted> {
+fn leading(found: &Found) -> Arc<FittedModel> {
     let mut named: Vec<&Hypothesis> = Vec::new();
     for h in found.models.iter().flat_map(|(model, _)| &model.causes) {
-        if !named.iter().any(|other| other.same_place(h)) && of_place(found, h) > NAMED {
+        if !named.iter().any(|other| other.same_site(h)) && of_place(found, h) > NAMED {
             named.push(h);
         }
     }
@@ -191,11 +200,11 @@ fn leading(found: &Found) -> Arc<Fitted> {
         .iter()
         .filter_map(|(model, _)| model.fitted.as_ref());
     let acts = none_of_these(found) < NAMED;
-    let holds = |fitted: &&Arc<Fitted>| {
-        (!acts || fitted.chosen.iter().any(Hypothesis::is_named))
+    let holds = |fitted: &&Arc<FittedModel>| {
+        (!acts || fitted.effects.iter().any(Hypothesis::is_in_catalogue))
             && named
                 .iter()
-                .all(|h| fitted.chosen.iter().any(|other| other.same_place(h)))
+                .all(|h| fitted.effects.iter().any(|other| other.same_site(h)))
     };
     let mut holding = fitted.filter(holds);
     holding
@@ -216,9 +225,11 @@ pub(super) mod tests {
     }
 
     /// The same with no case held out, and its model without any cause.
-    pub(in super::super) fn of_the_axle<'a>(problem: &'a Problem<'a>) -> (Subject<'a>, Fitted) {
+    pub(in super::super) fn of_the_axle<'a>(
+        problem: &'a Problem<'a>,
+    ) -> (DiagnosisProblem<'a>, FittedModel) {
         let held_out = vec![false; problem.measurement.cases.len()];
-        let mut subject = Subject::new(problem, held_out);
+        let mut subject = DiagnosisProblem::new(problem, held_out);
         let none = as_it_is(&mut subject, None, Data::All).expect("it can be solved");
         (subject, none)
     }
@@ -229,12 +240,12 @@ pub(super) mod tests {
         let loaded = shipped_axle();
         let problem = loaded.problem();
         let held_out = (0..problem.measurement.cases.len()).map(|k| k % 4 == 3);
-        let unfitted = Subject::new(&problem, held_out.collect());
+        let unfitted = DiagnosisProblem::new(&problem, held_out.collect());
         let begun = Begun::without_held_out(&unfitted).expect("cases are held out");
-        let to_all = |known: Option<&Fitted>| {
+        let to_all = |known: Option<&FittedModel>| {
             let mut subject = unfitted.clone();
             let progress = Progress::default();
-            subject.watched_by(&progress);
+            subject.with_progress(&progress);
             let fitted = as_it_is(&mut subject, known, Data::All).expect("it can be solved");
             (fitted.ln_posterior(), progress.sweeps())
         };

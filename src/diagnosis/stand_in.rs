@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::fit::{Fit, Fitted, Target, unguessed};
+use super::fit::{EarlyStopping, FitOutcome, FittedModel, with_zero_guesses};
 use super::hypothesis::Hypothesis;
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::tried::{BETTER, Tried};
@@ -19,7 +19,7 @@ const WILD: f64 = 1000.0;
 #[derive(Default)]
 pub(super) struct StandIns {
     /// Sets of causes, and the best model of each with one force of a law that no cause has.
-    beside: Vec<(Vec<Hypothesis>, Option<Arc<Fitted>>)>,
+    beside: Vec<(Vec<Hypothesis>, Option<Arc<FittedModel>>)>,
 }
 
 impl StandIns {
@@ -28,12 +28,12 @@ impl StandIns {
     pub(super) fn unnamed(
         &mut self,
         tried: &mut Tried<'_, '_>,
-        current: &Arc<Fitted>,
-    ) -> Option<Arc<Fitted>> {
+        current: &Arc<FittedModel>,
+    ) -> Option<Arc<FittedModel>> {
         let subject = tried.subject;
-        let named = || current.chosen.iter().filter(|h| h.is_named());
+        let named = || current.effects.iter().filter(|h| h.is_in_catalogue());
         let many = named().filter(|h| h.part == 0).count();
-        if many < MANY || subject.is_spent() {
+        if many < MANY || subject.budget_exhausted() {
             return None;
         }
         let of_the_model = |h: &&Hypothesis| h.only_case(&subject.rows).is_none();
@@ -42,7 +42,7 @@ impl StandIns {
         if !rest.is_empty() && rest.len() + MANY <= named().count() {
             bases.push(rest);
         }
-        let mut best: Option<Arc<Fitted>> = None;
+        let mut best: Option<Arc<FittedModel>> = None;
         for causes in bases {
             let Some(found) = self.beside(tried, current, causes) else {
                 continue;
@@ -59,19 +59,19 @@ impl StandIns {
     pub(super) fn beside(
         &mut self,
         tried: &mut Tried<'_, '_>,
-        current: &Arc<Fitted>,
+        current: &Arc<FittedModel>,
         causes: Vec<Hypothesis>,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         let known = self.beside.iter().find(|(of, _)| same_set(of, &causes));
         if let Some((_, found)) = known {
             return found.clone();
         }
         let base = tried.of(current, causes.clone())?;
-        let mut best: Option<Arc<Fitted>> = None;
+        let mut best: Option<Arc<FittedModel>> = None;
         for force in unnamed(tried.subject, &base) {
             let lead = best.as_deref().unwrap_or(current).ln_posterior();
             let found = standing_in(tried, &base, &force, lead);
-            let leads = |f: &Arc<Fitted>| f.ln_posterior();
+            let leads = |f: &Arc<FittedModel>| f.ln_posterior();
             if found.as_ref().map(leads) > best.as_ref().map(leads) {
                 best = found;
             }
@@ -83,20 +83,23 @@ impl StandIns {
 
 /// The best model in which a law leaves something at its own element, beside all other causes or in place of some. `None` where
 /// none is better.
-pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Option<Arc<Fitted>> {
+pub(super) fn loosened(
+    tried: &mut Tried<'_, '_>,
+    current: &Arc<FittedModel>,
+) -> Option<Arc<FittedModel>> {
     let rough = |h: &Hypothesis| h.cause.has_rough_law();
-    if tried.subject.is_spent() || !current.chosen.iter().any(rough) {
+    if tried.subject.budget_exhausted() || !current.effects.iter().any(rough) {
         return None;
     }
     let mut bases = vec![Arc::clone(current)];
     let alone: Vec<Hypothesis> = current
-        .chosen
+        .effects
         .iter()
         .filter(|h| rough(h))
         .cloned()
         .collect();
-    let others: Vec<usize> = (0..current.chosen.len())
-        .filter(|at| !rough(&current.chosen[*at]))
+    let others: Vec<usize> = (0..current.effects.len())
+        .filter(|at| !rough(&current.effects[*at]))
         .collect();
     if others.len() > 1 {
         bases.extend(tried.of(current, alone));
@@ -106,19 +109,19 @@ pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Opti
     }
     // A law met badly looks like a second one at another element: each place is tried without the laws of all others, too.
     let mut places: Vec<&Hypothesis> = Vec::new();
-    for h in current.chosen.iter().filter(|h| rough(h)) {
-        if !places.iter().any(|other| other.same_place(h)) {
+    for h in current.effects.iter().filter(|h| rough(h)) {
+        if !places.iter().any(|other| other.same_site(h)) {
             places.push(h);
         }
     }
     if places.len() > 1 {
         for place in places {
-            let own = current.chosen.iter();
-            let own = own.filter(|h| !rough(h) || h.same_place(place));
+            let own = current.effects.iter();
+            let own = own.filter(|h| !rough(h) || h.same_site(place));
             bases.extend(tried.of(current, own.cloned().collect()));
         }
     }
-    let mut best: Option<Arc<Fitted>> = None;
+    let mut best: Option<Arc<FittedModel>> = None;
     for base in bases {
         for force in left_by_laws(tried.subject, &base) {
             let leads = best.as_deref().unwrap_or(current).ln_posterior();
@@ -135,13 +138,13 @@ pub(super) fn loosened(tried: &mut Tried<'_, '_>, current: &Arc<Fitted>) -> Opti
 /// evidence that it expects of the next cause, and what it comes to is more, too.
 pub(super) fn left_by_friction(
     tried: &mut Tried<'_, '_>,
-    base: &Fitted,
+    base: &FittedModel,
     first: f64,
-) -> Option<Arc<Fitted>> {
-    if base.chosen.iter().all(|h| h.memory.is_none()) {
+) -> Option<Arc<FittedModel>> {
+    if base.effects.iter().all(|h| h.memory.is_none()) {
         return None;
     }
-    let mut best: Option<Arc<Fitted>> = None;
+    let mut best: Option<Arc<FittedModel>> = None;
     for force in left_by_laws(tried.subject, base) {
         let leads = best.as_ref().map_or(first, |found| found.ln_posterior());
         if base.ln_posterior() + force.nats + force.hypothesis.ln_prior < leads {
@@ -157,29 +160,29 @@ pub(super) fn left_by_friction(
 /// to `lead` nats, prior included.
 fn standing_in(
     tried: &mut Tried<'_, '_>,
-    base: &Fitted,
+    base: &FittedModel,
     force: &Unnamed,
     lead: f64,
-) -> Option<Arc<Fitted>> {
+) -> Option<Arc<FittedModel>> {
     let subject = tried.subject;
-    let mut all = unguessed(base);
+    let mut all = with_zero_guesses(base);
     all.push((force.hypothesis.clone(), force.guesses.clone()));
     let chosen: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
-    let target = Target {
+    let target = EarlyStopping {
         lead: lead - Hypothesis::ln_prior_of(&chosen),
         least: -0.5 * WILD * base.linear.objective(&base.sizes),
-        ..Target::NONE
+        ..EarlyStopping::NONE
     };
-    let mut fitted = |all: &[(Hypothesis, Vec<f64>)], from: &Fitted, x: &[f64]| {
+    let mut fitted = |all: &[(Hypothesis, Vec<f64>)], from: &FittedModel, x: &[f64]| {
         let fit = tried.fitted(all, Some((from, x)), None, target)?;
         match fit {
-            Fit::New(fitted) => Some(fitted),
-            Fit::Known => None,
+            FitOutcome::New(fitted) => Some(fitted),
+            FitOutcome::Duplicate => None,
         }
     };
     let mut begun = |x: &[f64]| fitted(&all, base, x).filter(|found| !target.is_astray(found));
     let first = begun(&force.x).or_else(|| begun(&base.x))?;
-    let mut again = unguessed(&first);
+    let mut again = with_zero_guesses(&first);
     if let Some((last, _)) = again.last_mut() {
         *last = force.at(subject, &first);
     }

@@ -1,4 +1,4 @@
-use super::fit::Fitted;
+use super::fit::FittedModel;
 use admire_identify::Problem;
 use admire_identify::global::UNIDENTIFIABLE;
 
@@ -30,8 +30,8 @@ impl CorrectedStiffness {
 /// All stiffnesses of a study, before and after.
 pub(super) fn corrected(
     problem: &Problem<'_>,
-    before: &Fitted,
-    after: &Fitted,
+    before: &FittedModel,
+    after: &FittedModel,
 ) -> Vec<CorrectedStiffness> {
     let unknowns = problem.unknowns.iter().enumerate();
     unknowns

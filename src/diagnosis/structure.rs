@@ -1,8 +1,8 @@
 //! Whether residuals still have structure, and where.
 
-use super::fit::Fitted;
-use super::influence::{ByCase, Contrast, Influence};
-use super::subject::Subject;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
+use super::influence::{ByCase, Contrast, ResidualCovariance};
 use super::survey::Survey;
 use admire_identify::global::Row;
 use admire_solver::mechanics::Vec3;
@@ -43,8 +43,11 @@ pub struct StructureTest {
 /// Tests of structure, smallest p first: chi-square over all rows, of every case, part, direction and channel; trends with each load,
 /// with the force in each element and with the order of application; loading against unloading; a rigid motion of all marks in one
 /// case; a constant or a single error of one mark.
-pub(super) fn structure(subject: &Subject<'_>, fitted: &Fitted) -> Vec<StructureTest> {
-    let influence = Influence::new(fitted);
+pub(super) fn structure(
+    subject: &DiagnosisProblem<'_>,
+    fitted: &FittedModel,
+) -> Vec<StructureTest> {
+    let influence = ResidualCovariance::new(fitted);
     let mut tests = Tests {
         subject,
         by_case: influence.by_case(&by_case(subject)),
@@ -100,16 +103,17 @@ pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
 }
 
 struct Tests<'a> {
-    subject: &'a Subject<'a>,
-    influence: &'a Influence<'a>,
+    subject: &'a DiagnosisProblem<'a>,
+    influence: &'a ResidualCovariance<'a>,
     /// One contrast for each direction of each part, for the wheel and for each channel.
     by_case: ByCase,
     out: Vec<StructureTest>,
 }
 
 impl Tests<'_> {
-    fn overall(&mut self, fitted: &Fitted) {
-        let value = fitted.posterior.chi_square * self.subject.normal(0..self.subject.rows.len());
+    fn overall(&mut self, fitted: &FittedModel) {
+        let value =
+            fitted.posterior.chi_square * self.subject.variance_factor(0..self.subject.rows.len());
         let dof = (fitted.posterior.count - fitted.posterior.effective)
             .max(1.0)
             .round() as usize;
@@ -163,7 +167,7 @@ impl Tests<'_> {
             .map(|(k, _)| k)
             .collect();
         if let Some(statistic) = self.influence.test_rows(&rows) {
-            let value = statistic.value * self.subject.normal(rows);
+            let value = statistic.value * self.subject.variance_factor(rows);
             self.out.push(StructureTest {
                 aspect: Aspect::Scatter,
                 what,
@@ -206,7 +210,7 @@ impl Tests<'_> {
         self.put(what, &centred);
     }
 
-    fn trends(&mut self, fitted: &Fitted) {
+    fn trends(&mut self, fitted: &FittedModel) {
         let programme = self.subject.problem.programme;
         for (k, load) in programme.loads.iter().enumerate() {
             let values: Vec<f64> = programme.cases.iter().map(|c| c.values[k]).collect();
@@ -282,7 +286,7 @@ impl Tests<'_> {
 }
 
 /// One contrast in each case for each direction of each part, for the wheel and for each channel.
-fn by_case(subject: &Subject<'_>) -> Vec<Vec<Contrast>> {
+fn by_case(subject: &DiagnosisProblem<'_>) -> Vec<Vec<Contrast>> {
     let measurement = subject.problem.measurement;
     let parts = measurement.parts.len();
     let count = 3 * parts + 5 + measurement.channels.len();

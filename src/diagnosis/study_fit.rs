@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use crate::tolerant;
+use crate::fit_with_random_effects;
 use admire_identify::global::gauss_newton::Tolerances;
 use admire_identify::global::{Marginal, Options, Prepared, Start, fit_study};
 use admire_identify::{
@@ -13,7 +13,7 @@ use admire_session::backend::Backend;
 use admire_study::settings::{BackendChoice, Method};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-use crate::watch::Watch;
+use crate::watch::ProgressObserver;
 
 /// Identifies the stiffnesses of a study: first the noise of sensors that the study does not state, then the fit, with tolerances beside
 /// the stiffnesses where they can be had.
@@ -23,7 +23,7 @@ use crate::watch::Watch;
 pub fn identify(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
-    watch: &dyn Watch,
+    watch: &dyn ProgressObserver,
 ) -> Result<Fit, IdentifyError> {
     identify_with(loaded, backend, watch, false).map(|(fit, _)| fit)
 }
@@ -35,7 +35,7 @@ pub fn identify(
 pub fn identify_with(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
-    watch: &dyn Watch,
+    watch: &dyn ProgressObserver,
     wanted: bool,
 ) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     watch.stage("noise of the sensors");
@@ -116,7 +116,7 @@ fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), Iden
 fn among_tolerances(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
-    watch: &dyn Watch,
+    watch: &dyn ProgressObserver,
     wanted: bool,
 ) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     if !allows_for_tolerances(loaded) {
@@ -128,7 +128,10 @@ fn among_tolerances(
     }
     let problem = loaded.problem();
     watch.stage("allowing for tolerances");
-    let found = fit.fit_test.as_ref().and_then(|_| tolerant(&problem));
+    let found = fit
+        .fit_test
+        .as_ref()
+        .and_then(|_| fit_with_random_effects(&problem));
     let Some(found) = found else {
         return fitted_with(loaded, backend, watch, (true, wanted));
     };
@@ -159,7 +162,7 @@ fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
 pub fn fitted(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
-    watch: &dyn Watch,
+    watch: &dyn ProgressObserver,
     profile: bool,
 ) -> Result<Fit, IdentifyError> {
     fitted_with(loaded, backend, watch, (profile, false)).map(|(fit, _)| fit)
@@ -168,7 +171,7 @@ pub fn fitted(
 fn fitted_with(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
-    watch: &dyn Watch,
+    watch: &dyn ProgressObserver,
     (profile, wanted): (bool, bool),
 ) -> Result<(Fit, Option<Marginal>), IdentifyError> {
     let problem = loaded.problem();
@@ -230,7 +233,7 @@ fn fitted_with(
 }
 
 /// Breaks a run that was asked to stop.
-fn flow(watch: &dyn Watch) -> ControlFlow<()> {
+fn flow(watch: &dyn ProgressObserver) -> ControlFlow<()> {
     if watch.goes_on() {
         ControlFlow::Continue(())
     } else {

@@ -1,8 +1,8 @@
-use super::fit::Fitted;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
 use super::hypothesis::Change;
-use super::subject::Subject;
 use admire_identify::global::Row;
-use admire_identify::tolerance::{Effect, Group, Point};
+use admire_identify::tolerance::{Effect, EffectGroup, Point};
 use admire_session::backend::Load;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, PartIx};
@@ -25,14 +25,14 @@ pub(super) struct Survey<'a> {
     pub model: &'a Model,
     /// What was measured.
     pub measurement: &'a Measurement,
-    pub(super) subject: &'a Subject<'a>,
-    pub(super) fitted: &'a Fitted,
+    pub(super) subject: &'a DiagnosisProblem<'a>,
+    pub(super) fitted: &'a FittedModel,
     readings: Vec<(&'static str, u32, Vec<Reading>)>,
 }
 
 impl<'a> Survey<'a> {
     /// At a fit.
-    pub(super) fn new(subject: &'a Subject<'a>, fitted: &'a Fitted) -> Self {
+    pub(super) fn new(subject: &'a DiagnosisProblem<'a>, fitted: &'a FittedModel) -> Self {
         let model = subject.problem.model;
         let system = &fitted.deck.prepared.system;
         let mut scratch = Scratch::new(system);
@@ -51,7 +51,7 @@ impl<'a> Survey<'a> {
             .map(|name| (name.kind, name.id, Vec::new()))
             .collect();
         for (theta, state) in fitted.thetas.iter().zip(&fitted.states) {
-            let Ok(mut here) = system.look(theta, state, &mut scratch) else {
+            let Ok(mut here) = system.evaluate(theta, state, &mut scratch) else {
                 continue;
             };
             for (k, (element, _)) in elements.iter().enumerate() {
@@ -87,7 +87,7 @@ impl<'a> Survey<'a> {
 
     /// Prediction minus reading of a row, in units of its noise.
     pub(super) fn misfit(&self, row: usize) -> f64 {
-        self.fitted.misfit[row]
+        self.fitted.residual[row]
     }
 
     /// Sd of a mark coordinate.
@@ -124,7 +124,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Members of a group at an address with the names of their axes.
-    pub(super) fn members(&self, group: Group, address: &str) -> Vec<(usize, String)> {
+    pub(super) fn members(&self, group: EffectGroup, address: &str) -> Vec<(usize, String)> {
         let layer = &self.subject.layer;
         if self.subject.sizes.group(group).is_none() {
             return Vec::new();
@@ -135,11 +135,11 @@ impl<'a> Survey<'a> {
 
     /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
     /// the member is.
-    pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, Group, f64)> {
+    pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, EffectGroup, f64)> {
         let known = |group| {
             matches!(
                 group,
-                Group::KnownStiffnesses | Group::SpringRates | Group::Preloads
+                EffectGroup::KnownStiffnesses | EffectGroup::SpringRates | EffectGroup::Preloads
             )
         };
         let members = self.subject.layer.members.iter().enumerate();

@@ -2,7 +2,7 @@
 
 use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
-use admire_identify::tolerance::{Group, Misplaced, Size};
+use admire_identify::tolerance::{EffectGroup, Misplaced, Size};
 use admire_solver::mechanics::Vec3;
 
 /// A size whose logarithm moves by less says nothing.
@@ -52,15 +52,15 @@ impl Outcome<'_> {
                 ));
             }
         }
-        let loads = Group::LoadRepeatability.as_str();
+        let loads = EffectGroup::LoadRepeatability.as_str();
         if let Some(loads) = self.diagnosis.tolerances.get(loads) {
             out.push(format!(
                 "Loads scatter from case to case, by {:.2} percent of the largest value of each. The loads that acted are not quite those of the table.",
                 100.0 * loads.sd
             ));
         }
-        let of = |group: Group| self.diagnosis.tolerances.get(group.as_str());
-        if let Some(found) = of(Group::FrameAlignment)
+        let of = |group: EffectGroup| self.diagnosis.tolerances.get(group.as_str());
+        if let Some(found) = of(EffectGroup::FrameAlignment)
             && let Some(own) = &self.extended.layout.motions
         {
             let six = &self.extended.x[own.first..own.first + 6];
@@ -72,15 +72,15 @@ impl Outcome<'_> {
                 (own.turn * turn).to_degrees()
             ));
         }
-        if let Some(found) = of(Group::MountYield) {
+        if let Some(found) = of(EffectGroup::MountYield) {
             out.push(format!(
                 "What the axle is mounted on yields: all marks move together with the loads, by {:.3} {} at the largest value of each.",
                 found.sd, found.unit
             ));
         }
         let frame = [
-            (Group::FrameShifts, "differs from case to case by", ""),
-            (Group::FrameDrifts, "drifts by", " per case"),
+            (EffectGroup::FrameShifts, "differs from case to case by", ""),
+            (EffectGroup::FrameDrifts, "drifts by", " per case"),
         ];
         let frame = frame.into_iter().filter_map(|(group, what, per)| {
             of(group).map(|found| format!("{what} {:.3} {}{per}", found.sd, found.unit))

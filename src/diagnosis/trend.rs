@@ -33,8 +33,8 @@ impl Outcome<'_> {
         let subject = &self.subject;
         let forces = Survey::new(subject, &self.baseline).forces();
         let groups = self.groups();
-        let means = |fit: &super::fit::Fitted, group: &Group| -> Vec<Option<f64>> {
-            let residual = &fit.misfit;
+        let means = |fit: &super::fit::FittedModel, group: &Group| -> Vec<Option<f64>> {
+            let residual = &fit.residual;
             group
                 .rows
                 .iter()

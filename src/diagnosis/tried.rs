@@ -3,13 +3,15 @@
 use std::sync::Arc;
 
 use super::cause::Cause;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::ends::{Ends, Start};
-use super::fit::{Fit, Fitted, Target, aimed, unguessed};
-use super::hypothesis::{Hypothesis, Number, Unknown};
+use super::fit::{
+    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
+};
+use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
 use super::scan::Weighed;
-use super::subject::{Data, Subject};
 use super::visited::{Visited, same_laws, same_set};
-use admire_identify::tolerance::Sizes;
+use admire_identify::tolerance::VarianceComponents;
 
 /// Slip lengths are tried again at these parts of themselves.
 const SLIPS: [f64; 2] = [0.4, 2.0];
@@ -23,27 +25,27 @@ pub(super) const BETTER: f64 = 0.05;
 
 /// What was tried on some cases.
 pub(super) struct Tried<'a, 'b> {
-    pub subject: &'a Subject<'b>,
+    pub subject: &'a DiagnosisProblem<'b>,
     pub data: Data,
     /// All models that were looked at.
     pub visited: Vec<Visited>,
     /// Models as a search of other cases fitted them.
-    pub elsewhere: Vec<Arc<Fitted>>,
+    pub elsewhere: Vec<Arc<FittedModel>>,
     /// Fits that began at others, and those.
-    begun: Vec<(Arc<Fitted>, Arc<Fitted>)>,
+    begun: Vec<(Arc<FittedModel>, Arc<FittedModel>)>,
     /// Models, a cause more, and the fit with it.
-    added: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+    added: Vec<(Arc<FittedModel>, Hypothesis, Arc<FittedModel>)>,
     /// The same where the cause came out with the wrong sign.
-    wrong: Vec<(Arc<Fitted>, Hypothesis, Arc<Fitted>)>,
+    wrong: Vec<(Arc<FittedModel>, Hypothesis, Arc<FittedModel>)>,
     /// Models, and further sliders that began with half of a force there.
-    halved: Vec<(Arc<Fitted>, Hypothesis)>,
+    halved: Vec<(Arc<FittedModel>, Hypothesis)>,
     /// How all fits ended.
     ends: Ends,
 }
 
 impl<'a, 'b> Tried<'a, 'b> {
     /// Nothing yet.
-    pub(super) fn new(subject: &'a Subject<'b>, data: Data) -> Self {
+    pub(super) fn new(subject: &'a DiagnosisProblem<'b>, data: Data) -> Self {
         Self {
             subject,
             data,
@@ -62,15 +64,15 @@ impl<'a, 'b> Tried<'a, 'b> {
     pub(super) fn fitted(
         &mut self,
         causes: &[(Hypothesis, Vec<f64>)],
-        from: Option<(&Fitted, &[f64])>,
-        sizes: Option<&Sizes>,
-        target: Target<'_>,
-    ) -> Option<Fit> {
+        from: Option<(&FittedModel, &[f64])>,
+        sizes: Option<&VarianceComponents>,
+        target: EarlyStopping<'_>,
+    ) -> Option<FitOutcome> {
         let start = Start::new(causes, from, sizes);
         if let Some(known) = self.ends.of(&start, &target) {
             return known.fit.clone();
         }
-        let fit = aimed(self.subject, causes, from, sizes, self.data, target);
+        let fit = fit_with_early_stopping(self.subject, causes, from, sizes, self.data, target);
         self.ends.note(start, &target, fit.as_ref());
         fit
     }
@@ -79,18 +81,18 @@ impl<'a, 'b> Tried<'a, 'b> {
     pub(super) fn settled(
         &mut self,
         causes: &[(Hypothesis, Vec<f64>)],
-        from: Option<(&Fitted, &[f64])>,
-    ) -> Option<Arc<Fitted>> {
-        match self.fitted(causes, from, None, Target::NONE)? {
-            Fit::New(found) => Some(found),
-            Fit::Known => None,
+        from: Option<(&FittedModel, &[f64])>,
+    ) -> Option<Arc<FittedModel>> {
+        match self.fitted(causes, from, None, EarlyStopping::NONE)? {
+            FitOutcome::New(found) => Some(found),
+            FitOutcome::Duplicate => None,
         }
     }
 
     /// Counts a fit among the models that were looked at.
-    pub(super) fn note(&mut self, fitted: &Arc<Fitted>) {
+    pub(super) fn note(&mut self, fitted: &Arc<FittedModel>) {
         self.visited.push(Visited {
-            causes: fitted.chosen.clone(),
+            causes: fitted.effects.clone(),
             ln_posterior: fitted.ln_posterior(),
             fitted: Some(Arc::clone(fitted)),
         });
@@ -100,29 +102,29 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// another start of the same law counts as that one. `None` where the cause comes out with the wrong sign.
     pub(super) fn with(
         &mut self,
-        base: &Arc<Fitted>,
+        base: &Arc<FittedModel>,
         (h, weighed): (&Hypothesis, &Weighed),
         lead: f64,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         let of_base = self.added.iter().filter(|(of, ..)| Arc::ptr_eq(of, base));
         let mut of_base = of_base.map(|(_, added, found)| (added, found));
-        if let Some((_, known)) = of_base.clone().find(|(added, _)| added.same(h)) {
+        if let Some((_, known)) = of_base.clone().find(|(added, _)| added.same_form(h)) {
             return Some(Arc::clone(known));
         }
-        let known = of_base.find(|(added, _)| added.is_law_of(h));
+        let known = of_base.find(|(added, _)| added.same_law(h));
         let known = known.map(|(_, found)| Arc::clone(found));
         let mut wrong = self.wrong.iter();
-        let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.is_law_of(h));
+        let wrong = wrong.find(|(of, added, _)| Arc::ptr_eq(of, base) && added.same_law(h));
         let wrong = wrong.map(|(.., found)| Arc::clone(found));
-        let target = Target {
-            lead: lead - base.ln_prior() - h.ln_prior_beside(&base.chosen),
+        let target = EarlyStopping {
+            lead: lead - base.ln_prior() - h.ln_prior_given(&base.effects),
             known: known.as_deref().or(wrong.as_deref()),
-            ..Target::NONE
+            ..EarlyStopping::NONE
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
-            let same = |(of, known): &(Arc<Fitted>, Hypothesis)| {
-                Arc::ptr_eq(of, base) && known.is_law_of(half)
+            let same = |(of, known): &(Arc<FittedModel>, Hypothesis)| {
+                Arc::ptr_eq(of, base) && known.same_law(half)
             };
             !self.halved.iter().any(same)
         });
@@ -130,24 +132,24 @@ impl<'a, 'b> Tried<'a, 'b> {
             self.halved.push((Arc::clone(base), half.clone()));
         }
         let found = match self.added_to(base, (h, weighed), halves, target) {
-            Some(Fit::New(found)) => {
-                let is_wrong = found.has_wrong_sign(base.chosen.len());
-                if is_wrong && found.is_settled() {
+            Some(FitOutcome::New(found)) => {
+                let is_wrong = found.has_wrong_sign(base.effects.len());
+                if is_wrong && found.is_converged() {
                     let wrong = (Arc::clone(base), h.clone(), Arc::clone(&found));
                     self.wrong.push(wrong);
                 }
                 (!is_wrong).then_some(found)
             }
-            Some(Fit::Known) => known,
+            Some(FitOutcome::Duplicate) => known,
             None => None,
         };
         let found = self.continued(base, h, found, lead)?;
-        if found.is_settled() {
+        if found.is_converged() {
             let known = (Arc::clone(base), h.clone(), Arc::clone(&found));
             self.added.push(known);
         }
         self.visited.push(Visited {
-            causes: found.chosen.clone(),
+            causes: found.effects.clone(),
             ln_posterior: found.ln_posterior(),
             fitted: Some(Arc::clone(&found)),
         });
@@ -158,19 +160,19 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// may have crossed kinks for it.
     fn continued(
         &mut self,
-        base: &Fitted,
+        base: &FittedModel,
         h: &Hypothesis,
-        found: Option<Arc<Fitted>>,
+        found: Option<Arc<FittedModel>>,
         lead: f64,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         // Forms of a slider differ in their first guess.
-        let own = |fit: &Fitted| fit.chosen.iter().position(|other| other.is_law_of(h));
-        let is_same = |fit: &&Arc<Fitted>| {
-            let is_held = |h: &Hypothesis| fit.chosen.iter().any(|other| other.same(h));
+        let own = |fit: &FittedModel| fit.effects.iter().position(|other| other.same_law(h));
+        let is_same = |fit: &&Arc<FittedModel>| {
+            let is_held = |h: &Hypothesis| fit.effects.iter().any(|other| other.same_form(h));
             h.memory.is_some()
-                && fit.is_settled()
-                && fit.chosen.len() == base.chosen.len() + 1
-                && base.chosen.iter().all(is_held)
+                && fit.is_converged()
+                && fit.effects.len() == base.effects.len() + 1
+                && base.effects.iter().all(is_held)
                 && own(fit).is_some()
         };
         let same = self.elsewhere.iter().filter(is_same);
@@ -179,17 +181,17 @@ impl<'a, 'b> Tried<'a, 'b> {
         else {
             return found;
         };
-        let mut all = unguessed(base);
-        let h = &start.chosen[at];
+        let mut all = with_zero_guesses(base);
+        let h = &start.effects[at];
         all.push((h.clone(), vec![0.0; h.numbers.len()]));
-        let target = Target {
-            lead: lead - base.ln_prior() - h.ln_prior_beside(&base.chosen),
+        let target = EarlyStopping {
+            lead: lead - base.ln_prior() - h.ln_prior_given(&base.effects),
             known: found.as_deref(),
-            ..Target::NONE
+            ..EarlyStopping::NONE
         };
         let from = Some((&*start, start.x.as_slice()));
         let again = match self.fitted(&all, from, None, target) {
-            Some(Fit::New(again)) if !again.has_wrong_sign(all.len() - 1) => again,
+            Some(FitOutcome::New(again)) if !again.has_wrong_sign(all.len() - 1) => again,
             _ => return found,
         };
         match found {
@@ -203,25 +205,25 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// where that is no better.
     pub(super) fn anew(
         &mut self,
-        (base, found): (&Fitted, &Fitted),
+        (base, found): (&FittedModel, &FittedModel),
         (h, weighed): (&Hypothesis, &Weighed),
         lead: f64,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         let promise = found.posterior.ln_z + found.ln_prior();
-        if found.posterior.gain < STUCK || promise < lead || h.with.is_some() {
+        if found.posterior.gain < STUCK || promise < lead || h.joint_with.is_some() {
             return None;
         }
-        let mut all = unguessed(base);
+        let mut all = with_zero_guesses(base);
         all.push((h.clone(), weighed.guesses.clone()));
-        let target = Target {
+        let target = EarlyStopping {
             lead: lead - found.ln_prior(),
-            ..Target::NONE
+            ..EarlyStopping::NONE
         };
-        let Some(Fit::New(again)) = self.fitted(&all, None, None, target) else {
+        let Some(FitOutcome::New(again)) = self.fitted(&all, None, None, target) else {
             return None;
         };
         let is_better = again.ln_posterior() > found.ln_posterior();
-        if !is_better || again.has_wrong_sign(base.chosen.len()) {
+        if !is_better || again.has_wrong_sign(base.effects.len()) {
             return None;
         }
         self.note(&again);
@@ -231,17 +233,17 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// The fit with one more cause, begun where the linear model puts it.
     fn added_to(
         &mut self,
-        base: &Fitted,
+        base: &FittedModel,
         (h, weighed): (&Hypothesis, &Weighed),
         halved: Option<Halved>,
-        target: Target<'_>,
-    ) -> Option<Fit> {
-        let mut begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
-            let mut all = unguessed(base);
+        target: EarlyStopping<'_>,
+    ) -> Option<FitOutcome> {
+        let mut begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
+            let mut all = with_zero_guesses(base);
             all.push((h.clone(), guesses.to_vec()));
             self.fitted(&all, Some((base, x)), Some(&weighed.sizes), target)
         };
-        let alone = Target {
+        let alone = EarlyStopping {
             known: None,
             ..target
         };
@@ -252,35 +254,36 @@ impl<'a, 'b> Tried<'a, 'b> {
         // on its way.
         let is_promised = weighed.ln_posterior > base.ln_posterior();
         // With a further part the linear model promises more than it can keep.
-        let is_rough = h.has_rough_law() && h.memory.is_none() && !is_promised;
-        let begin = if is_rough || h.with.is_some() {
+        let is_rough = h.is_poorly_linearised() && h.memory.is_none() && !is_promised;
+        let begin = if is_rough || h.joint_with.is_some() {
             least - base.ln_prior()
         } else {
             f64::NEG_INFINITY
         };
         // If the step of the linear model leads astray, begin where the fit without the cause ended.
         let found = match begun(h, guesses, &weighed.x, target.above(begin)) {
-            Some(Fit::Known) => return Some(Fit::Known),
-            Some(Fit::New(found)) => Some(found),
+            Some(FitOutcome::Duplicate) => return Some(FitOutcome::Duplicate),
+            Some(FitOutcome::New(found)) => Some(found),
             None => None,
         };
-        let mut anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: Target<'_>| {
+        let mut anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
             let found = begun(h, guesses, x, target)?;
             match found {
-                Fit::New(fitted) => Some(fitted),
-                Fit::Known => None,
+                FitOutcome::New(fitted) => Some(fitted),
+                FitOutcome::Duplicate => None,
             }
         };
         // The linear model knows a smooth effect well: where it promises nothing, no other start makes up for so much.
         let is_smooth = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
-        let is_vain = |found: &Fitted| is_smooth && !is_promised && found.ln_posterior() < least;
-        let is_done = |found: &Fitted| {
+        let is_vain =
+            |found: &FittedModel| is_smooth && !is_promised && found.ln_posterior() < least;
+        let is_done = |found: &FittedModel| {
             is_vain(found)
-                || found.is_settled()
+                || found.is_converged()
                 || found.ln_posterior() > base.ln_posterior()
                 || (target.is_beaten(found) && found.ln_posterior() > least)
         };
-        let reached = |f: &Option<Arc<Fitted>>| f.as_ref().map(|f| f.ln_posterior());
+        let reached = |f: &Option<Arc<FittedModel>>| f.as_ref().map(|f| f.ln_posterior());
         let found = match found {
             Some(found) if is_done(&found) => Some(found),
             astray => {
@@ -311,8 +314,10 @@ impl<'a, 'b> Tried<'a, 'b> {
             (Some(a), Some(b)) if b.ln_posterior() > a.ln_posterior() => b,
             (a, b) => a.or(b)?,
         };
-        let last = found.chosen.len() - 1;
-        let first = found.places[last].first().map_or(0.0, |at| found.x[*at]);
+        let last = found.effects.len() - 1;
+        let first = found.parameter_index[last]
+            .first()
+            .map_or(0.0, |at| found.x[*at]);
         if h.one_sided && first < 0.0 && guesses.iter().skip(1).any(|guess| *guess != 0.0) {
             // A force that can only push came out pulling: a higher term took the place of the first. Begin with the first term alone.
             let mut one_term = vec![0.0; guesses.len()];
@@ -322,22 +327,22 @@ impl<'a, 'b> Tried<'a, 'b> {
                     && (found.has_wrong_sign(last) || again.ln_posterior() > found.ln_posterior())
             });
             if let Some(again) = again {
-                return Some(Fit::New(again));
+                return Some(FitOutcome::New(again));
             }
         }
-        Some(Fit::New(found))
+        Some(FitOutcome::New(found))
     }
 
     /// The best fits with friction at other places beside a model than a winner's, if no worse than `least`.
     pub(super) fn beside(
         &self,
-        base: &Arc<Fitted>,
-        winner: &Fitted,
+        base: &Arc<FittedModel>,
+        winner: &FittedModel,
         least: f64,
-    ) -> Vec<Arc<Fitted>> {
-        let mut out: Vec<(&Hypothesis, Arc<Fitted>)> = Vec::new();
+    ) -> Vec<Arc<FittedModel>> {
+        let mut out: Vec<(&Hypothesis, Arc<FittedModel>)> = Vec::new();
         for (of, h, found) in &self.added {
-            let is_winner = winner.chosen.last().is_some_and(|own| own.same_place(h));
+            let is_winner = winner.effects.last().is_some_and(|own| own.same_site(h));
             if !Arc::ptr_eq(of, base)
                 || h.memory.is_none()
                 || is_winner
@@ -345,7 +350,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             {
                 continue;
             }
-            match out.iter_mut().find(|(known, _)| known.same_place(h)) {
+            match out.iter_mut().find(|(known, _)| known.same_site(h)) {
                 Some((_, known)) if known.ln_posterior() >= found.ln_posterior() => {}
                 Some((_, known)) => *known = Arc::clone(found),
                 None => out.push((h, Arc::clone(found))),
@@ -356,22 +361,23 @@ impl<'a, 'b> Tried<'a, 'b> {
 
     /// Fits models with friction anew from slip lengths on both sides of where they ended: sliders that stick or slip in another case
     /// lie beyond kinks that no step crosses.
-    pub(super) fn restarted(&mut self, mut current: Arc<Fitted>) -> Arc<Fitted> {
-        for at in 0..current.chosen.len() {
-            let numbers = current.chosen[at].numbers.iter();
-            let mut lengths = numbers.zip(&current.places[at]);
-            let is_length =
-                |(n, _): &(&Number, &usize)| matches!(n.unknown, Unknown::SlipLength { .. });
+    pub(super) fn restarted(&mut self, mut current: Arc<FittedModel>) -> Arc<FittedModel> {
+        for at in 0..current.effects.len() {
+            let numbers = current.effects[at].numbers.iter();
+            let mut lengths = numbers.zip(&current.parameter_index[at]);
+            let is_length = |(n, _): &(&EffectParameter, &usize)| {
+                matches!(n.unknown, Parametrisation::SlipLength { .. })
+            };
             let Some(place) = lengths.find(is_length).map(|(_, place)| *place) else {
                 continue;
             };
             for factor in SLIPS {
                 let mut x = current.x.clone();
                 x[place] += libm::log(factor);
-                let chosen = unguessed(&current);
-                let target = Target::beyond(&current);
+                let chosen = with_zero_guesses(&current);
+                let target = EarlyStopping::beyond(&current);
                 let from = Some((&*current, x.as_slice()));
-                let Some(Fit::New(found)) = self.fitted(&chosen, from, None, target) else {
+                let Some(FitOutcome::New(found)) = self.fitted(&chosen, from, None, target) else {
                     continue;
                 };
                 let is_better = found.ln_posterior() > current.ln_posterior() + BETTER;
@@ -385,22 +391,27 @@ impl<'a, 'b> Tried<'a, 'b> {
     }
 
     /// The best fit of a model that was fitted to its end already.
-    pub(super) fn known(&self, causes: &[Hypothesis]) -> Option<Arc<Fitted>> {
+    pub(super) fn known(&self, causes: &[Hypothesis]) -> Option<Arc<FittedModel>> {
         let same = self.visited.iter().filter(|v| same_laws(&v.causes, causes));
-        let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_settled()));
-        let better =
-            |a: &&Arc<Fitted>, b: &&Arc<Fitted>| a.ln_posterior().total_cmp(&b.ln_posterior());
+        let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_converged()));
+        let better = |a: &&Arc<FittedModel>, b: &&Arc<FittedModel>| {
+            a.ln_posterior().total_cmp(&b.ln_posterior())
+        };
         fitted.max_by(better).cloned()
     }
 
     /// Fits a model without one of its causes, or without a further part of its law. No such part stays without the first one.
-    pub(super) fn without(&mut self, fitted: &Arc<Fitted>, at: usize) -> Option<Arc<Fitted>> {
-        let dropped = &fitted.chosen[at];
+    pub(super) fn without(
+        &mut self,
+        fitted: &Arc<FittedModel>,
+        at: usize,
+    ) -> Option<Arc<FittedModel>> {
+        let dropped = &fitted.effects[at];
         let is_dropped = |(k, h): &(usize, &Hypothesis)| {
-            *k == at || (dropped.part == 0 && h.part > 0 && h.same_place(dropped))
+            *k == at || (dropped.part == 0 && h.part > 0 && h.same_site(dropped))
         };
         let kept = fitted
-            .chosen
+            .effects
             .iter()
             .enumerate()
             .filter(|of| !is_dropped(of));
@@ -414,15 +425,15 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// A model without a cause and the further parts of its law; `none` where nothing else is in it. `None` for such a part.
     pub(super) fn without_all_parts(
         &mut self,
-        fitted: &Arc<Fitted>,
+        fitted: &Arc<FittedModel>,
         at: usize,
-        none: &Arc<Fitted>,
-    ) -> Option<Arc<Fitted>> {
-        let own = &fitted.chosen[at];
+        none: &Arc<FittedModel>,
+    ) -> Option<Arc<FittedModel>> {
+        let own = &fitted.effects[at];
         if own.part > 0 {
             return None;
         }
-        let others = fitted.chosen.iter().filter(|h| !h.same_place(own));
+        let others = fitted.effects.iter().filter(|h| !h.same_site(own));
         let others: Vec<Hypothesis> = others.cloned().collect();
         if others.is_empty() {
             return Some(Arc::clone(none));
@@ -434,22 +445,26 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// that has come as far.
     pub(super) fn without_refitted(
         &mut self,
-        fitted: &Arc<Fitted>,
+        fitted: &Arc<FittedModel>,
         at: usize,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         let known = self.without(fitted, at)?;
-        let is_from_here = |(found, from): &(Arc<Fitted>, Arc<Fitted>)| {
-            Arc::ptr_eq(from, fitted) && same_set(&found.chosen, &known.chosen)
+        let is_from_here = |(found, from): &(Arc<FittedModel>, Arc<FittedModel>)| {
+            Arc::ptr_eq(from, fitted) && same_set(&found.effects, &known.effects)
         };
         if self.begun.iter().any(is_from_here) {
             return Some(known);
         }
-        let mut all = unguessed(fitted);
+        let mut all = with_zero_guesses(fitted);
         all.remove(at);
         let from = Some((&**fitted, fitted.x.as_slice()));
-        let target = Target::beyond(&known);
+        let target = EarlyStopping::beyond(&known);
         let again = match self.fitted(&all, from, None, target) {
-            Some(Fit::New(again)) if again.ln_posterior() > known.ln_posterior() + BETTER => again,
+            Some(FitOutcome::New(again))
+                if again.ln_posterior() > known.ln_posterior() + BETTER =>
+            {
+                again
+            }
             _ => return Some(known),
         };
         self.note(&again);
@@ -460,15 +475,15 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// ended, or from where that of all of them did.
     pub(super) fn of(
         &mut self,
-        fitted: &Arc<Fitted>,
+        fitted: &Arc<FittedModel>,
         causes: Vec<Hypothesis>,
-    ) -> Option<Arc<Fitted>> {
+    ) -> Option<Arc<FittedModel>> {
         if let Some(known) = self.known(&causes) {
             return Some(known);
         }
         // One that did not come to an end would not do so from the same start.
-        let is_again = |(found, from): &&(Arc<Fitted>, Arc<Fitted>)| {
-            Arc::ptr_eq(from, fitted) && same_laws(&found.chosen, &causes)
+        let is_again = |(found, from): &&(Arc<FittedModel>, Arc<FittedModel>)| {
+            Arc::ptr_eq(from, fitted) && same_laws(&found.effects, &causes)
         };
         if let Some((known, _)) = self.begun.iter().find(is_again) {
             return Some(Arc::clone(known));
@@ -477,13 +492,13 @@ impl<'a, 'b> Tried<'a, 'b> {
             let count = h.numbers.len();
             (h, vec![0.0; count])
         };
-        let of_laws = |f: &&Arc<Fitted>| f.is_settled() && same_laws(&f.chosen, &causes);
+        let of_laws = |f: &&Arc<FittedModel>| f.is_converged() && same_laws(&f.effects, &causes);
         let elsewhere = self.elsewhere.iter().find(of_laws);
         let elsewhere = elsewhere.cloned();
         let start = elsewhere.as_ref().unwrap_or(fitted);
         let causes = elsewhere
             .as_ref()
-            .map_or(causes, |start| start.chosen.clone());
+            .map_or(causes, |start| start.effects.clone());
         let all: Vec<_> = causes.into_iter().map(zeros).collect();
         let from = Some((&**start, start.x.as_slice()));
         let found = self.settled(&all, from)?;
@@ -497,19 +512,19 @@ impl<'a, 'b> Tried<'a, 'b> {
 type Halved = (Hypothesis, Vec<f64>, Vec<f64>);
 
 /// Starts a further slider with half of the first one's force. The first keeps the other half and slips sooner, the further one later.
-fn halved(base: &Fitted, h: &Hypothesis) -> Option<Halved> {
+fn halved(base: &FittedModel, h: &Hypothesis) -> Option<Halved> {
     let first = base
-        .chosen
+        .effects
         .iter()
-        .position(|c| c.part == 0 && h.part > 0 && c.same_place(h))?;
-    let [force, length, anchor] = base.places[first][..] else {
+        .position(|c| c.part == 0 && h.part > 0 && c.same_site(h))?;
+    let [force, length, anchor] = base.parameter_index[first][..] else {
         return None;
     };
     let mut h = h.clone();
     let [_, stiffness, at] = &mut h.numbers[..] else {
         return None;
     };
-    let Unknown::SlipLength { start, .. } = &mut stiffness.unknown else {
+    let Parametrisation::SlipLength { start, .. } = &mut stiffness.unknown else {
         return None;
     };
     let mut x = base.x.clone();

@@ -1,14 +1,14 @@
 //! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, frames and places of marks, and what acts on rows
 //! alone.
 
+use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{centroid, motions};
-use super::hypothesis::{Column, Hypothesis, Unknown};
-use super::subject::Subject;
+use super::hypothesis::{Hypothesis, Parametrisation, Sensitivity};
 use admire_identify::global::{
-    Component, FitUnknown, FitUnknowns, FrameMotions, Meaning, Memory, NuisanceLayout, Prepared,
-    fit_unknowns,
+    Component, FitUnknown, FitUnknowns, FrameMotions, HysteresisState, NuisanceLayout, Prepared,
+    Target, fit_unknowns,
 };
-use admire_identify::tolerance::{Effect, Group, Size};
+use admire_identify::tolerance::{Effect, EffectGroup, Size};
 use admire_identify::{Problem, tolerance};
 use admire_solver::mechanics::Vec3;
 use admire_solver::system::{Parameters, Slot};
@@ -46,13 +46,13 @@ pub struct Unknowns {
     /// Columns that act on rows directly.
     pub rows: Vec<RowColumn>,
     /// Contacts that remember.
-    pub memories: Vec<Memory>,
+    pub memories: Vec<HysteresisState>,
     /// Where each number of each hypothesis is.
     pub places: Vec<Vec<usize>>,
     /// Where the fit starts.
     pub start: Vec<f64>,
     /// Priors of all.
-    pub priors: Vec<tolerance::Unknown>,
+    pub priors: Vec<tolerance::Coefficient>,
 }
 
 impl Unknowns {
@@ -65,7 +65,7 @@ impl Unknowns {
 
     /// Of a deck extended by `chosen`, whose guesses are in units of their priors.
     pub fn new(
-        (subject, problem): (&Subject<'_>, &Problem<'_>),
+        (subject, problem): (&DiagnosisProblem<'_>, &Problem<'_>),
         prepared: &Prepared,
         chosen: &[(Hypothesis, Vec<f64>)],
         known: Option<Known<'_>>,
@@ -73,23 +73,23 @@ impl Unknowns {
         let system = &prepared.system;
         let slot = |address: &Address| system.catalogue().slot(address);
         let mut list = fit_unknowns(problem, system, None).list().to_vec();
-        list.retain(|unknown| !matches!(unknown.meaning, Meaning::Offset(_)));
-        let mut priors: Vec<tolerance::Unknown> = list
+        list.retain(|unknown| !matches!(unknown.target, Target::Offset(_)));
+        let mut priors: Vec<tolerance::Coefficient> = list
             .iter()
             .map(|unknown| own(unknown.mean, unknown.sd))
             .collect();
         let stiffnesses = list.len();
         for member in &subject.layer.members {
             let meaning = match &member.effect {
-                Effect::Always(pairs) => Meaning::Number(slots(pairs, &slot).unwrap_or_default()),
+                Effect::Always(pairs) => Target::Number(slots(pairs, &slot).unwrap_or_default()),
                 Effect::PerCase(pairs) => {
-                    Meaning::PerCase(per_case(pairs, 1.0, &slot).unwrap_or_default())
+                    Target::PerCase(per_case(pairs, 1.0, &slot).unwrap_or_default())
                 }
-                Effect::Turn(markers) => Meaning::Turn(markers.clone()),
+                Effect::Turn(markers) => Target::Turn(markers.clone()),
                 Effect::Offset { bushing, axis } => {
                     let id = problem.model.bushings[*bushing].header.id;
                     let of = |word| super::hypothesis::number("BUSHING", id, word, Some(axis + 1));
-                    Meaning::Offset(Component {
+                    Target::Offset(Component {
                         stiffness: slot(&of("K"))?,
                         preload: Some(slot(&of("FORCE"))?),
                     })
@@ -97,12 +97,12 @@ impl Unknowns {
             };
             list.push(FitUnknown {
                 addresses: Vec::new(),
-                meaning,
+                target: meaning,
                 start: 0.0,
                 mean: 0.0,
                 sd: 1.0,
             });
-            priors.push(tolerance::Unknown::member(member.group));
+            priors.push(tolerance::Coefficient::member(member.group));
         }
         let members = list.len();
         // What another fit says of the same unknown: stiffnesses and members are the same everywhere.
@@ -115,7 +115,7 @@ impl Unknowns {
         let (mut memories, mut places) = (Vec::new(), Vec::new());
         for (hypothesis, guesses) in chosen {
             let before = known.and_then(|known| {
-                let at = known.chosen.iter().position(|h| h.same(hypothesis))?;
+                let at = known.chosen.iter().position(|h| h.same_form(hypothesis))?;
                 Some(
                     known.places[at]
                         .iter()
@@ -124,7 +124,7 @@ impl Unknowns {
                 )
             });
             if let Some(plan) = &hypothesis.memory {
-                memories.push(Memory {
+                memories.push(HysteresisState {
                     anchor: slot(&plan.anchor)?,
                     carries: plan.carries,
                     by: slot(&plan.by)?,
@@ -138,7 +138,7 @@ impl Unknowns {
                     .as_ref()
                     .map_or(guesses[k] + mean, |before| before[k]);
                 let meaning = match (&number.unknown, &number.column) {
-                    (Unknown::Member(member), _) => {
+                    (Parametrisation::Member(member), _) => {
                         let at = stiffnesses + member;
                         priors[at].sd = libm::hypot(priors[at].sd, number.sd);
                         if before.is_none() && guesses[k] != 0.0 {
@@ -147,57 +147,60 @@ impl Unknowns {
                         place.push(at);
                         continue;
                     }
-                    (Unknown::Linear, Column::Rows(column)) => {
+                    (Parametrisation::Linear, Sensitivity::Rows(column)) => {
                         let column = column.iter().map(|(at, v)| (*at, v * number.sd));
                         place.push(usize::MAX - rows.len());
                         rows.push(RowColumn::Fixed(column.collect()));
                         row_starts.push(guess);
                         continue;
                     }
-                    (Unknown::Gain(readings), _) => {
+                    (Parametrisation::Gain(readings), _) => {
                         place.push(usize::MAX - rows.len());
                         rows.push(RowColumn::Gain(number.sd, readings.clone()));
                         row_starts.push(guess);
                         continue;
                     }
-                    (Unknown::Linear, Column::Always(pairs)) | (Unknown::Extended(pairs), _) => {
+                    (Parametrisation::Linear, Sensitivity::Always(pairs))
+                    | (Parametrisation::Extended(pairs), _) => {
                         let scaled: Vec<_> = pairs
                             .iter()
                             .map(|(address, factor)| (address.clone(), factor * number.sd))
                             .collect();
-                        Meaning::Number(slots(&scaled, &slot)?)
+                        Target::Number(slots(&scaled, &slot)?)
                     }
-                    (Unknown::Linear, Column::PerCase(pairs)) => {
-                        Meaning::PerCase(per_case(pairs, number.sd, &slot)?)
+                    (Parametrisation::Linear, Sensitivity::PerCase(pairs)) => {
+                        Target::PerCase(per_case(pairs, number.sd, &slot)?)
                     }
                     // A wrench is no number of a deck.
-                    (Unknown::Linear, Column::Wrench(..) | Column::None) => return None,
-                    (Unknown::Compliance(addresses), _) => {
+                    (Parametrisation::Linear, Sensitivity::Wrench(..) | Sensitivity::None) => {
+                        return None;
+                    }
+                    (Parametrisation::Compliance(addresses), _) => {
                         if before.is_none() {
                             guess = -libm::log(guess.max(1e-3) * number.sd);
                         }
                         (mean, sd) = (-libm::log(number.sd), 2.0);
-                        Meaning::Stiffness(components(addresses, &slot)?)
+                        Target::Stiffness(components(addresses, &slot)?)
                     }
-                    (Unknown::Rate { address, usual }, _) => {
+                    (Parametrisation::Rate { address, usual }, _) => {
                         if before.is_none() {
                             guess = libm::log(*usual);
                         }
                         (mean, sd) = (libm::log(*usual), number.sd);
-                        Meaning::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                        Target::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
-                    (Unknown::Offset { stiffness, preload }, _) => {
+                    (Parametrisation::Offset { stiffness, preload }, _) => {
                         if before.is_none() {
                             guess *= number.sd;
                         }
                         sd = number.sd;
-                        Meaning::Offset(Component {
+                        Target::Offset(Component {
                             stiffness: slot(stiffness)?,
                             preload: Some(slot(preload)?),
                         })
                     }
                     (
-                        Unknown::SlipLength {
+                        Parametrisation::SlipLength {
                             address,
                             start,
                             usual,
@@ -208,7 +211,7 @@ impl Unknowns {
                             guess = libm::log(*start);
                         }
                         (mean, sd) = (libm::log(*usual), number.sd);
-                        Meaning::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                        Target::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                 };
                 place.push(list.len());
@@ -216,7 +219,7 @@ impl Unknowns {
                 priors.push(own(mean, sd));
                 list.push(FitUnknown {
                     addresses: Vec::new(),
-                    meaning,
+                    target: meaning,
                     start: guess,
                     mean,
                     sd,
@@ -231,7 +234,7 @@ impl Unknowns {
             (0..layout.sd.len())
                 .map(|k| known.map_or(0.0, |known| known.x[known.unknowns.len() + k])),
         );
-        priors.extend(groups.into_iter().map(tolerance::Unknown::member));
+        priors.extend(groups.into_iter().map(tolerance::Coefficient::member));
         let first_row = first_mark + layout.sd.len();
         for at in places
             .iter_mut()
@@ -261,12 +264,12 @@ impl Unknowns {
 
     /// True for the logarithm of a stiffness.
     pub(super) fn is_logarithm(&self, k: usize) -> bool {
-        matches!(self.list.list()[k].meaning, Meaning::Stiffness(_))
+        matches!(self.list.list()[k].target, Target::Stiffness(_))
     }
 }
 
-const fn own(mean: f64, sd: f64) -> tolerance::Unknown {
-    tolerance::Unknown {
+const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
+    tolerance::Coefficient {
         mean,
         sd,
         group: None,
@@ -275,7 +278,10 @@ const fn own(mean: f64, sd: f64) -> tolerance::Unknown {
 
 /// Shifts and turns of the frame where they are looked for, and places of marks on their parts, unless the user says they are exact;
 /// with the group of each.
-fn of_the_measurement(subject: &Subject<'_>, first: usize) -> (NuisanceLayout, Vec<Group>) {
+fn of_the_measurement(
+    subject: &DiagnosisProblem<'_>,
+    first: usize,
+) -> (NuisanceLayout, Vec<EffectGroup>) {
     let mut layout = NuisanceLayout::default();
     let mut groups = Vec::new();
     let measurement = subject.problem.measurement;
@@ -286,14 +292,14 @@ fn of_the_measurement(subject: &Subject<'_>, first: usize) -> (NuisanceLayout, V
     }
     if subject.has_frames() && count > 0 {
         layout.frames = Some(first);
-        let of_a_case = [[Group::FrameShifts; 3], [Group::FrameTurns; 3]];
+        let of_a_case = [[EffectGroup::FrameShifts; 3], [EffectGroup::FrameTurns; 3]];
         for _ in &measurement.cases {
             groups.extend(of_a_case.as_flattened());
         }
     }
-    if subject.sizes.group(Group::Marks).is_some() && count > 0 {
+    if subject.sizes.group(EffectGroup::Marks).is_some() && count > 0 {
         layout.marks = Some(first + groups.len());
-        groups.extend(std::iter::repeat_n(Group::Marks, 3 * count));
+        groups.extend(std::iter::repeat_n(EffectGroup::Marks, 3 * count));
     }
     let through = motions(subject, &[]);
     if !through.is_empty() && count > 0 {

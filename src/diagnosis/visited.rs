@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::fit::Fitted;
+use super::fit::FittedModel;
 use super::hypothesis::Hypothesis;
 use super::rig_errors::{GaveWay, Promises};
 
@@ -17,16 +17,16 @@ pub struct Visited {
     /// Logarithm of evidence and prior.
     pub ln_posterior: f64,
     /// The model, if it was fitted and not only weighed in the linear model of another.
-    pub fitted: Option<Arc<Fitted>>,
+    pub fitted: Option<Arc<FittedModel>>,
 }
 
 /// The end of a search.
 #[derive(Debug)]
 pub struct Found {
     /// The model without any cause.
-    pub none: Arc<Fitted>,
+    pub none: Arc<FittedModel>,
     /// The model of greatest posterior probability.
-    pub best: Arc<Fitted>,
+    pub best: Arc<FittedModel>,
     /// All that were looked at and count, with probabilities that add up to one.
     pub models: Vec<(Visited, f64)>,
     /// How many hypotheses there were.
@@ -82,12 +82,12 @@ pub(super) fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
 
 /// True if both hold the same causes in the same forms.
 pub(super) fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    match_each_other(a, b, Hypothesis::same)
+    match_each_other(a, b, Hypothesis::same_form)
 }
 
 /// The same of laws: sliders whose forms say where their numbers begin count as one.
 pub(super) fn same_laws(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    match_each_other(a, b, Hypothesis::is_law_of)
+    match_each_other(a, b, Hypothesis::same_law)
 }
 
 fn match_each_other(
@@ -102,6 +102,6 @@ fn match_each_other(
 
 /// How many places these are, in whatever forms.
 pub(super) fn distinct(hypotheses: &[&Hypothesis]) -> usize {
-    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_place(h));
+    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_site(h));
     hypotheses.iter().enumerate().filter(first).count()
 }

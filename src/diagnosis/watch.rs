@@ -2,7 +2,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Is told how far a long computation is, and may end it.
-pub trait Watch {
+pub trait ProgressObserver {
     /// The next stage begins.
     fn stage(&self, stage: &str);
     /// A remark on the stage.
@@ -18,7 +18,7 @@ pub trait Watch {
 
 /// Where a computation stands.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
-pub struct Stand {
+pub struct ProgressSnapshot {
     /// What is being done.
     pub stage: String,
     /// A remark on it.
@@ -31,25 +31,25 @@ pub struct Stand {
 
 /// A [`Watch`] that several threads share: one computes, another looks and may stop it.
 #[derive(Clone, Debug, Default)]
-pub struct Watched(Arc<Shared>);
+pub struct SharedProgress(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
     stopped: AtomicBool,
-    stand: Mutex<Stand>,
+    stand: Mutex<ProgressSnapshot>,
     diagnosis: Mutex<Option<crate::Progress>>,
 }
 
-impl Watched {
+impl SharedProgress {
     /// Where the computation stands.
-    pub fn stand(&self) -> Stand {
+    pub fn stand(&self) -> ProgressSnapshot {
         let diagnosis = self
             .0
             .diagnosis
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         if let Some(progress) = &*diagnosis {
-            return Stand {
+            return ProgressSnapshot {
                 stage: progress.stage().to_string(),
                 detail: String::new(),
                 done: progress.sweeps(),
@@ -72,17 +72,17 @@ impl Watched {
         }
     }
 
-    fn change<T>(&self, change: impl FnOnce(&mut Stand) -> T) -> T {
+    fn change<T>(&self, change: impl FnOnce(&mut ProgressSnapshot) -> T) -> T {
         change(&mut self.0.stand.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-impl Watch for Watched {
+impl ProgressObserver for SharedProgress {
     fn stage(&self, stage: &str) {
         self.change(|stand| {
-            *stand = Stand {
+            *stand = ProgressSnapshot {
                 stage: stage.to_string(),
-                ..Stand::default()
+                ..ProgressSnapshot::default()
             };
         });
     }

@@ -85,7 +85,7 @@ impl Outcome<'_> {
                     Some(unseen) if hidden || held => {
                         unseen.predicted.each_ref().map(|blind| &blind.misfit)
                     }
-                    _ => [&self.baseline.misfit, &self.extended.misfit],
+                    _ => [&self.baseline.residual, &self.extended.residual],
                 };
                 let points: Vec<[(f64, f64); 3]> = run
                     .clone()

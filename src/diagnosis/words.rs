@@ -3,7 +3,7 @@
 use super::channel_miss::ChannelMiss;
 use super::diagnose::Outcome;
 use super::diagnosis::LAW_MISFIT;
-use super::fit::Fitted;
+use super::fit::FittedModel;
 use super::folds::Blind;
 use super::hypothesis::Hypothesis;
 use super::remainder::{Over, RemainderPoint};
@@ -118,7 +118,7 @@ impl Outcome<'_> {
     /// Rms of what is left of the marks, and the worst of them.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.subject.problem.measurement;
-        let residual = &self.baseline.misfit;
+        let residual = &self.baseline.residual;
         let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0, 0));
         for (k, row) in self.subject.rows.iter().enumerate() {
             let Row::Mark { axis, .. } = *row else {
@@ -178,7 +178,7 @@ impl Outcome<'_> {
                 .filter(
                     |(_, row)| matches!(row, Row::Wheel { component: of, .. } if *of == component),
                 )
-                .map(|(k, row)| (self.baseline.misfit[k], row.case()))
+                .map(|(k, row)| (self.baseline.residual[k], row.case()))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             let Some((residual, case)) = worst.filter(|(r, _)| r.abs() > 3.0) else {
                 continue;
@@ -206,8 +206,8 @@ impl Outcome<'_> {
             let rows = self.subject.rows.iter().enumerate().filter(
                 |(_, row)| matches!(row, Row::Channel { channel: of, .. } if *of == channel),
             );
-            let of = |fitted: &Fitted| {
-                let squares = rows.clone().map(|(k, _)| fitted.misfit[k].powi(2));
+            let of = |fitted: &FittedModel| {
+                let squares = rows.clone().map(|(k, _)| fitted.residual[k].powi(2));
                 (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
             };
             if rows.clone().next().is_some() {
@@ -307,7 +307,7 @@ impl Outcome<'_> {
         let mut out = Vec::new();
         let noise = &self.diagnosis.noise;
         if let (true, Some(declared), Some(estimated)) = (
-            self.subject.contradicts_noise(),
+            self.subject.declared_noise_rejected(),
             noise.declared,
             noise.estimated,
         ) {
@@ -376,7 +376,7 @@ impl Outcome<'_> {
         ));
         Some(format!(
             "On the {held} held out, with {} {} without them, {}.",
-            chosen(&unseen.chosen.chosen),
+            chosen(&unseen.chosen.effects),
             if unseen.searched {
                 "chosen and fitted"
             } else {

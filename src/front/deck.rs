@@ -21,7 +21,7 @@ use super::run::Run;
 use super::sensitivity::{SensitivityTable, Unavailable};
 use super::value::{address, typed, value};
 use super::writing::{may_replace, replace_file};
-use admire_diagnosis::{Watch, Watched};
+use admire_diagnosis::{ProgressObserver, SharedProgress};
 
 /// A dataset (.adm): its values by address, its equilibrium, its runs. Cheap to clone.
 ///
@@ -345,7 +345,7 @@ impl Deck {
     /// # Errors
     /// When the deck has errors or there is no equilibrium.
     pub fn solve(&self) -> Result<Run, Error> {
-        let run = self.run_watched("SIMULATE", "SIMULATE/STATICS\n", &Watched::default());
+        let run = self.run_watched("SIMULATE", "SIMULATE/STATICS\n", &SharedProgress::default());
         run.succeeded()?;
         Ok(run)
     }
@@ -355,14 +355,18 @@ impl Deck {
     /// # Errors
     /// When the command file cannot be read. What the commands come to is told by the run.
     pub fn run(&self, commands: impl AsRef<Path>) -> Result<Run, Error> {
-        self.run_file_watched(commands.as_ref(), &Watched::default())
+        self.run_file_watched(commands.as_ref(), &SharedProgress::default())
     }
 
     /// The same; the run ends early when the watch says so.
     ///
     /// # Errors
     /// As [`run`](Self::run).
-    pub fn run_file_watched(&self, path: &Path, watch: &dyn Watch) -> Result<Run, Error> {
+    pub fn run_file_watched(
+        &self,
+        path: &Path,
+        watch: &dyn ProgressObserver,
+    ) -> Result<Run, Error> {
         let start = Instant::now();
         let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
         let parsed = CommandFile::parse(source);
@@ -370,7 +374,7 @@ impl Deck {
     }
 
     /// Executes commands that are given as text; files they name are looked up beside `name`. The run ends early when the watch says so.
-    pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn Watch) -> Run {
+    pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn ProgressObserver) -> Run {
         let start = Instant::now();
         let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
         Run::execute(&self.read, &parsed, (start, watch))

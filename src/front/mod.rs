@@ -24,7 +24,7 @@ mod unit_words;
 mod value;
 mod writing;
 
-pub use admire_diagnosis::{Stand, Watch, Watched};
+pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
 pub(crate) use assignment::{Before, edits, new_errors, outline};
 pub use axle::{AxleTests, Beside};
 pub use deck::{Deck, Setting};

@@ -8,7 +8,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::nearest;
 
 use super::error::{Error, ErrorKind};
-use admire_diagnosis::Watch;
+use admire_diagnosis::ProgressObserver;
 
 /// A results file of any kind (.res, .req, .gra): names and units at once, values read from the file when they are asked for, step by
 /// step, so that its size does not matter.
@@ -93,7 +93,7 @@ impl Results {
     ///
     /// # Errors
     /// When there is no such column, the name means several, or the file cannot be read to its end.
-    pub fn column(&self, name: &str, watch: &dyn Watch) -> Result<Vec<f64>, Error> {
+    pub fn column(&self, name: &str, watch: &dyn ProgressObserver) -> Result<Vec<f64>, Error> {
         let columns = vec![one_column(&self.catalogue, name)?];
         let read = self.read(Selection { columns }, &StepFilter::default(), watch)?;
         Ok(read.values)
@@ -108,7 +108,7 @@ impl Results {
         &self,
         patterns: &[&str],
         filter: &StepFilter,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
     ) -> Result<Rows, Error> {
         let selection = if patterns.is_empty() {
             Selection::all(&self.catalogue)
@@ -122,7 +122,7 @@ impl Results {
         &self,
         selection: Selection,
         filter: &StepFilter,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
     ) -> Result<Rows, Error> {
         let mut reader = open(&self.path)?;
         let (mut kinds, mut values) = (Vec::new(), Vec::new());

@@ -14,7 +14,7 @@ use admire_syntax::{CommandFile, Dataset};
 use super::error::{Complaint, Error, ErrorKind};
 use super::results::{one_column, selected};
 use super::writing::{may_replace, replace_file};
-use admire_diagnosis::Watch;
+use admire_diagnosis::ProgressObserver;
 
 /// What came of executing commands on a deck: results, messages and other files, all in memory.
 ///
@@ -34,7 +34,7 @@ impl Run {
     pub(super) fn execute(
         deck: &Checked<Dataset>,
         commands: &Checked<CommandFile>,
-        (start, watch): (Instant, &dyn Watch),
+        (start, watch): (Instant, &dyn ProgressObserver),
     ) -> Self {
         let folders = [deck.value.source(), commands.value.source()].map(folder_of);
         let (ending, mut record) = Session::new(Box::new(io::sink()), Path::new(""))

@@ -17,7 +17,7 @@ use super::error::{Complaint, Error, ErrorKind};
 use super::fit_view::{changed_lines, positions};
 use super::foreign::foreign_parts;
 use super::suggested::suggested;
-use admire_diagnosis::{Watch, study_fit as fit};
+use admire_diagnosis::{ProgressObserver, study_fit as fit};
 use admire_study::{NamedProgram, solver};
 
 /// The largest file in which places are shown, in bytes.
@@ -154,7 +154,11 @@ impl Study {
     ///
     /// # Errors
     /// When nothing is sought, the study is not plausible, or there is no fit.
-    pub fn identify(&self, force: bool, watch: &dyn Watch) -> Result<Identification, Error> {
+    pub fn identify(
+        &self,
+        force: bool,
+        watch: &dyn ProgressObserver,
+    ) -> Result<Identification, Error> {
         self.identify_and(force, watch, None)
     }
 
@@ -165,7 +169,7 @@ impl Study {
     pub(crate) fn identify_and(
         &self,
         force: bool,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
         again: Option<&mut Again<'_>>,
     ) -> Result<Identification, Error> {
         let mut loaded = self.loaded.clone();
@@ -215,7 +219,11 @@ impl Study {
     ///
     /// # Errors
     /// When the readings are not of the deck's parts, the study is not plausible, or there is no fit.
-    pub fn diagnose(&self, force: bool, watch: &dyn Watch) -> Result<DiagnosisAnswer, Error> {
+    pub fn diagnose(
+        &self,
+        force: bool,
+        watch: &dyn ProgressObserver,
+    ) -> Result<DiagnosisAnswer, Error> {
         self.diagnose_checked(force, GainCheck::default(), watch)
     }
 
@@ -227,7 +235,7 @@ impl Study {
         &self,
         force: bool,
         check: GainCheck,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
     ) -> Result<DiagnosisAnswer, Error> {
         self.may_start()?;
         let (loaded, progress) = self.for_diagnosis(force, watch)?;
@@ -285,7 +293,7 @@ impl Study {
         aim: Aim,
         count: usize,
         force: bool,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
     ) -> Result<PlanAnswer, Error> {
         if aim == Aim::Stiffnesses && self.loaded.unknowns.is_empty() {
             return Err(self.refused(&[fit::nothing_to_identify(&self.loaded)]));
@@ -306,7 +314,7 @@ impl Study {
     fn for_diagnosis(
         &self,
         force: bool,
-        watch: &dyn Watch,
+        watch: &dyn ProgressObserver,
     ) -> Result<(LoadedStudy, Progress), Error> {
         let mut loaded = self.loaded.clone();
         let foreign = foreign_parts(&loaded);

@@ -7,7 +7,7 @@ use admire_study::Measurement;
 
 /// How far a sweep is from what was read, over some of the cases.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Discrepancy {
+pub struct ReadingMisfit {
     /// Rms of one mark coordinate; `None` without marks.
     pub marks_rms: Option<f64>,
     /// How many mark coordinates.
@@ -36,7 +36,7 @@ pub fn compare(
     measurement: &Measurement,
     sweep: &Sweep,
     cases: impl Iterator<Item = usize>,
-) -> Discrepancy {
+) -> ReadingMisfit {
     let (mut marks, mut coordinates) = (0.0, 0);
     let (mut angles, mut position, mut wheels) = ([0.0; 2], 0.0, 0);
     for case in cases {
@@ -60,7 +60,7 @@ pub fn compare(
         }
     }
     let rms = |sum: f64, count: usize| (count > 0).then(|| (sum / count as f64).sqrt());
-    Discrepancy {
+    ReadingMisfit {
         marks_rms: rms(marks, coordinates),
         coordinates,
         wheel_deg_rms: rms(angles[0], wheels)
@@ -72,7 +72,7 @@ pub fn compare(
 }
 
 /// The chi-square test of a sweep over the cases a fit used: marks and wheel, less `parameters` numbers taken from them.
-fn tested(problem: &Problem<'_>, found: &Discrepancy, parameters: usize) -> Option<FitTest> {
+fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Option<FitTest> {
     let measurement = problem.measurement;
     let mut tally = Tally::default();
     let mut add = |kind: Kind, rms: Option<f64>, count: usize, variance: f64| {
@@ -138,7 +138,7 @@ pub(crate) fn fill(
 }
 
 /// Over the cases that are held out, or over the others.
-fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> Discrepancy {
+fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> ReadingMisfit {
     let cases = &problem.measurement.cases;
     let chosen = (0..cases.len()).filter(|&case| cases[case].held_out == held_out);
     compare(problem.model, problem.measurement, sweep, chosen)

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::goodness::FitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
-use super::structure::StructureTest;
+use super::structure::LackOfFitTest;
 use admire_solver::statics::Balance;
 
 /// What is told of a fit that ended before its minimum.
@@ -199,7 +199,7 @@ pub struct Fit {
     /// Whether what is left of the readings is no more than their noise; `None` for readings without any.
     pub fit_test: Option<FitTest>,
     /// Tests of structure in what is left.
-    pub structure: Vec<StructureTest>,
+    pub structure: Vec<LackOfFitTest>,
     /// How the marks are explained, with all that was fitted beside the numbers: offsets, errors of frame and marks.
     pub marks: Option<Marks>,
     /// How the marks are explained by the deck as it is written.

@@ -28,7 +28,7 @@ pub mod tolerance;
 mod unknowns;
 
 pub use evaluation::written;
-pub use evaluation::{Discrepancy, compare};
+pub use evaluation::{ReadingMisfit, compare};
 pub use fit::{
     CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
     ToleranceFound, UnidentifiableDirection, WheelFit, Written,
@@ -41,5 +41,5 @@ pub use noise::estimate_noise;
 pub use problem::IdentifyError;
 pub use problem::{Problem, Progress};
 pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
-pub use structure::StructureTest;
+pub use structure::LackOfFitTest;
 pub use unknowns::{Place, Unknown, unknowns};

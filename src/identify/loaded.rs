@@ -37,7 +37,7 @@ impl LoadedStudy {
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let read = Study::read(folder);
         match read.value {
-            Some(study) => Self::of(study, read.diagnostics),
+            Some(study) => Self::from_study(study, read.diagnostics),
             None => Checked {
                 value: None,
                 diagnostics: read.diagnostics,
@@ -49,10 +49,10 @@ impl LoadedStudy {
     pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
         let mut study = self.study.clone();
         study.deck = deck;
-        Self::of(study, Vec::new())
+        Self::from_study(study, Vec::new())
     }
 
-    fn of(study: Study, mut diagnostics: Vec<Diagnostic>) -> Checked<Option<Self>> {
+    fn from_study(study: Study, mut diagnostics: Vec<Diagnostic>) -> Checked<Option<Self>> {
         let parsed = Dataset::parse(study.deck.clone());
         let mut policy = FilePolicy::new(&study.folder);
         policy.confine();
@@ -64,12 +64,12 @@ impl LoadedStudy {
         diagnostics.extend(lowered.diagnostics);
         let (dataset, model) = (parsed.value, lowered.value);
         let mut own = Vec::new();
-        if !failed(&diagnostics) {
+        if !has_errors(&diagnostics) {
             let measured = Measurement::resolve(&study, &model);
             own.extend(measured.diagnostics);
             let programme = programme(&study, &dataset, &measured.value, &mut own);
             let compiled = System::compile(&model);
-            let is_whole = !failed(&compiled.diagnostics);
+            let is_whole = !has_errors(&compiled.diagnostics);
             let external = study.solver.backend != BackendChoice::Native;
             own.extend(compiled.diagnostics.into_iter().map(|mut diagnostic| {
                 // What the built-in solver leaves out, another one may solve.
@@ -86,7 +86,7 @@ impl LoadedStudy {
                 Some((address, value, system.catalogue().info(slot).dimension))
             };
             let unknowns = unknowns(&study, &model, number, &mut own);
-            if !failed(&own) {
+            if !has_errors(&own) {
                 diagnostics.extend(own);
                 let reference = study
                     .reference
@@ -159,7 +159,7 @@ impl LoadedStudy {
     }
 }
 
-fn failed(diagnostics: &[Diagnostic]) -> bool {
+fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics
         .iter()
         .any(|diagnostic| diagnostic.severity == Severity::Error)

@@ -16,7 +16,7 @@ use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// One test.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct StructureTest {
+pub struct LackOfFitTest {
     /// What it looks at.
     pub what: String,
     /// Probability of as much structure from noise alone.
@@ -24,12 +24,12 @@ pub struct StructureTest {
 }
 
 /// True if the tests together show structure: the smallest p-value, corrected for their number, is below one in a thousand.
-pub fn is_structured(tests: &[StructureTest]) -> bool {
+pub fn is_structured(tests: &[LackOfFitTest]) -> bool {
     worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LEVEL)
 }
 
 /// The test with the smallest p-value.
-pub fn worst(tests: &[StructureTest]) -> Option<&StructureTest> {
+pub fn worst(tests: &[LackOfFitTest]) -> Option<&LackOfFitTest> {
     tests.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
@@ -107,7 +107,7 @@ impl<'a> Residuals<'a> {
 
 /// Tests of the residuals of a fit over the cases it used: constant errors of parts, runs of signs and trends over the order of the
 /// cases, loading against unloading, and errors that the marks of a part share.
-pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<StructureTest> {
+pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<LackOfFitTest> {
     let mut tests = Tests {
         problem,
         left,
@@ -122,13 +122,13 @@ pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<StructureTe
 struct Tests<'a> {
     problem: &'a Problem<'a>,
     left: &'a Residuals<'a>,
-    out: Vec<StructureTest>,
+    out: Vec<LackOfFitTest>,
 }
 
 impl Tests<'_> {
     fn put(&mut self, what: String, (chi2, dof): (f64, f64)) {
         if let Ok(distribution) = ChiSquared::new(dof) {
-            self.out.push(StructureTest {
+            self.out.push(LackOfFitTest {
                 what,
                 p_value: distribution.sf(chi2),
             });
@@ -202,7 +202,7 @@ impl Tests<'_> {
             );
             if let Some(p_value) = self.runs(&range) {
                 let what = format!("{name}: signs of the errors over the order of the cases");
-                self.out.push(StructureTest { what, p_value });
+                self.out.push(LackOfFitTest { what, p_value });
             }
         }
     }
@@ -286,7 +286,7 @@ impl Tests<'_> {
             && let Ok(distribution) = FisherSnedecor::new(whole.1, scatter.1)
         {
             let ratio = (whole.0 / whole.1) / (scatter.0 / scatter.1);
-            self.out.push(StructureTest {
+            self.out.push(LackOfFitTest {
                 what: "errors of whole parts against the scatter of their marks".to_string(),
                 p_value: distribution.sf(ratio),
             });
@@ -299,7 +299,7 @@ impl Tests<'_> {
         let last = self.owners().last().map_or(0, |(_, range)| range.end);
         for (k, load) in programme.loads.iter().enumerate() {
             let values: Vec<f64> = programme.cases.iter().map(|case| case.values[k]).collect();
-            if let Some(by_case) = unloading(&values) {
+            if let Some(by_case) = hysteresis_contrast(&values) {
                 let contrasts = self.contrasts(&(0..last), &by_case);
                 let what = format!("loading against unloading of {}", load.target);
                 self.put(what, self.left.along(&contrasts));
@@ -310,7 +310,7 @@ impl Tests<'_> {
 
 /// +1 where a load grows, -1 where it has come down and is not gone, less what is a straight line or a parabola over the load.
 /// `None` unless both happen and something is left.
-fn unloading(values: &[f64]) -> Option<Vec<f64>> {
+fn hysteresis_contrast(values: &[f64]) -> Option<Vec<f64>> {
     let before = std::iter::once(0.0).chain(values.iter().copied());
     let steps: Vec<f64> = before
         .zip(values)
@@ -386,13 +386,14 @@ mod tests {
 
     #[test]
     fn a_load_that_only_grows_is_not_unloaded() {
-        assert!(unloading(&[1.0, 2.0, 3.0, 4.0]).is_none());
+        assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 4.0]).is_none());
         // Back to nothing while another load begins: no unloading of anything.
-        assert!(unloading(&[1.0, 2.0, 3.0, 0.0, 0.0, -1.0, -2.0]).is_none());
+        assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 0.0, 0.0, -1.0, -2.0]).is_none());
         // To the other side: it grows there.
-        assert!(unloading(&[1.0, 2.0, -2.5, -3.0]).is_none());
+        assert!(hysteresis_contrast(&[1.0, 2.0, -2.5, -3.0]).is_none());
         let loop_ =
-            unloading(&[1.0, 2.0, 3.0, 2.0, 1.0, 0.0, -1.0, -2.0, -3.0, -2.0, -1.0]).unwrap();
+            hysteresis_contrast(&[1.0, 2.0, 3.0, 2.0, 1.0, 0.0, -1.0, -2.0, -3.0, -2.0, -1.0])
+                .unwrap();
         assert!(loop_[0] > 0.5 && loop_[4] < -0.5, "{loop_:?}");
     }
 

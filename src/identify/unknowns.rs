@@ -1,6 +1,6 @@
 use admire_solver::model::Model;
 use admire_study::settings::{IdentifySettings, Initial, Symmetry};
-use admire_study::{Study, meant};
+use admire_study::{Study, did_you_mean};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
@@ -110,7 +110,7 @@ pub fn unknowns(
         .collect();
     let mut missing = |text: &str, span, what: &str| {
         let help = if what == "BUSHING" {
-            meant(text, "the deck", &bushings)
+            did_you_mean(text, "the deck", &bushings)
         } else {
             "a number has an address: SPRINGDAMPER/1.K, BEAM/2.E; `admire get` lists them"
                 .to_string()

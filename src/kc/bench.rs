@@ -14,7 +14,7 @@ use super::{Wheel, contact};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
 use admire_solver::statics::Balance;
-use admire_solver::system::{Grasp, State};
+use admire_solver::system::{State, StickSlipState};
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::Files;
@@ -29,7 +29,7 @@ pub struct Observation {
     /// How the wheels move per unit of what is driven.
     pub rates: [Option<WheelRate>; 2],
     /// What the joints with friction do; `None` without any.
-    pub friction: Option<Grasp>,
+    pub friction: Option<StickSlipState>,
 }
 
 /// A deck on the rig.
@@ -137,7 +137,9 @@ impl<'a> Bench<'a> {
         let parameters = compiled.system.parameters();
         for state in &mut chain.states {
             let scratch = &mut compiled.scratch;
-            compiled.system.creep_on(&parameters, state, scratch);
+            compiled
+                .system
+                .advance_friction(&parameters, state, scratch);
         }
         chain.rubs = true;
         Ok(())
@@ -162,7 +164,9 @@ impl<'a> Bench<'a> {
             let (parameters, _) = compiled.solve(inputs, state, at)?;
             if rubs {
                 let scratch = &mut compiled.scratch;
-                compiled.system.creep_on(&parameters, state, scratch);
+                compiled
+                    .system
+                    .advance_friction(&parameters, state, scratch);
             }
             Ok(())
         };
@@ -217,7 +221,7 @@ impl<'a> Bench<'a> {
         seen.load[b] = other.load[a];
         seen.rates[b] = other.rates[a].map(WheelRate::mirrored);
         if seen.friction != other.friction {
-            seen.friction = Some(Grasp::Mixed);
+            seen.friction = Some(StickSlipState::Mixed);
         }
         if let (Some(own), Some(other)) = (&mut seen.axle.compliance, other.axle.compliance) {
             let image = other.mirrored(side);
@@ -263,9 +267,10 @@ impl Compiled {
             compliance: derivatives.compliance,
         };
         let friction = if rubs {
-            self.system.creep_on(&parameters, state, &mut self.scratch)
+            self.system
+                .advance_friction(&parameters, state, &mut self.scratch)
         } else {
-            self.system.creeps().then_some(Grasp::Released)
+            self.system.creeps().then_some(StickSlipState::Released)
         };
         let mut load = [0.0; 2];
         let mut rates = [None; 2];

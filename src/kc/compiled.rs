@@ -72,7 +72,7 @@ impl Compiled {
             }
         }
         let mut system = compile(&rest).map_err(|error| refuse(&error))?;
-        system.let_creep(&creeping, config.sliding_with);
+        system.enable_static_friction(&creeping, config.sliding_with);
         let slot = |kind: &str, id: u32| {
             let address = Address {
                 kind: kind.to_string(),

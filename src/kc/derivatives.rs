@@ -54,7 +54,7 @@ impl Derivatives {
         // Reactions of the height motions along their own axis, with their gradients.
         let (mut reactions, mut gradients) = (vec![0.0; m], Vec::new());
         {
-            let mut look = system.look(parameters, state, scratch)?;
+            let mut look = system.evaluate(parameters, state, scratch)?;
             for (n, wheel) in wheels.iter().enumerate() {
                 let mut gradient = vec![0.0; system.unknowns()];
                 if let Some((_, constraint)) = wheel.motion {

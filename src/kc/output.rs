@@ -143,7 +143,7 @@ fn friction(sample: &Sample) -> &'static str {
     sample
         .seen
         .friction
-        .map_or("none", admire_solver::system::Grasp::word)
+        .map_or("none", admire_solver::system::StickSlipState::word)
 }
 
 /// All samples of all tests, a line each; ride height first.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::front;
 use crate::front::{Beside, Setting};
-use admire_diagnosis::Watched;
+use admire_diagnosis::SharedProgress;
 use admire_kc::Convention;
 use admire_syntax::diff::Tolerance;
 
@@ -45,7 +45,7 @@ impl Deck {
 impl Deck {
     #[staticmethod]
     fn open(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let opened = work(py, &Watched::default(), None, move || {
+        let opened = work(py, &SharedProgress::default(), None, move || {
             front::Deck::open(&path)
         });
         opened.map(Self::of)
@@ -55,7 +55,7 @@ impl Deck {
     fn parse(py: Python<'_>, name: &str, bytes: Vec<u8>) -> PyResult<Self> {
         let name = name.to_string();
         let job = move || Ok(front::Deck::parse(&name, bytes));
-        work(py, &Watched::default(), None, job).map(Self::of)
+        work(py, &SharedProgress::default(), None, job).map(Self::of)
     }
 
     fn copy(&self, py: Python<'_>) -> Self {
@@ -120,7 +120,7 @@ impl Deck {
     fn check(&self, py: Python<'_>) -> PyResult<String> {
         let deck = self.now(py);
         let job = move || deck.check();
-        Ok(json(&work(py, &Watched::default(), None, job)?))
+        Ok(json(&work(py, &SharedProgress::default(), None, job)?))
     }
 
     /// Changes as JSON.
@@ -128,7 +128,7 @@ impl Deck {
         let (a, b) = (self.now(py), other.now(py));
         let tolerance = Tolerance { absolute, relative };
         let job = move || Ok(a.diff(&b, tolerance));
-        let found = work(py, &Watched::default(), None, job)?;
+        let found = work(py, &SharedProgress::default(), None, job)?;
         Ok(serde_json::to_string(&found).expect("differences hold only names and numbers"))
     }
 
@@ -145,7 +145,7 @@ impl Deck {
         let mut deck = self.now(py);
         let commands = commands.to_string();
         let short = path.is_none() && commands == EQUILIBRIUM && deck.bytes().len() <= SMALL;
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || {
             for (address, value) in values {
@@ -174,7 +174,7 @@ impl Deck {
     ) -> PyResult<(Vec<String>, Vec<String>, Vec<f64>, Block)> {
         let deck = self.now(py);
         let job = move || deck.sensitivity(&of, &by, time);
-        let table = work(py, &Watched::default(), None, job)?;
+        let table = work(py, &SharedProgress::default(), None, job)?;
         let (mut addresses, mut values, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         for row in table.by {
             addresses.push(row.address);
@@ -214,7 +214,7 @@ impl Deck {
             measured,
         };
         let job = move || deck.kc_beside(&config, convention, &beside);
-        let found = work(py, &Watched::default(), None, job)?;
+        let found = work(py, &SharedProgress::default(), None, job)?;
         let values = found.values.to_string();
         let told = json(&found.complaints);
         Ok((values, found.curves, found.gradients, found.html, told))

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::front;
-use admire_diagnosis::Watched;
+use admire_diagnosis::SharedProgress;
 use admire_results::{StepFilter, StepKind};
 
 use super::block::Block;
@@ -20,7 +20,7 @@ impl Results {
     #[staticmethod]
     fn open(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let job = move || front::Results::open(&path);
-        work(py, &Watched::default(), None, job).map(Self)
+        work(py, &SharedProgress::default(), None, job).map(Self)
     }
 
     fn path(&self) -> PathBuf {
@@ -41,7 +41,7 @@ impl Results {
 
     fn column(&self, py: Python<'_>, name: &str) -> PyResult<Block> {
         let (results, name) = (self.0.clone(), name.to_string());
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || results.column(&name, &watch);
         Ok(Block::new(work(py, &watched, None, job)?, 1))
@@ -74,7 +74,7 @@ impl Results {
                 .push(kind.ok_or_else(|| wrong(word, "no kind of step"))?);
         }
         let results = self.0.clone();
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || {
             let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();

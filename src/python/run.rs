@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyType};
 
 use crate::front;
-use admire_diagnosis::Watched;
+use admire_diagnosis::SharedProgress;
 use admire_results::SelectedColumn;
 
 use super::block::interface;
@@ -116,7 +116,7 @@ impl Run {
     fn write(&self, py: Python<'_>, path: PathBuf, replace: bool) -> PyResult<()> {
         let run = std::sync::Arc::clone(&self.0);
         let job = move || run.write(&path, replace);
-        work(py, &Watched::default(), None, job)
+        work(py, &SharedProgress::default(), None, job)
     }
 
     /// For pickle: everything but the values, and the values.

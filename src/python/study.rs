@@ -7,7 +7,7 @@ use pyo3::types::PyBytes;
 use crate::front;
 use crate::front::{Error, ErrorKind};
 use admire_design::Aim;
-use admire_diagnosis::{GainCheck, Watch as _, Watched};
+use admire_diagnosis::{GainCheck, ProgressObserver as _, SharedProgress};
 use admire_identify::global::Marginal;
 use admire_identify::{Fit, LoadedStudy};
 use admire_report::VERSION;
@@ -29,7 +29,7 @@ impl Study {
     #[staticmethod]
     fn open(py: Python<'_>, folder: PathBuf) -> PyResult<Self> {
         let job = move || front::Study::open(&folder);
-        work(py, &Watched::default(), None, job).map(Self)
+        work(py, &SharedProgress::default(), None, job).map(Self)
     }
 
     fn folder(&self) -> PathBuf {
@@ -82,7 +82,7 @@ impl Study {
             }
         }
         let repeats = asked(repeats)?;
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || repeated(&study, force, repeats.as_ref(), &watch);
         let (found, tables) = work(py, &watched, progress.as_ref(), job)?;
@@ -125,7 +125,7 @@ impl Study {
             }
         };
         let study = self.permitted(allow_command);
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || study.diagnose_checked(force, check, &watch);
         let found = work(py, &watched, progress.as_ref(), job)?;
@@ -160,7 +160,7 @@ impl Study {
             }
         };
         let study = self.0.clone();
-        let watched = Watched::default();
+        let watched = SharedProgress::default();
         let watch = watched.clone();
         let job = move || study.plan(aim, count, force, &watch);
         let found = work(py, &watched, progress.as_ref(), job)?;
@@ -209,7 +209,7 @@ fn repeated(
     study: &front::Study,
     force: bool,
     asked: Option<&Repeats>,
-    watch: &Watched,
+    watch: &SharedProgress,
 ) -> Result<(front::Identification, [Option<Block>; 2]), Error> {
     let mut tables = [None, None];
     let Some(asked) = asked else {

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 
 use crate::front::{Error, ErrorKind, replace_file};
-use admire_diagnosis::{Watch, Watched};
+use admire_diagnosis::{ProgressObserver, SharedProgress};
 use admire_report::VERSION;
 use admire_session::Sources;
 use admire_sweep::{
@@ -25,7 +25,7 @@ pub(super) fn sweep<'py>(
     progress: Option<Bound<'py, PyAny>>,
     allow_command: bool,
 ) -> PyResult<Option<String>> {
-    let watched = Watched::default();
+    let watched = SharedProgress::default();
     let watch = watched.clone();
     let job = move || run((&plan, allow_command), &out, jobs, shard, &watch);
     work(py, &watched, progress.as_ref(), job)
@@ -38,7 +38,7 @@ pub(super) fn merge_shards(py: Python<'_>, folder: PathBuf) -> PyResult<String> 
         let opened = SweepFolder::open(&folder);
         joined(&opened.map_err(|wrong| refused(&[wrong], &Sources::default()))?)
     };
-    work(py, &Watched::default(), None, job)
+    work(py, &SharedProgress::default(), None, job)
 }
 
 /// The command that is started for every case, if the plan or its study names one. What is wrong with the plan is told by the sweep.
@@ -48,7 +48,7 @@ pub(super) fn program_of_sweep(py: Python<'_>, plan: PathBuf) -> PyResult<Option
         let plan = SweepPlan::read(&plan).value;
         Ok(plan.and_then(|plan| plan.starts_program().map(|words| words.join(" "))))
     };
-    work(py, &Watched::default(), None, job)
+    work(py, &SharedProgress::default(), None, job)
 }
 
 fn refused(found: &[Diagnostic], sources: &Sources) -> Error {
@@ -67,7 +67,7 @@ fn run(
     out: &Path,
     jobs: Option<usize>,
     shard: Option<(u64, u64)>,
-    watch: &Watched,
+    watch: &SharedProgress,
 ) -> Result<Option<String>, Error> {
     let shard = match shard {
         None => Shard::WHOLE,

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::front::Error;
-use admire_diagnosis::Watched;
+use admire_diagnosis::SharedProgress;
 
 use super::refusal::raised;
 
@@ -62,7 +62,7 @@ pub(super) fn at_once<T: Send + 'static>(
 ) -> PyResult<T> {
     if LOADED_BY.get() != Some(&std::process::id()) {
         // What the job shares among threads stayed with the parent of this process.
-        return work(py, &Watched::default(), None, job);
+        return work(py, &SharedProgress::default(), None, job);
     }
     match py.detach(|| catch_unwind(AssertUnwindSafe(job))) {
         Ok(done) => done.map_err(|error| raised(py, &error)),
@@ -74,7 +74,7 @@ pub(super) fn at_once<T: Send + 'static>(
 /// `progress` is called with stage, remark, count and total whenever these change.
 pub(super) fn work<T: Send + 'static>(
     py: Python<'_>,
-    watched: &Watched,
+    watched: &SharedProgress,
     progress: Option<&Bound<'_, PyAny>>,
     job: impl FnOnce() -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {

@@ -1,5 +1,6 @@
 use admire_diagnosis::{
-    ChannelMiss, CrossValidation, Fitted, HoldOut, Outcome, Over, Remainder, StructureTest, Verdict,
+    ChannelMiss, CrossValidation, FittedModel, HoldOut, Outcome, Over, Remainder, StructureTest,
+    Verdict,
 };
 use admire_identify::global::{Row, UNIDENTIFIABLE};
 use admire_syntax::text::Decimals;
@@ -419,11 +420,11 @@ impl DiagnosisReport<'_> {
     /// Rms of each case before and after.
     fn by_case(&self) -> Chart {
         let rows = &self.outcome.subject.rows;
-        let series = |name: &str, fit: &Fitted| {
+        let series = |name: &str, fit: &FittedModel| {
             let mut sums = vec![(0.0, 0.0); fit.states.len()];
             for (k, row) in rows.iter().enumerate() {
                 let sum = &mut sums[row.case()];
-                sum.0 += fit.misfit[k].powi(2);
+                sum.0 += fit.residual[k].powi(2);
                 sum.1 += 1.0;
             }
             let points = sums.iter().enumerate().filter(|(_, sum)| sum.1 > 0.0);
@@ -575,7 +576,7 @@ impl DiagnosisReport<'_> {
                 continue;
             };
             let read = measurement.cases[case].marks[reading];
-            let value = fitted.misfit[k];
+            let value = fitted.residual[k];
             let cell: &mut Option<f64> = &mut values[case][first[read.part] + read.mark];
             if cell.is_none_or(|old| old.abs() < value.abs()) {
                 *cell = Some(value);

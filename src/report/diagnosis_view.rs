@@ -3,7 +3,7 @@ use super::ranking::words;
 use super::scene::Role;
 use super::study_figures::load_axis;
 use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, study_scene};
-use admire_diagnosis::{Fitted, Outcome, Verdict};
+use admire_diagnosis::{FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
 
@@ -32,7 +32,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
 }
 
 /// Where a fit puts the parts of the study's own deck; the parts that an extension adds are not among them.
-fn positions(name: &str, role: Role, model: &Model, fitted: &Fitted) -> Positions {
+fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     let of = |part: &admire_solver::model::Part| {
         let mut others = fitted.deck.model.parts.iter();
         others.position(|other| other.header.id == part.header.id && other.kind == part.kind)
@@ -98,7 +98,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let tried = format!("{} hypotheses were tried.", outcome.places);
     let sizes =
         "noise and tolerances are fitted with it, which brings it near 1 for wrong models too";
-    if outcome.extended.chosen.is_empty() {
+    if outcome.extended.effects.is_empty() {
         return format!("Chi-square per degree of freedom is {before:.2}; {sizes}. {tried}");
     }
     let nats = outcome.extended.ln_posterior() - outcome.baseline.ln_posterior();

@@ -36,10 +36,9 @@
 //! let mut reader = XrfReader::open("run.res", file.as_slice())?;
 //! let entity = reader.catalogue().entities.iter().find(|e| e.name == "front_arm");
 //! let id = entity.and_then(|e| e.component("X")).expect("a column").id;
-//! let (mut x, mut values) = (Vec::new(), Vec::new());
+//! let mut x = Vec::new();
 //! while let Some(step) = reader.next_step()? {
-//!     step.pick(&[id], &mut values)?;
-//!     x.push(values[0]);
+//!     step.pick(&[id], &mut x)?;
 //! }
 //! assert_eq!(x, [12.5, 13.5]);
 //! # Ok(())

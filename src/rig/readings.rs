@@ -1,6 +1,6 @@
 //! What the instruments of a virtual rig read: poses become marks, wheel and channels, with noise and with faults.
 
-use super::effect::{ReadingFault, Reality};
+use super::effect::{GroundTruth, ReadingFault};
 use super::frame_motion::FrameMotion;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
@@ -24,7 +24,7 @@ impl Readings {
     /// Reads every case once. Each kind of noise has its own stream, so that no effect changes the noise.
     pub(crate) fn new(
         measured: &Measurement,
-        reality: &Reality,
+        reality: &GroundTruth,
         rest: &[Rest],
         options: &RigOptions,
         exact: bool,
@@ -190,7 +190,7 @@ fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f6
 
 /// Where the marks really are, each on the part it moves with.
 fn true_marks(
-    reality: &Reality,
+    reality: &GroundTruth,
     model: &Model,
     measured: &Measurement,
     (places, case, at): (&[Vec<Vec3>], usize, &Rest),

@@ -1,6 +1,6 @@
 //! How mark readings scatter, where that is not a normal distribution of the declared width.
 
-use super::effect::{EffectSpec, Reality};
+use super::effect::{EffectSpec, GroundTruth};
 use admire_study::Noise;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -59,7 +59,7 @@ impl Scatter {
     pub(super) fn drawn(
         &self,
         seed: u64,
-        reality: &Reality,
+        reality: &GroundTruth,
     ) -> Result<Vec<EffectSpec>, Diagnostic> {
         let mut places: Vec<(usize, usize, usize)> = Vec::new();
         for case in 0..reality.programme.cases.len() {

@@ -1,6 +1,6 @@
 //! Small errors that every axle and every rig has besides the one that is looked for.
 
-use super::effect::{EffectSpec, Reality, direction_of, held, points};
+use super::effect::{EffectSpec, GroundTruth, direction_of, held, points};
 use admire_session::backend::{Load, LoadProgramme};
 use admire_solver::mechanics::Vec3;
 use admire_study::Noise;
@@ -98,7 +98,7 @@ impl Tolerances {
     pub(super) fn drawn(
         &self,
         seed: u64,
-        reality: &Reality,
+        reality: &GroundTruth,
     ) -> Result<Vec<EffectSpec>, Diagnostic> {
         let model = reality.model();
         let mut texts = Vec::new();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::effect::{Marked, Memory, Reality, plant};
+use super::effect::{GroundTruth, Marked, Memory, plant};
 use super::readings::Readings;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
@@ -92,7 +92,7 @@ pub fn virtual_rig_watched(
     if let Some(sigma) = options.sigma_on_parts {
         measured.sigma_on_parts = sigma;
     }
-    let mut reality = Reality {
+    let mut reality = GroundTruth {
         dataset,
         programme,
         memories: Vec::new(),
@@ -156,7 +156,7 @@ pub fn virtual_rig_watched(
 
 /// Applies the loads one after the other and lets what remembers the path remember it.
 fn at_rest(
-    reality: &Reality,
+    reality: &GroundTruth,
     measured: &Measurement,
     (free, seed): (&FreeMotions, u64),
     progress: &mut dyn FnMut(usize, usize),

@@ -13,11 +13,11 @@ const NAMED: usize = 5;
 
 impl Session<'_> {
     /// Says what is wrong with objects of the model, alike complaints as one, and each only once as long as the model is loaded.
-    pub(super) fn complain_once(&mut self, mut found: Vec<Diagnostic>) {
+    pub(super) fn report_once(&mut self, mut found: Vec<Diagnostic>) {
         if let Some(loaded) = &mut self.loaded {
             found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
         }
-        let mut found = gathered(found);
+        let mut found = grouped_diagnostics(found);
         if let Some(loaded) = &self.loaded {
             loaded.definitions.dataset().locate(&mut found);
         }
@@ -28,7 +28,7 @@ impl Session<'_> {
 }
 
 /// Complaints that differ only in the object they are about, as in `CONTACT/1 'a' is not solved`, become one where they are many.
-fn gathered(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
+fn grouped_diagnostics(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     type Key = (Code, Severity, &'static str, String, Option<String>);
     let mut groups: Vec<Vec<Diagnostic>> = Vec::new();
     let mut known: BTreeMap<Key, usize> = BTreeMap::new();
@@ -105,7 +105,10 @@ mod tests {
         let mut found: Vec<Diagnostic> = (1..=9).map(contact).collect();
         found.insert(4, curve(1));
         found.push(curve(2));
-        let told: Vec<String> = gathered(found).into_iter().map(|d| d.message).collect();
+        let told: Vec<String> = grouped_diagnostics(found)
+            .into_iter()
+            .map(|d| d.message)
+            .collect();
         assert_eq!(
             told,
             [

@@ -4,7 +4,7 @@ use admire_syntax::Statement;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// True for commands that only print, or concern other analyses: they change nothing here.
-pub(super) fn is_harmless(kind: Option<&str>) -> bool {
+pub(super) fn is_output_only(kind: Option<&str>) -> bool {
     matches!(
         kind,
         Some(

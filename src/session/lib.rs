@@ -59,12 +59,12 @@ pub use located::located;
 pub use mdi::mdi;
 pub use message::exponent;
 pub use moment::Moment;
-pub use on_deck::on_deck;
+pub use on_deck::commands_for_other_model;
 pub use paths::find_file;
 pub(crate) use paths::native_spelling;
 
 pub use recorded_commands::recorded_commands;
 pub use run_state::Session;
-pub use trial::Trial;
+pub use trial::InMemoryRun;
 pub use trial::TrialInput;
 pub use windows_names::check_name;

@@ -36,7 +36,7 @@ impl Session<'_> {
         }
         let errors = self.model().compiled().value.errors.clone();
         if !errors.is_empty() {
-            self.complain_once(errors);
+            self.report_once(errors);
             let refusal = Diagnostic::error(
                 Code::NotSolvedNatively,
                 "this command is not executed: its answer would leave out what is named above",

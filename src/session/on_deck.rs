@@ -2,7 +2,7 @@ use admire_syntax::CommandFile;
 use admire_syntax::text::{Edit, Source, apply_edits};
 
 /// Commands with another model in the place of theirs, by its name; it is read first where they name none.
-pub fn on_deck(name: &str, source: &Source) -> Source {
+pub fn commands_for_other_model(name: &str, source: &Source) -> Source {
     let file = CommandFile::parse(source.clone()).value;
     let mut edits = Vec::new();
     if let Some(head) = file.head() {

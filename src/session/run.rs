@@ -7,7 +7,7 @@ use admire_syntax::{CommandFile, Dataset, Statement, Wrong};
 
 use super::ending::{Ending, Stop};
 use super::files::LARGEST;
-use super::harmless::{is_harmless, is_in, place_in_file};
+use super::harmless::{is_in, is_output_only, place_in_file};
 use super::launcher::is_dataset;
 use super::loaded::Loaded;
 use super::outputs::{Outputs, with_extension};
@@ -278,7 +278,7 @@ impl<'a> Session<'a> {
             {
                 let commands = &file.commands()[line.commands.clone()];
                 if let Some(command) = commands.iter().find(|command| is_in(command, &complaint))
-                    && is_harmless(command.kind())
+                    && is_output_only(command.kind())
                 {
                     // What only prints changes no answer, whatever is wrong with it.
                     complaint.severity = complaint.severity.min(Severity::Warning);
@@ -310,7 +310,7 @@ impl<'a> Session<'a> {
             source,
             span: command.span,
         });
-        if !is_harmless(command.kind()) {
+        if !is_output_only(command.kind()) {
             let mut fractions = Vec::new();
             command.faults(
                 |_, _| true,
@@ -373,7 +373,7 @@ impl<'a> Session<'a> {
             ),
             "TIME" => self.print_time(),
             "INFO" => self.info(command, source),
-            kind if is_harmless(Some(kind)) => self.list(command),
+            kind if is_output_only(Some(kind)) => self.list(command),
             _ => self.redefine(command, source),
         }
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::model::{Definitions, Model};
-use admire_solver::system::{Driven, Grip, Rates, State};
+use admire_solver::system::{Driven, Rates, State, StictionState};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
@@ -68,7 +68,7 @@ pub(super) struct Placed {
     /// SENVAL.
     sensors: Vec<f64>,
     /// Frictions of joints.
-    grips: Vec<Grip>,
+    grips: Vec<StictionState>,
 }
 
 impl Saved {
@@ -246,13 +246,15 @@ impl Saved {
                 }),
                 ("turns", _) => placed.turns = values,
                 ("sensors", _) => placed.sensors = values,
-                ("grip", all) if (14..=15).contains(&all.len()) => placed.grips.push(Grip {
-                    sticking: all[0] != 0.0,
-                    place: all[1],
-                    creep: Vec3::from_column_slice(&all[2..5]),
-                    turn: Mat3::from_column_slice(&all[5..14]),
-                    first: all.get(14).copied(),
-                }),
+                ("grip", all) if (14..=15).contains(&all.len()) => {
+                    placed.grips.push(StictionState {
+                        sticking: all[0] != 0.0,
+                        place: all[1],
+                        creep: Vec3::from_column_slice(&all[2..5]),
+                        turn: Mat3::from_column_slice(&all[5..14]),
+                        first: all.get(14).copied(),
+                    });
+                }
                 _ => return Err(cannot("a line is damaged")),
             }
         }

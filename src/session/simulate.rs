@@ -36,7 +36,7 @@ pub(super) enum Phases {
 
 /// Which simulation over time a command asks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Asked {
+pub(super) enum RequestedAnalysis {
     Kinematic,
     Dynamic,
     /// Kinematic without degrees of freedom, otherwise dynamic.

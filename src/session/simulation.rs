@@ -14,7 +14,7 @@ use super::message::{equation_as_adams, exponent, object_as_adams};
 use super::outputs::Outputs;
 use super::run_state::{Flow, Place, Session};
 use super::sensing::Sensed;
-use super::simulate::{Analysis, Asked, OutputTimes, too_many};
+use super::simulate::{Analysis, OutputTimes, RequestedAnalysis, too_many};
 
 /// MODE in functions (guide/formats.md 3.1).
 const MODE_STATIC: i32 = 5;
@@ -58,7 +58,7 @@ impl Session<'_> {
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
         let of_statics = [Code::InactiveInStatics, Code::NotSolvedInStatics];
         complaints.retain(|told| statics || !of_statics.contains(&told.code));
-        self.complain_once(complaints);
+        self.report_once(complaints);
         let lacks =
             |d: &Diagnostic| matches!(d.code, Code::NotSolvedNatively | Code::UserSubroutine);
         if !errors.iter().all(lacks) {
@@ -81,9 +81,9 @@ impl Session<'_> {
         match analysis {
             Analysis::Static => self.lone_static(place),
             Analysis::QuasiStatic(times) => self.sequence(times, StepKind::QuasiStatic, place),
-            Analysis::Kinematic(times) => self.motion(times, Asked::Kinematic, place),
-            Analysis::Transient(times) => self.motion(times, Asked::Transient, place),
-            Analysis::Dynamic(times) => self.motion(times, Asked::Dynamic, place),
+            Analysis::Kinematic(times) => self.motion(times, RequestedAnalysis::Kinematic, place),
+            Analysis::Transient(times) => self.motion(times, RequestedAnalysis::Transient, place),
+            Analysis::Dynamic(times) => self.motion(times, RequestedAnalysis::Dynamic, place),
             Analysis::InitialConditions(phases) => self.initial_conditions(phases, place),
         }
     }

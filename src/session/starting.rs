@@ -3,7 +3,7 @@
 use super::loaded::{Beginning, Compiled, Loaded};
 use super::run_state::Session;
 use super::sensing::Sensed;
-use super::watching::Watch;
+use super::watching::SensorWatch;
 use admire_solver::model::{Function, Header, Joint, Model, Motion, MotionAxis, MotionOrder};
 use admire_solver::motion;
 use admire_solver::motion::{Consistent, Kept, MotionError};
@@ -34,7 +34,7 @@ impl Session<'_> {
             ..
         } = self.model().compiled().value;
         let before = state.sensors.clone();
-        let sensed = Watch::new(&model, system, parameters).fire_at_start(state);
+        let sensed = SensorWatch::new(&model, system, parameters).fire_at_start(state);
         let changed = state.sensors != before;
         if changed {
             // SENVAL has another value: accelerations and forces follow.
@@ -50,7 +50,7 @@ impl Session<'_> {
         anew: bool,
     ) -> Result<Vec<EquationName>, MotionError> {
         let overridden = self.model().overridden_starts();
-        self.complain_once(overridden);
+        self.report_once(overridden);
         if !self.model().stands() || anew {
             let given = self.model().model.initial_conditions.clone();
             self.messages.without_effect("IC", &given);

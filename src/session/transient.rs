@@ -6,8 +6,8 @@ use super::measures::Measures;
 use super::message::{Progress, Row, equation_as_adams};
 use super::run_state::{Flow, Locate, Place, Session};
 use super::sensing::Sensed;
-use super::simulate::{Asked, OutputTimes, Phases, too_many};
-use super::watching::Watch;
+use super::simulate::{OutputTimes, Phases, RequestedAnalysis, too_many};
+use super::watching::SensorWatch;
 use admire_results::StepKind;
 use admire_solver::motion;
 use admire_solver::motion::{Consistent, Integrator, MotionError, Settings};
@@ -59,7 +59,7 @@ impl Session<'_> {
         if missing.is_empty() {
             return None;
         }
-        self.complain_once(missing);
+        self.report_once(missing);
         let refusal = Diagnostic::error(
             Code::NotSolvedNatively,
             "this simulation is not executed: its answer would leave out what is named above",
@@ -68,7 +68,12 @@ impl Session<'_> {
     }
 
     /// SIMULATE/KINEMATIC, DYNAMIC, TRANSIENT.
-    pub(super) fn motion(&mut self, times: OutputTimes, asked: Asked, place: Place<'_>) -> Flow {
+    pub(super) fn motion(
+        &mut self,
+        times: OutputTimes,
+        asked: RequestedAnalysis,
+        place: Place<'_>,
+    ) -> Flow {
         if let Some(flow) = self.refuse_motion(place) {
             return flow;
         }
@@ -87,13 +92,13 @@ impl Session<'_> {
         // States have rates of their own: they are integrated even where the parts cannot move by themselves.
         let fixed = undetermined.is_ok() && state.states.is_empty();
         let kind = match (asked, undetermined) {
-            (Asked::Kinematic, Err(error)) => {
+            (RequestedAnalysis::Kinematic, Err(error)) => {
                 self.motion_failed(&error, place);
                 self.messages.end_simulation();
                 return self.simulation_failed();
             }
-            (Asked::Kinematic, Ok(())) => StepKind::Kinematic,
-            (Asked::Transient, _) if fixed => StepKind::Kinematic,
+            (RequestedAnalysis::Kinematic, Ok(())) => StepKind::Kinematic,
+            (RequestedAnalysis::Transient, _) if fixed => StepKind::Kinematic,
             (_, _) => StepKind::Dynamic,
         };
         if kind == StepKind::Kinematic {
@@ -131,7 +136,7 @@ impl Session<'_> {
             self.messages.dynamic_head(
                 &integrator,
                 redundant.as_ref(),
-                fixed && asked == Asked::Dynamic,
+                fixed && asked == RequestedAnalysis::Dynamic,
             );
         }
         let done = if fixed {
@@ -189,7 +194,7 @@ impl Session<'_> {
             MODE_DYNAMIC
         };
         let mut memory = Consistent::new(system);
-        let mut watch = Watch::new(&model, system, parameters);
+        let mut watch = SensorWatch::new(&model, system, parameters);
         watch.go_on_from(state);
         let (mut k, mut steps) = (1, 0);
         let mut ended = Ok(Some(false));
@@ -284,7 +289,7 @@ impl Session<'_> {
         let state = compiled.state.clone();
         let interpolate = self.model().model.integrator.interpolate;
         let model = self.model().model.clone();
-        let mut watch = Watch::new(&model, &compiled.system, &compiled.parameters);
+        let mut watch = SensorWatch::new(&model, &compiled.system, &compiled.parameters);
         watch.reconcile(1e-2 * settings.hmax);
         watch.go_on_from(&state);
         let mut integrator =
@@ -441,7 +446,7 @@ impl Session<'_> {
 /// Steps on to a time, or to the event of a sensor before it: true. `done` looks at every step.
 fn reach(
     integrator: &mut Integrator<'_>,
-    watch: &mut Watch<'_>,
+    watch: &mut SensorWatch<'_>,
     time: f64,
     limit: f64,
     mut done: impl FnMut(&Integrator<'_>),

@@ -29,7 +29,7 @@ pub struct TrialInput<'t> {
 
 /// What came of a run in memory.
 #[derive(Clone, Debug)]
-pub struct Trial {
+pub struct InMemoryRun {
     /// How it ended.
     pub ending: Ending,
     /// All columns the run has; `None` if no simulation began.
@@ -43,7 +43,7 @@ pub struct Trial {
     pub error: Option<String>,
 }
 
-impl Trial {
+impl InMemoryRun {
     /// Runs the commands. Nothing is written: SAVE keeps its state for RELOAD of the same run.
     pub fn run(input: TrialInput<'_>) -> Self {
         let folder = Path::new(input.commands.name())

@@ -6,7 +6,7 @@ use admire_solver::motion::{Consistent, Integrator, MotionError, Watched};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
 /// The sensors of a model and which of them are active.
-pub(super) struct Watch<'a> {
+pub(super) struct SensorWatch<'a> {
     model: &'a Model,
     system: &'a System,
     parameters: &'a Parameters,
@@ -24,7 +24,7 @@ pub(super) struct Watch<'a> {
     reconciling: Option<(Consistent, f64)>,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> SensorWatch<'a> {
     pub(crate) fn new(model: &'a Model, system: &'a System, parameters: &'a Parameters) -> Self {
         Self {
             model,
@@ -94,7 +94,10 @@ impl<'a> Watch<'a> {
             }
         }
         let state = reconciled.as_ref().unwrap_or(state);
-        if system.look(parameters, state, &mut self.scratch).is_err() {
+        if system
+            .evaluate(parameters, state, &mut self.scratch)
+            .is_err()
+        {
             return all;
         }
         for (k, sensor) in self.model.sensors.iter().enumerate() {
@@ -195,7 +198,7 @@ impl<'a> Watch<'a> {
     }
 }
 
-impl Watched for Watch<'_> {
+impl Watched for SensorWatch<'_> {
     fn begin(&mut self, state: &State) {
         self.seen = self.values(state);
         self.arm();

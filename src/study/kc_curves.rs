@@ -6,7 +6,7 @@
 //! base and track are displacements of the centre since design, upward, rearward and to the right. Source: guide page `kc`,
 //! section "Geometry".
 
-use super::section::{Section, Spelled};
+use super::section::{Section, SpannedText};
 use super::settings::SpinAxis;
 use super::table::Table;
 use super::wheel::SpinDirection;
@@ -132,34 +132,34 @@ impl Forward {
 #[derive(Clone, PartialEq, Debug)]
 pub struct CurveSettings {
     /// Its name among the readings.
-    pub name: Spelled,
+    pub name: SpannedText,
     /// What it shows.
     pub curve: Curve,
     /// Its column if it is not named like the curve.
-    pub column: Option<Spelled>,
+    pub column: Option<SpannedText>,
     /// Its unit if the header does not say it.
-    pub unit: Option<Spelled>,
+    pub unit: Option<SpannedText>,
     /// The rig counts the other way round.
     pub reversed: bool,
     /// Sd of one reading in this unit; from repeats or the fit if it is not given.
     pub sigma: Option<f64>,
     /// The wheel if it is another than that of `[kc]`.
-    pub marker: Option<Spelled>,
+    pub marker: Option<SpannedText>,
     /// The case whose value is subtracted, if it is another than that of `[kc]`.
-    pub relative_to: Option<Spelled>,
+    pub relative_to: Option<SpannedText>,
 }
 
 /// `[kc]` without its table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct KcSettings {
     /// The marker in the wheel centre, on the carrier.
-    pub marker: Spelled,
+    pub marker: SpannedText,
     /// Its spin axis.
     pub axis: SpinAxis,
     /// The way the vehicle drives.
     pub forward: Forward,
     /// The case at which the rig's displays stand at zero.
-    pub relative_to: Option<Spelled>,
+    pub relative_to: Option<SpannedText>,
     /// Curves.
     pub curves: Vec<CurveSettings>,
 }

@@ -4,7 +4,7 @@ use super::kc_curves::{CurveSettings, Gauge, KcSettings, column, factor, name_an
 use super::measurement::Grouped;
 use super::measurement::{Channel, Measurement, Reference};
 use super::rows::{case_of, label_of, labels};
-use super::section::{Spelled, meant};
+use super::section::{SpannedText, did_you_mean};
 use super::study::Study;
 use super::table::Table;
 use super::wheel_readings::marker_of;
@@ -153,7 +153,7 @@ fn channel(
                 .label(table.source.name(), table.header_span(), "the header line")
                 .help(format!(
                     "{}; say which: `{} = {{ column = \"...\" }}`, or take it out of [kc.curves]",
-                    meant(&asked.text, "the header line", &table.header()),
+                    did_you_mean(&asked.text, "the header line", &table.header()),
                     curve.name.text
                 )),
         );
@@ -237,7 +237,7 @@ fn channel(
 /// The case at which a curve stands at zero.
 fn zero(
     study: &Study,
-    label: &Spelled,
+    label: &SpannedText,
     to: &Measurement,
     out: &mut Vec<Diagnostic>,
 ) -> Option<Reference> {
@@ -247,7 +247,11 @@ fn zero(
         out.push(
             Diagnostic::error(Code::UnknownCase, message)
                 .label(study.source.name(), label.span, "")
-                .help(meant(&label.text, "the file of load cases", &labels(to))),
+                .help(did_you_mean(
+                    &label.text,
+                    "the file of load cases",
+                    &labels(to),
+                )),
         );
     }
     found

@@ -1,7 +1,7 @@
 //! Load cases of a study as a programme a backend can run.
 
 use super::measurement::Measurement;
-use super::section::meant;
+use super::section::did_you_mean;
 use super::study::Study;
 use admire_session::backend::{Load, LoadCase, LoadProgramme};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -74,7 +74,7 @@ fn suggestion(text: &str, dataset: &Dataset) -> String {
     if driven.is_empty() {
         return format!("for example {example}");
     }
-    let meant = meant(text, "of statements with a FUNCTION the deck", &driven);
+    let meant = did_you_mean(text, "of statements with a FUNCTION the deck", &driven);
     format!("{meant}; a load is for example {example}")
 }
 

@@ -7,7 +7,7 @@ use super::measurement::{
     Case, Channel, Grouped, MarkReading, MarkedPart, Measurement, PartMark, Reference,
 };
 use super::rows::{case_of, label_of, labels, point};
-use super::section::{meant, nearest};
+use super::section::{did_you_mean, nearest};
 use super::settings::ChannelSettings;
 use super::study::{MarkFiles, Study};
 use super::summary_readings::summaries;
@@ -111,7 +111,7 @@ fn load_cases(study: &Study, out: &mut Vec<Diagnostic>) -> Vec<Case> {
                 )
                 .label(study.source.name(), name.span, "asked for here")
                 .label(file, table.header_span(), "the header line")
-                .help(meant(&name.text, "the header line", &table.header())),
+                .help(did_you_mean(&name.text, "the header line", &table.header())),
             );
             return cases;
         };
@@ -387,7 +387,11 @@ fn channel_readings(
                     format!("the readings have no column `{}`", settings.name),
                 )
                 .label(table.source.name(), table.header_span(), "the header line")
-                .help(meant(&settings.name, "the header line", &table.header())),
+                .help(did_you_mean(
+                    &settings.name,
+                    "the header line",
+                    &table.header(),
+                )),
             );
         }
         let mut relative_to = None;
@@ -403,7 +407,7 @@ fn channel_readings(
                         format!("the load cases have no case `{}`", label.text),
                     )
                     .label(study.source.name(), label.span, "")
-                    .help(meant(
+                    .help(did_you_mean(
                         &label.text,
                         "the file of load cases",
                         &labels(to),
@@ -480,7 +484,7 @@ fn hold_out(study: &Study, to: &mut Measurement, out: &mut Vec<Diagnostic>) {
                 known.extend(to.channels.iter().map(|channel| channel.name.clone()));
                 let message = format!("there is no case and no curve `{}` to hold out", label.text);
                 let warning = Diagnostic::warning(Code::UnknownCase, message);
-                let found = meant(&label.text, "the study", &known);
+                let found = did_you_mean(&label.text, "the study", &known);
                 out.push(
                     warning
                         .label(study.source.name(), label.span, "")

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::section::{Holds, Key};
+use super::section::{Key, ValueType};
 use super::study::study_keys;
 use admire_guide::glossary;
 
@@ -45,7 +45,7 @@ fn insert(root: &mut Value, key: &Key) {
     if let Some(meaning) = glossary::meaning(&key.path) {
         new["description"] = json!(meaning);
     }
-    if key.holds == Holds::OwnTexts || (*last == "NAME" && key.holds == Holds::Table) {
+    if key.holds == ValueType::OwnTexts || (*last == "NAME" && key.holds == ValueType::Table) {
         at["additionalProperties"] = new;
         return;
     }
@@ -79,11 +79,11 @@ fn either(properties: &mut Map<String, Value>, name: &str, new: Value) {
     }
 }
 
-fn holds(what: &Holds) -> Value {
+fn holds(what: &ValueType) -> Value {
     match what {
-        Holds::Table => table(),
-        Holds::Text | Holds::OwnTexts => json!({ "type": "string" }),
-        Holds::Number(least, most) => {
+        ValueType::Table => table(),
+        ValueType::Text | ValueType::OwnTexts => json!({ "type": "string" }),
+        ValueType::Number(least, most) => {
             let mut number = json!({ "type": "number" });
             // A bound that only keeps zero out.
             if *least > 0.0 && *least < 1e-6 {
@@ -96,11 +96,11 @@ fn holds(what: &Holds) -> Value {
             }
             number
         }
-        Holds::Count(least, most) => {
+        ValueType::Count(least, most) => {
             json!({ "type": "integer", "minimum": least, "maximum": most })
         }
-        Holds::Choice(words) => json!({ "enum": words }),
-        Holds::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        ValueType::Choice(words) => json!({ "enum": words }),
+        ValueType::Texts => json!({ "type": "array", "items": { "type": "string" } }),
     }
 }
 
@@ -112,7 +112,7 @@ mod tests {
     fn every_key_the_reader_knows_is_explained_in_the_guide() {
         let lacking: Vec<String> = study_keys()
             .into_iter()
-            .filter(|key| key.holds != Holds::Table && glossary::meaning(&key.path).is_none())
+            .filter(|key| key.holds != ValueType::Table && glossary::meaning(&key.path).is_none())
             .map(|key| key.path)
             .collect();
         assert!(

@@ -8,7 +8,7 @@ use admire_syntax::text::{Source, Span};
 
 /// A text of `study.toml` and where it stands, to be resolved later against the deck.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Spelled {
+pub struct SpannedText {
     /// The text as written.
     pub text: String,
     /// Where it stands in `study.toml`.
@@ -17,7 +17,7 @@ pub struct Spelled {
 
 /// What a key of `study.toml` may hold.
 #[derive(Clone, PartialEq, Debug)]
-pub(crate) enum Holds {
+pub(crate) enum ValueType {
     /// A table of further keys.
     Table,
     /// A text.
@@ -40,12 +40,12 @@ pub(crate) struct Key {
     /// Its whole name; a piece `NAME` stands for names of one's own.
     pub path: String,
     /// What it may hold.
-    pub holds: Holds,
+    pub holds: ValueType,
 }
 
 /// Writes down what the reader asks a study for, instead of answering.
 #[derive(Default)]
-pub(super) struct Inquiry {
+pub(super) struct SchemaRecorder {
     /// Whether keys that take a text or something else are asked for as texts.
     pub texts: bool,
     /// What was asked for, in order.
@@ -59,12 +59,12 @@ pub(super) struct Section<'a> {
     table: Option<&'a DeTable<'a>>,
     span: Span,
     asked: BTreeSet<&'static str>,
-    inquiry: Option<&'a Inquiry>,
+    inquiry: Option<&'a SchemaRecorder>,
 }
 
 impl<'a> Section<'a> {
     /// No file at all: every question is written down.
-    pub(crate) fn inquiring(source: &'a Source, inquiry: &'a Inquiry) -> Self {
+    pub(crate) fn inquiring(source: &'a Source, inquiry: &'a SchemaRecorder) -> Self {
         Self {
             source,
             path: String::new(),
@@ -76,7 +76,7 @@ impl<'a> Section<'a> {
     }
 
     /// Writes down a question, once.
-    fn note(&self, key: &str, holds: Holds) {
+    fn note(&self, key: &str, holds: ValueType) {
         let Some(inquiry) = self.inquiry else { return };
         let key = Key {
             path: self.name(key),
@@ -153,7 +153,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Section<'a> {
-        self.note(key, Holds::Table);
+        self.note(key, ValueType::Table);
         let path = self.name(key);
         let found = self.get(key);
         let mut table = None;
@@ -180,14 +180,14 @@ impl<'a> Section<'a> {
         &mut self,
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<Spelled> {
-        self.note(key, Holds::Text);
+    ) -> Option<SpannedText> {
+        self.note(key, ValueType::Text);
         let (value, span) = self.get(key)?;
         let Some(text) = value.as_str() else {
             self.wrong(key, span, "a text in quotes", diagnostics);
             return None;
         };
-        Some(Spelled {
+        Some(SpannedText {
             text: text.to_string(),
             span,
         })
@@ -212,7 +212,7 @@ impl<'a> Section<'a> {
         (least, most): (f64, f64),
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        self.note(key, Holds::Number(least, most));
+        self.note(key, ValueType::Number(least, most));
         let (value, span) = self.get(key)?;
         let number = number_of(value);
         match number {
@@ -230,7 +230,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Option<f64> {
-        self.note(key, Holds::Number(f64::MIN_POSITIVE, f64::INFINITY));
+        self.note(key, ValueType::Number(f64::MIN_POSITIVE, f64::INFINITY));
         let (value, span) = self.get(key)?;
         if number_of(value) != Some(0.0) {
             return self.optional_number(key, (f64::MIN_POSITIVE, f64::INFINITY), diagnostics);
@@ -255,7 +255,7 @@ impl<'a> Section<'a> {
         (least, most): (usize, usize),
         diagnostics: &mut Vec<Diagnostic>,
     ) -> usize {
-        self.note(key, Holds::Count(least, most));
+        self.note(key, ValueType::Count(least, most));
         let Some((value, span)) = self.get(key) else {
             return default;
         };
@@ -279,7 +279,7 @@ impl<'a> Section<'a> {
     ) -> T {
         self.note(
             key,
-            Holds::Choice(words.iter().map(|(word, _)| *word).collect()),
+            ValueType::Choice(words.iter().map(|(word, _)| *word).collect()),
         );
         let Some((value, span)) = self.get(key) else {
             return default;
@@ -303,8 +303,8 @@ impl<'a> Section<'a> {
         &mut self,
         key: &'static str,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Option<Vec<Spelled>> {
-        self.note(key, Holds::Texts);
+    ) -> Option<Vec<SpannedText>> {
+        self.note(key, ValueType::Texts);
         let (value, span) = self.get(key)?;
         let Some(array) = value.as_array() else {
             self.wrong(key, span, "a list of texts", diagnostics);
@@ -314,7 +314,7 @@ impl<'a> Section<'a> {
         for item in array {
             let at = Span::from(item.span());
             match item.get_ref().as_str() {
-                Some(text) => texts.push(Spelled {
+                Some(text) => texts.push(SpannedText {
                     text: text.to_string(),
                     span: at,
                 }),
@@ -328,14 +328,14 @@ impl<'a> Section<'a> {
     pub(crate) fn all_texts(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Vec<(Spelled, Spelled)> {
-        self.note("NAME", Holds::OwnTexts);
+    ) -> Vec<(SpannedText, SpannedText)> {
+        self.note("NAME", ValueType::OwnTexts);
         let mut found = Vec::new();
         for (key, value) in self.entries() {
             match value.0.as_str() {
                 Some(text) => found.push((
                     key,
-                    Spelled {
+                    SpannedText {
                         text: text.to_string(),
                         span: value.1,
                     },
@@ -350,10 +350,10 @@ impl<'a> Section<'a> {
     pub(crate) fn all_sections(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
-    ) -> Vec<(Spelled, Section<'a>)> {
+    ) -> Vec<(SpannedText, Section<'a>)> {
         let mut found = Vec::new();
         if self.inquiry.is_some() {
-            let key = Spelled {
+            let key = SpannedText {
                 text: "NAME".to_string(),
                 span: self.span,
             };
@@ -384,13 +384,13 @@ impl<'a> Section<'a> {
         self.get(key).is_some_and(|(value, _)| value.is_str())
     }
 
-    fn entries(&self) -> Vec<(Spelled, (&'a DeValue<'a>, Span))> {
+    fn entries(&self) -> Vec<(SpannedText, (&'a DeValue<'a>, Span))> {
         let mut entries: Vec<_> = self
             .table
             .into_iter()
             .flat_map(|table| table.iter())
             .map(|(key, value)| {
-                let spelled = Spelled {
+                let spelled = SpannedText {
                     text: key.get_ref().to_string(),
                     span: Span::from(key.span()),
                 };
@@ -470,7 +470,7 @@ fn range((least, most): (f64, f64)) -> String {
 /// What a name that was not found may have meant, and what there is: the help of a complaint.
 ///
 /// Ids are compared whole: `BUSHING/3` is no slip of the pen for `BUSHING/2`.
-pub fn meant(word: &str, place: &str, there: &[String]) -> String {
+pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     const SHOWN: usize = 8;
     let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
     let alike = there

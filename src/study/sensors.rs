@@ -62,7 +62,7 @@ impl Channels {
         if self.count == 0 {
             return Ok(values);
         }
-        let mut here = system.look(theta, state, scratch)?;
+        let mut here = system.evaluate(theta, state, scratch)?;
         for k in 0..self.count {
             let read = here.read_function((self.first + k, 1))?;
             values.push(read.map_or(f64::NAN, |(value, _)| value));
@@ -85,7 +85,7 @@ impl Channels {
             return values;
         }
         state.poses.copy_from_slice(poses);
-        let Ok(mut here) = system.look(theta, &state, scratch) else {
+        let Ok(mut here) = system.evaluate(theta, &state, scratch) else {
             return values;
         };
         let places = system.equations_start();

@@ -1,4 +1,4 @@
-use super::section::{Section, Spelled};
+use super::section::{Section, SpannedText};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::{Dimension, Units};
 
@@ -29,7 +29,7 @@ pub struct SolverSettings {
     /// Parallel runs.
     pub jobs: usize,
     /// Folder of recorded runs below the study: what `admire record` fills and backend `replay` serves.
-    pub recordings: Spelled,
+    pub recordings: SpannedText,
 }
 
 impl SolverSettings {
@@ -61,10 +61,12 @@ impl SolverSettings {
             timeout_s: section.number("timeout_s", 600.0, (1e-3, 1e9), out),
             licence_wait_s: section.number("licence_wait_s", 300.0, (0.0, 1e9), out),
             jobs: section.count("jobs", 1, (1, 1024), out),
-            recordings: section.text("recordings", out).unwrap_or_else(|| Spelled {
-                text: "recorded".to_string(),
-                span: section.span(),
-            }),
+            recordings: section
+                .text("recordings", out)
+                .unwrap_or_else(|| SpannedText {
+                    text: "recorded".to_string(),
+                    span: section.span(),
+                }),
         }
     }
 }
@@ -181,13 +183,13 @@ pub enum Loss {
 #[derive(Clone, PartialEq, Debug)]
 pub struct IdentifySettings {
     /// Addresses of bushings; every BUSHING of the deck if absent.
-    pub bushings: Option<Vec<Spelled>>,
+    pub bushings: Option<Vec<SpannedText>>,
     /// Addresses of other numbers.
-    pub stiffnesses: Vec<Spelled>,
+    pub stiffnesses: Vec<SpannedText>,
     /// Symmetry of bushings not named.
     pub symmetry: Symmetry,
     /// Symmetry of named bushings.
-    pub symmetry_of: Vec<(Spelled, Symmetry)>,
+    pub symmetry_of: Vec<(SpannedText, Symmetry)>,
     /// What identifies.
     pub method: Method,
     /// Where stiffnesses start.
@@ -371,7 +373,7 @@ impl SpinAxis {
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelSettings {
     /// The marker on the wheel carrier.
-    pub marker: Spelled,
+    pub marker: SpannedText,
     /// Its spin axis.
     pub axis: SpinAxis,
     /// Sd of a coordinate.
@@ -410,18 +412,18 @@ pub struct ChannelSettings {
     /// Its column.
     pub name: String,
     /// An ADAMS function of the deck.
-    pub function: Spelled,
+    pub function: SpannedText,
     /// Sd of one reading; estimated from the fit if it is not given.
     pub sigma: Option<f64>,
     /// Its unit, for reports.
     pub unit: Option<String>,
     /// The case whose value is subtracted: its label, or `previous`.
-    pub relative_to: Option<Spelled>,
+    pub relative_to: Option<SpannedText>,
 }
 
 impl ChannelSettings {
     pub(super) fn read(
-        name: &Spelled,
+        name: &SpannedText,
         section: &mut Section<'_>,
         out: &mut Vec<Diagnostic>,
     ) -> Option<Self> {

@@ -5,7 +5,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// What a user says of a size.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub enum Stated {
+pub enum PriorSetting {
     /// `"estimate"`: the readings tell.
     #[default]
     Estimate,
@@ -17,21 +17,21 @@ pub enum Stated {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ToleranceSettings {
     /// Each coordinate of each hardpoint, mm.
-    pub hardpoints: Stated,
+    pub hardpoints: PriorSetting,
     /// Factor of each load, parts of one.
-    pub load_gain: Stated,
+    pub load_gain: PriorSetting,
     /// Each load in each case by itself, parts of the largest value of that load.
-    pub load_repeatability: Stated,
+    pub load_repeatability: PriorSetting,
     /// Direction of each load, degrees.
-    pub load_direction_deg: Stated,
+    pub load_direction_deg: PriorSetting,
     /// Places of marks on their parts, mm.
-    pub marks_on_parts: Stated,
+    pub marks_on_parts: PriorSetting,
     /// Where the measuring frame sits, the same in all cases, mm; over half a metre also its turn.
-    pub alignment: Stated,
+    pub alignment: PriorSetting,
     /// How far all marks move with each load at its largest value, mm; over half a metre also their turn.
-    pub mount: Stated,
+    pub mount: PriorSetting,
     /// Rigid error of a part's pose in one case, mm; over a tenth of a metre also its turn.
-    pub pose: Stated,
+    pub pose: PriorSetting,
 }
 
 impl ToleranceSettings {
@@ -40,14 +40,14 @@ impl ToleranceSettings {
             if section.is_text(key) {
                 section.choice(
                     key,
-                    Stated::Estimate,
-                    &[("estimate", Stated::Estimate)],
+                    PriorSetting::Estimate,
+                    &[("estimate", PriorSetting::Estimate)],
                     out,
                 )
             } else {
                 section
                     .optional_number(key, (0.0, 1e6), out)
-                    .map_or(Stated::Estimate, Stated::Size)
+                    .map_or(PriorSetting::Estimate, PriorSetting::Size)
             }
         };
         Self {

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 use super::kc_curves::KcSettings;
-use super::section::{Inquiry, Key, Section, Spelled};
+use super::section::{Key, SchemaRecorder, Section, SpannedText};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
 };
@@ -43,7 +43,7 @@ pub struct Study {
     /// Load cases: `case`, then one column per load.
     pub loads: Table,
     /// Column and the address it drives, in the order of `study.toml`.
-    pub columns: Vec<(Spelled, Spelled)>,
+    pub columns: Vec<(SpannedText, SpannedText)>,
     /// `[marks]`.
     pub marks: Option<MarkFiles>,
     /// `[wheel]` and its file.
@@ -61,7 +61,7 @@ pub struct Study {
     /// `[tolerances]`.
     pub tolerances: ToleranceSettings,
     /// `[validate] hold_out`, if given.
-    pub hold_out: Option<Vec<Spelled>>,
+    pub hold_out: Option<Vec<SpannedText>>,
     /// `[reference] deck`: for reports only.
     pub reference: Option<Source>,
 }
@@ -136,9 +136,9 @@ pub(crate) fn study_keys() -> Vec<Key> {
     };
     let mut keys: Vec<Key> = Vec::new();
     for texts in [false, true] {
-        let inquiry = Inquiry {
+        let inquiry = SchemaRecorder {
             texts,
-            ..Inquiry::default()
+            ..SchemaRecorder::default()
         };
         // What an empty study lacks is not the question.
         let _ = sections(
@@ -417,14 +417,14 @@ impl Files<'_> {
     }
 
     /// A path of the study, which must lie below its folder whether it exists or not.
-    fn path(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
+    fn path(&self, spelled: &SpannedText, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
         let found = file_below(self.folder, &spelled.text, "study");
         let label = |told: Diagnostic| told.label(self.study.name(), spelled.span, "");
         out.extend(found.diagnostics.into_iter().map(label));
         found.value
     }
 
-    fn open(&self, spelled: &Spelled, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {
+    fn open(&self, spelled: &SpannedText, out: &mut Vec<Diagnostic>) -> Option<(Source, PathBuf)> {
         let path = self.path(spelled, out)?;
         match Source::read(&path) {
             Ok(source) => Some((source, path)),

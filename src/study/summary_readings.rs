@@ -3,7 +3,7 @@
 use super::kc_curves::{Curve, Gauge, KcSettings, factor};
 use super::measurement::{Channel, Measurement};
 use super::rows::labels;
-use super::section::meant;
+use super::section::did_you_mean;
 use super::study::Study;
 use super::summary::{Over, Summary, SummaryKind, weights};
 use super::table::{Cell, Table};
@@ -108,7 +108,7 @@ impl Row<'_> {
         let case = |cell: &Cell| {
             to.case(&cell.text).ok_or_else(|| {
                 let message = format!("the load cases have no case `{}`", cell.text);
-                let help = meant(&cell.text, "the file of load cases", &labels(to));
+                let help = did_you_mean(&cell.text, "the file of load cases", &labels(to));
                 self.wrong(cell, message, help)
             })
         };

@@ -2,7 +2,7 @@
 
 use super::measurement::{Grouped, Measurement, Wheel, wheel};
 use super::rows::{case_of, point};
-use super::section::{Spelled, meant};
+use super::section::{SpannedText, did_you_mean};
 use super::study::Study;
 use super::wheel::WheelReading;
 use admire_solver::model::{MarkerIx, Model};
@@ -62,7 +62,7 @@ pub(super) fn wheel_readings(
 /// The marker that a study names; what is none is complained about.
 pub(super) fn marker_of(
     study: &Study,
-    name: &Spelled,
+    name: &SpannedText,
     model: &Model,
     out: &mut Vec<Diagnostic>,
 ) -> Option<MarkerIx> {
@@ -82,7 +82,7 @@ pub(super) fn marker_of(
             .collect();
         let complaint = Diagnostic::error(Code::UnknownTarget, message)
             .label(study.source.name(), name.span, "")
-            .help(meant(&name.text, "the deck", &there));
+            .help(did_you_mean(&name.text, "the deck", &there));
         // Several curves may name the same one.
         if !out.contains(&complaint) {
             out.push(complaint);

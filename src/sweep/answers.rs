@@ -4,10 +4,10 @@ use admire_design::propose;
 use serde_json::Value;
 
 use super::answer_path::{Answer, AnswerPath};
-use super::kept::{Keep, Origin, Output};
+use super::kept::{Output, OutputSource, OutputSpec};
 use super::row::Status;
 use admire_diagnosis::{
-    GainCheck, Progress, Watched, diagnose_watched, held_out, study_fit as fit,
+    GainCheck, Progress, SharedProgress, diagnose_watched, held_out, study_fit as fit,
 };
 use admire_identify::{LoadedStudy, estimate_noise};
 use admire_study::settings::BackendChoice;
@@ -30,7 +30,7 @@ impl Answers {
     pub(crate) fn of(
         (study, check): (&LoadedStudy, GainCheck),
         deck: &Source,
-        keeps: &[(Keep, Option<String>, Span)],
+        keeps: &[(OutputSpec, Option<String>, Span)],
     ) -> Result<Self, (Status, String)> {
         let read = study.with_deck(deck.clone());
         let Some(loaded) = read.value else {
@@ -41,14 +41,15 @@ impl Answers {
         };
         let asks = |answer: Answer| {
             let mut keeps = keeps.iter();
-            keeps.any(|(keep, ..)| matches!(keep, Keep::Answer(path) if path.answer == answer))
+            keeps
+                .any(|(keep, ..)| matches!(keep, OutputSpec::Answer(path) if path.answer == answer))
         };
         let no_answer = |why: String| (Status::NoAnswer, why);
         let mut new = Self::default();
         if asks(Answer::Identification) {
             let mut own = loaded.clone();
             let mut backend = solver::backend(&own.study, None, &|_| ());
-            let found = fit::identify(&mut own, backend.as_mut(), &Watched::default());
+            let found = fit::identify(&mut own, backend.as_mut(), &SharedProgress::default());
             let found = found.map_err(|error| no_answer(error.to_string()))?;
             if !found.converged {
                 return Err(no_answer("the fit did not converge".to_string()));
@@ -100,7 +101,7 @@ impl Answers {
     /// The numbers of all columns.
     pub(crate) fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
         let number = |output: &Output| match &output.origin {
-            Origin::Answer(path) => path.number(self.answer(path)),
+            OutputSource::Answer(path) => path.number(self.answer(path)),
             _ => f64::NAN,
         };
         outputs.iter().map(number).collect()

@@ -6,12 +6,12 @@ use admire_syntax::text::{Source, Span};
 
 /// What is wrong with a SWEEP.toml, with places in it.
 #[derive(Default)]
-pub(super) struct Complaints {
+pub(super) struct CollectedDiagnostics {
     pub(super) file: String,
     pub(super) all: Vec<Diagnostic>,
 }
 
-impl Complaints {
+impl CollectedDiagnostics {
     /// Something is wrong at a place of SWEEP.toml.
     pub(super) fn wrong(&mut self, code: Code, span: std::ops::Range<usize>, message: &str) {
         let diagnostic =

@@ -2,7 +2,7 @@ use super::answer_path::AnswerPath;
 
 /// What one value of many steps is.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum At {
+pub enum Reduction {
     /// The last step.
     Last,
     /// The first step.
@@ -23,7 +23,7 @@ pub enum At {
     Time(f64),
 }
 
-impl At {
+impl Reduction {
     /// The word of SWEEP.toml.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
         Some(match word {
@@ -87,13 +87,13 @@ impl At {
 
 /// What is kept of every case, as SWEEP.toml asks.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Keep {
+pub enum OutputSpec {
     /// Columns of the results that match a pattern.
     Column {
         /// As `admire results --get` has it.
         pattern: String,
         /// Of which steps.
-        at: At,
+        at: Reduction,
     },
     /// Frequency and damping ratio of an eigenvalue of the last LINEAR/EIGENSOL, from 1.
     Mode(usize),
@@ -110,9 +110,9 @@ pub enum Keep {
 
 /// Where a column of the answer comes from.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Origin {
+pub enum OutputSource {
     /// Column of the picked ones.
-    Column(usize, At),
+    Column(usize, Reduction),
     /// Frequency of a mode, counted from 0.
     Frequency(usize),
     /// Damping ratio of a mode, counted from 0.
@@ -131,7 +131,7 @@ pub struct Output {
     /// Its unit, where one is known.
     pub unit: Option<String>,
     /// Where it comes from.
-    pub origin: Origin,
+    pub origin: OutputSource,
 }
 
 #[cfg(test)]
@@ -142,19 +142,19 @@ mod tests {
     fn steps_become_one_value() {
         let steps: Vec<(f64, Vec<f64>)> =
             vec![(0.0, vec![1.0]), (1.0, vec![5.0]), (3.0, vec![-3.0])];
-        let of = |at: At| at.of(&steps, 0);
-        assert_eq!(of(At::Last), Some(-3.0));
-        assert_eq!(of(At::First), Some(1.0));
-        assert_eq!(of(At::Max), Some(5.0));
-        assert_eq!(of(At::Min), Some(-3.0));
-        assert_eq!(of(At::Mean), Some(1.0));
-        assert_eq!(of(At::Range), Some(8.0));
-        assert_eq!(of(At::Rms), Some((35.0_f64 / 3.0).sqrt()));
-        assert_eq!(of(At::Step(2)), Some(5.0));
-        assert_eq!(of(At::Step(4)), None);
-        assert_eq!(of(At::Time(2.0)), Some(1.0));
-        assert_eq!(of(At::Time(3.0)), Some(-3.0));
-        assert_eq!(of(At::Time(3.5)), None);
-        assert_eq!(At::Last.of(&[], 0), None);
+        let of = |at: Reduction| at.of(&steps, 0);
+        assert_eq!(of(Reduction::Last), Some(-3.0));
+        assert_eq!(of(Reduction::First), Some(1.0));
+        assert_eq!(of(Reduction::Max), Some(5.0));
+        assert_eq!(of(Reduction::Min), Some(-3.0));
+        assert_eq!(of(Reduction::Mean), Some(1.0));
+        assert_eq!(of(Reduction::Range), Some(8.0));
+        assert_eq!(of(Reduction::Rms), Some((35.0_f64 / 3.0).sqrt()));
+        assert_eq!(of(Reduction::Step(2)), Some(5.0));
+        assert_eq!(of(Reduction::Step(4)), None);
+        assert_eq!(of(Reduction::Time(2.0)), Some(1.0));
+        assert_eq!(of(Reduction::Time(3.0)), Some(-3.0));
+        assert_eq!(of(Reduction::Time(3.5)), None);
+        assert_eq!(Reduction::Last.of(&[], 0), None);
     }
 }

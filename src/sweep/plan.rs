@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use admire_identify::LoadedStudy;
 use admire_kc::Config;
-use admire_session::{FilePolicy, find_file, folder_of, on_deck, read_files};
+use admire_session::{FilePolicy, commands_for_other_model, find_file, folder_of, read_files};
 use admire_solver::model::{Ignore, Model};
 use admire_study::permission::{NamedProgram, beside};
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
@@ -10,13 +10,13 @@ use admire_syntax::files::Files;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{CommandFile, Dataset};
 
-use super::complaints::Complaints;
+use super::complaints::CollectedDiagnostics;
 use super::correlation::Correlation;
 use super::design::{Design, Point};
-use super::kept::Keep;
+use super::kept::OutputSpec;
 use super::plan_file::PlanFile;
-use super::plan_keeps::keeps;
 use super::plan_numbers::{Numbers, numbers};
+use super::plan_outputs::keeps;
 use super::task::Task;
 use super::variation::{Variation, varied};
 
@@ -51,7 +51,7 @@ pub struct SweepPlan {
     /// The cases.
     pub design: Design,
     /// What is kept, with the name asked for and its place in SWEEP.toml.
-    pub keeps: Vec<(Keep, Option<String>, Span)>,
+    pub keeps: Vec<(OutputSpec, Option<String>, Span)>,
     /// What may be left out of the model.
     pub ignored: Vec<Ignore>,
     /// Who solves, if not the built-in solver.
@@ -89,7 +89,7 @@ impl SweepPlan {
 
     /// Reads a SWEEP.toml and all it names. `None` if an error stands in the way.
     pub fn read(path: &Path) -> Checked<Option<Self>> {
-        let mut out = Complaints::default();
+        let mut out = CollectedDiagnostics::default();
         let value = Self::read_with(path, &mut out);
         let failed = out.all.iter().any(|d| d.severity == Severity::Error);
         Checked {
@@ -98,7 +98,7 @@ impl SweepPlan {
         }
     }
 
-    fn read_with(path: &Path, out: &mut Complaints) -> Option<Self> {
+    fn read_with(path: &Path, out: &mut CollectedDiagnostics) -> Option<Self> {
         let source = out.source(path, None)?;
         out.file = source.name().to_string();
         let text = source.text(Span::new(0, source.bytes().len()));
@@ -236,7 +236,7 @@ fn study(
     name: &toml::Spanned<String>,
     file: &PlanFile,
     folder: &Path,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Box<LoadedStudy>> {
     let others = [
         file.deck.as_ref().map(toml::Spanned::span),
@@ -264,7 +264,7 @@ fn study(
 fn program(
     solver: &toml::Spanned<super::plan_file::Solver>,
     folder: &Path,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Program> {
     let (span, solver) = (solver.span(), solver.get_ref());
     if !(solver.timeout_s > 0.0) {
@@ -315,7 +315,7 @@ fn task(
     file: &PlanFile,
     (folder, model): (&Path, &Model),
     inputs: &mut Vec<Source>,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Task> {
     let deck = file.deck.as_ref()?;
     match (&file.commands, &file.kc) {
@@ -323,7 +323,10 @@ fn task(
             let source = out.file(folder, name)?;
             inputs.push(source.clone());
             inputs.extend(included(&source, folder));
-            Some(Task::Commands(on_deck(deck.get_ref(), &source)))
+            Some(Task::Commands(commands_for_other_model(
+                deck.get_ref(),
+                &source,
+            )))
         }
         (None, Some(name)) => {
             let source = out.file(folder, name)?;

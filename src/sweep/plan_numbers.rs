@@ -11,7 +11,7 @@ use admire_syntax::diagnostic::Code;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
-use super::complaints::Complaints;
+use super::complaints::CollectedDiagnostics;
 use super::correlation::Correlation;
 use super::design::{Design, MOST_SOBOL, Plan};
 use super::distribution::Distribution;
@@ -34,7 +34,7 @@ pub(super) struct Numbers {
 pub(super) fn numbers(
     file: &PlanFile,
     (deck, folder): (&Dataset, &Path),
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Numbers> {
     let plan = file.sampling.plan.get_ref();
     let is_table = *plan == PlanWord::Table;
@@ -106,7 +106,7 @@ pub(super) fn numbers(
 }
 
 /// Two variations of one value would undo each other.
-fn twice(variations: &[Variation], file: &PlanFile, out: &mut Complaints) {
+fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnostics) {
     let mut seen: Vec<(&Address, &str)> = Vec::new();
     for (at, variation) in variations.iter().enumerate() {
         for (address, _) in &variation.targets {
@@ -133,7 +133,7 @@ fn targets(
     patterns: &[&str],
     span: &Range<usize>,
     (deck, apply): (&Dataset, Apply),
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Vec<(Address, f64)>> {
     let mut all = Vec::new();
     for pattern in patterns {
@@ -163,7 +163,7 @@ fn variation(
     vary: &Spanned<Vary>,
     deck: &Dataset,
     plan: PlanWord,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<(Variation, (u64, Range<usize>))> {
     let (span, vary) = (vary.span(), vary.get_ref());
     let patterns: Vec<&str> = match vary.address.get_ref() {
@@ -217,7 +217,7 @@ fn distribution(
     vary: &Vary,
     span: &Range<usize>,
     plan: PlanWord,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Distribution> {
     let named = [
         vary.uniform.is_some(),
@@ -328,7 +328,7 @@ fn distribution(
 fn correlations(
     file: &PlanFile,
     variations: &[Variation],
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Vec<Correlation> {
     let mut groups = Vec::new();
     let mut taken = BTreeSet::new();
@@ -388,7 +388,7 @@ fn correlations(
 fn design(
     file: &PlanFile,
     (variations, levels, rows): (&[Variation], Vec<(u64, Range<usize>)>, Vec<Vec<f64>>),
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Design> {
     let sampling = &file.sampling;
     let word = *sampling.plan.get_ref();
@@ -461,7 +461,7 @@ fn cases_of(
     source: &Source,
     (variations, deck): (&mut Vec<Variation>, &Dataset),
     span: Range<usize>,
-    out: &mut Complaints,
+    out: &mut CollectedDiagnostics,
 ) -> Option<Vec<Vec<f64>>> {
     let mut refuse = |row: usize, why: &str| {
         let message = format!("`{}`, line {row}: {why}", source.name());

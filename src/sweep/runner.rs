@@ -6,7 +6,7 @@ use admire_kc as kc;
 use admire_kc::{Bench, BenchError, Config, Convention, KcRun};
 use admire_results::{Catalogue, Selection};
 use admire_session::backend::{DeckRun, ProgramRun, Recording, RunError};
-use admire_session::{Stop, Trial, TrialInput};
+use admire_session::{InMemoryRun, Stop, TrialInput};
 use admire_solver::model::Model;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
@@ -14,7 +14,7 @@ use admire_syntax::text::{Source, Span};
 use admire_syntax::units::Units;
 
 use super::answers::Answers;
-use super::kept::{Keep, Origin, Output};
+use super::kept::{Output, OutputSource, OutputSpec};
 use super::plan::SweepPlan;
 use super::row::{Row, Status};
 use super::table_writer::OTHER_COLUMNS;
@@ -140,7 +140,7 @@ impl<'p> Runner<'p> {
         };
         for (keep, name, span) in &plan.keeps {
             match keep {
-                Keep::Column { pattern, at } => {
+                OutputSpec::Column { pattern, at } => {
                     let (found, _) = Selection::matching(catalogue, &[pattern.as_str()]);
                     if found.columns.is_empty() {
                         refuse(
@@ -167,11 +167,11 @@ impl<'p> Runner<'p> {
                             name: given
                                 .unwrap_or_else(|| format!("{}{}", column.path, at.suffix())),
                             unit: column.units,
-                            origin: Origin::Column(place, *at),
+                            origin: OutputSource::Column(place, *at),
                         });
                     }
                 }
-                Keep::Mode(number) => {
+                OutputSpec::Mode(number) => {
                     if modes.len() < *number {
                         refuse(
                             *span,
@@ -182,8 +182,12 @@ impl<'p> Runner<'p> {
                     let name = name.clone().unwrap_or_else(|| format!("mode_{number}"));
                     let per_time = format!("1/{}", self.units().time.word);
                     for (what, unit, origin) in [
-                        ("frequency", Some(per_time), Origin::Frequency(number - 1)),
-                        ("damping_ratio", None, Origin::Damping(number - 1)),
+                        (
+                            "frequency",
+                            Some(per_time),
+                            OutputSource::Frequency(number - 1),
+                        ),
+                        ("damping_ratio", None, OutputSource::Damping(number - 1)),
                     ] {
                         self.outputs.push(Output {
                             name: format!("{name}.{what}"),
@@ -192,7 +196,7 @@ impl<'p> Runner<'p> {
                         });
                     }
                 }
-                Keep::Characteristic { .. } | Keep::Answer(_) => {}
+                OutputSpec::Characteristic { .. } | OutputSpec::Answer(_) => {}
             }
         }
     }
@@ -200,7 +204,7 @@ impl<'p> Runner<'p> {
     fn find_characteristics(&mut self, run: &KcRun, wrong: &mut Vec<Diagnostic>) {
         let units = self.units();
         for (keep, name, span) in &self.plan.keeps {
-            let Keep::Characteristic { path, test } = keep else {
+            let OutputSpec::Characteristic { path, test } = keep else {
                 continue;
             };
             let unit = match test {
@@ -238,14 +242,16 @@ impl<'p> Runner<'p> {
             self.outputs.push(Output {
                 name: name.clone().unwrap_or(own),
                 unit: (!unit.is_empty()).then_some(unit),
-                origin: Origin::Characteristic(path.clone(), test.clone()),
+                origin: OutputSource::Characteristic(path.clone(), test.clone()),
             });
         }
     }
 
     fn find_answers(&mut self, answers: &Answers, wrong: &mut Vec<Diagnostic>) {
         for (keep, name, span) in &self.plan.keeps {
-            let Keep::Answer(path) = keep else { continue };
+            let OutputSpec::Answer(path) = keep else {
+                continue;
+            };
             let found = answers.matching(path).unwrap_or_else(|why| {
                 wrong.push(
                     Diagnostic::error(Code::UndefinedId, why)
@@ -264,7 +270,7 @@ impl<'p> Runner<'p> {
                 self.outputs.push(Output {
                     name,
                     unit: None,
-                    origin: Origin::Answer(path),
+                    origin: OutputSource::Answer(path),
                 });
             }
         }
@@ -312,7 +318,7 @@ impl<'p> Runner<'p> {
     }
 
     fn trial(&self, deck: &Source, commands: &Source) -> Result<Seen, (Status, String)> {
-        let trial = Trial::run(TrialInput {
+        let trial = InMemoryRun::run(TrialInput {
             deck,
             commands,
             columns: &self.ids,
@@ -397,10 +403,10 @@ impl<'p> Runner<'p> {
                     return Err((Status::Invalid, message.to_string()));
                 }
                 let value = |output: &Output| match output.origin {
-                    Origin::Column(place, at) => at.of(steps, place).unwrap_or(f64::NAN),
-                    Origin::Frequency(k) => modes.get(k).map_or(f64::NAN, |mode| mode[0]),
-                    Origin::Damping(k) => modes.get(k).map_or(f64::NAN, |mode| mode[1]),
-                    Origin::Characteristic(..) | Origin::Answer(_) => f64::NAN,
+                    OutputSource::Column(place, at) => at.of(steps, place).unwrap_or(f64::NAN),
+                    OutputSource::Frequency(k) => modes.get(k).map_or(f64::NAN, |mode| mode[0]),
+                    OutputSource::Damping(k) => modes.get(k).map_or(f64::NAN, |mode| mode[1]),
+                    OutputSource::Characteristic(..) | OutputSource::Answer(_) => f64::NAN,
                 };
                 Ok(self.outputs.iter().map(value).collect())
             }
@@ -416,7 +422,7 @@ impl<'p> Runner<'p> {
 
 /// A characteristic in the axes of Adams/Car.
 fn characteristic(output: &Output, run: &KcRun) -> f64 {
-    let Origin::Characteristic(path, test) = &output.origin else {
+    let OutputSource::Characteristic(path, test) = &output.origin else {
         return f64::NAN;
     };
     let convention = Convention::default();

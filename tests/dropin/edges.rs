@@ -88,7 +88,7 @@ fn left(deck: &str, at: &[f64; 6]) -> [(Vec3, f64, f64); 2] {
         state.poses[1] = pose;
         let mut scratch = Scratch::new(&system);
         let mut here = system
-            .look(&parameters, &state, &mut scratch)
+            .evaluate(&parameters, &state, &mut scratch)
             .expect("functions with values");
         let mut sums = [(Vec3::zeros(), 0.0), (Vec3::zeros(), 0.0)];
         for load in here.loads().expect("loads with values") {

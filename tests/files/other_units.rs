@@ -7,7 +7,7 @@ use super::folder::Folder;
 fn motion(folder: &Folder, deck: &str, (second, variables): (f64, &[(&str, f64)])) -> Vec<f64> {
     let deck = admire::Deck::parse("d.adm", folder.read(deck).as_bytes());
     let commands = format!("SIMULATE/DYNAMIC, END={second}, STEPS=4\n");
-    let run = deck.run_watched("r.acf", &commands, &admire::Watched::default());
+    let run = deck.run_watched("r.acf", &commands, &admire::SharedProgress::default());
     run.succeeded().unwrap_or_else(|error| panic!("{error:?}"));
     let mut found = Vec::new();
     for (name, unit) in variables {

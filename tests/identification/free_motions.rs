@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use admire::{Identification, Study, Watched};
+use admire::{Identification, SharedProgress, Study};
 use admire_identify::global::{Options, Prepared, fit_study};
 use admire_identify::{LoadedStudy, Verdict, compare};
 use admire_session::backend::{Backend, BackendError, NativeBackend, Sweep, SweepRequest};
@@ -73,7 +73,7 @@ fn spins_in_two(folder: &Path) {
 
 fn identified(folder: &Path) -> Identification {
     let study = Study::open(folder).unwrap();
-    study.identify(false, &Watched::default()).unwrap()
+    study.identify(false, &SharedProgress::default()).unwrap()
 }
 
 /// Estimates and intervals are those of a rod that cannot spin, read with the same noise.
@@ -113,7 +113,7 @@ fn a_cause_in_a_link_that_spins_is_as_probable_as_in_one_that_is_held() {
     let found = [nothing, spins].map(|change| {
         let (_folder, folder) = measured(change, &yields);
         let study = Study::open(&folder).unwrap();
-        let answer = study.diagnose(false, &Watched::default()).unwrap();
+        let answer = study.diagnose(false, &SharedProgress::default()).unwrap();
         let first = answer
             .diagnosis
             .findings

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use admire_diagnosis::{
-    Data, GainCheck, Outcome, Progress, Subject, diagnose, diagnose_watched, held_out,
+    Data, DiagnosisProblem, GainCheck, Outcome, Progress, diagnose, diagnose_watched, held_out,
 };
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
@@ -272,7 +272,7 @@ fn a_curve_is_held_out() {
     let mut subject_cases = vec![false; 47];
     subject_cases[30] = true;
     let problem = loaded.problem();
-    let subject = Subject::new(&problem, subject_cases);
+    let subject = DiagnosisProblem::new(&problem, subject_cases);
     let seen = subject.whitening(Data::Fitted);
     let name = |row: &Row| match *row {
         Row::Channel { channel, .. } => problem.measurement.channels[channel].name.clone(),

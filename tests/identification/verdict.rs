@@ -1,6 +1,6 @@
 //! The verdict on a fit: the chi-square test, structure in what is left, and runs that were ended early.
 
-use admire_diagnosis::tolerant;
+use admire_diagnosis::fit_with_random_effects;
 use admire_identify::global::{Options, Prepared, fit_study};
 use admire_identify::{Fit, NOT_CONVERGED, Problem, Verdict, structure};
 use admire_report::lead;
@@ -148,7 +148,7 @@ fn the_fit_with_tolerances_says_whether_its_numbers_can_be_used() {
         let mut fit = fit_of(&problem);
         (fit.converged, fit.interrupted) = (false, interrupted);
         fit.remarks.push(NOT_CONVERGED.to_string());
-        tolerant(&problem).unwrap().apply(&mut fit);
+        fit_with_random_effects(&problem).unwrap().apply(&mut fit);
         assert_eq!(fit.converged, !interrupted);
         let told = fit.remarks.iter().any(|remark| remark == NOT_CONVERGED);
         assert_eq!(told, interrupted, "{:?}", fit.remarks);

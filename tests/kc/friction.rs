@@ -1,7 +1,7 @@
 //! Joints that rub: loops close and are as wide as the closed form says.
 
 use admire_kc::{Branch, Hold, KcRun, Sample, TestKind, run};
-use admire_solver::system::Grasp;
+use admire_solver::system::StickSlipState;
 
 use crate::axles::{Axle, DOUBLE_WISHBONE, MCPHERSON, corpus, sprung_wishbone};
 
@@ -166,7 +166,11 @@ fn loops_close() {
                 .all(|t| t.samples.iter().all(|s| s.seen.friction.is_some()))
         );
         // Ride height is that without friction.
-        assert_eq!(with.ride.seen.friction, Some(Grasp::Released), "{name}");
+        assert_eq!(
+            with.ride.seen.friction,
+            Some(StickSlipState::Released),
+            "{name}"
+        );
         let without = tests_of(&rubs(deck, &joints, ", INACTIVE = STATIC"), toml);
         let width = all_close(&without, 1e-9);
         let rate = |run: &KcRun| {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use admire::{GainCheck, Study, Watched};
+use admire::{GainCheck, SharedProgress, Study};
 use serde_json::{Map, Value, json};
 
 /// Probabilities may differ by this much.
@@ -150,11 +150,11 @@ fn entry(folder: &Path) -> Value {
         Ok(study) => study,
         Err(error) => return json!({ "refused": error.to_string() }),
     };
-    let fit = match study.identify(false, &Watched::default()) {
+    let fit = match study.identify(false, &SharedProgress::default()) {
         Ok(answer) => identified(&serde_json::from_str(&answer.fit.to_json()).expect("JSON")),
         Err(error) => json!({ "refused": error.to_string() }),
     };
-    let watched = Watched::default();
+    let watched = SharedProgress::default();
     let diagnosis = match study.diagnose_checked(false, GainCheck::default(), &watched) {
         Ok(answer) => diagnosed(
             &serde_json::from_str(&answer.diagnosis.to_json()).expect("JSON"),

@@ -21,7 +21,7 @@ pub fn check(
     report: &Report,
 ) {
     let mut scratch = Scratch::new(system);
-    let mut here = system.look(parameters, state, &mut scratch).unwrap();
+    let mut here = system.evaluate(parameters, state, &mut scratch).unwrap();
     let loads = here.loads().unwrap();
     let mut seen = vec![false; model.parts.len()];
     let mut sums = vec![(Vec3::zeros(), Vec3::zeros(), 0.0, 0.0); model.parts.len()];

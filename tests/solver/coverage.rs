@@ -71,7 +71,7 @@ fn acts(system: &System, kind: &str) -> bool {
     // Any multipliers: a reaction of zero is no less a reaction.
     state.multipliers.fill(1.0);
     let mut scratch = Scratch::new(system);
-    let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
+    let mut here = system.evaluate(&parameters, &state, &mut scratch).unwrap();
     let loads = here.loads().unwrap();
     loads
         .iter()

@@ -84,7 +84,10 @@ impl Solved {
     pub fn on(&self, part: u32, by: &str, about: &Vec3) -> (Vec3, Vec3) {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);
-        let mut here = self.system.look(parameters, state, &mut scratch).unwrap();
+        let mut here = self
+            .system
+            .evaluate(parameters, state, &mut scratch)
+            .unwrap();
         let loads = here.loads().unwrap();
         let (mut F, mut T) = (Vec3::zeros(), Vec3::zeros());
         for load in loads {
@@ -102,7 +105,10 @@ impl Solved {
     pub fn shown(&self, index: usize) -> f64 {
         let mut scratch = Scratch::new(&self.system);
         let (parameters, state) = (&self.parameters, &self.state);
-        let mut here = self.system.look(parameters, state, &mut scratch).unwrap();
+        let mut here = self
+            .system
+            .evaluate(parameters, state, &mut scratch)
+            .unwrap();
         let request = &self.model.requests[index];
         here.read_request(request, index).unwrap()[1]
     }

@@ -64,7 +64,7 @@ fn wheel(
     request: usize,
 ) -> [f64; 5] {
     let mut scratch = Scratch::new(system);
-    let mut here = system.look(parameters, state, &mut scratch).unwrap();
+    let mut here = system.evaluate(parameters, state, &mut scratch).unwrap();
     let all = here
         .read_request(&model.requests[request], request)
         .unwrap();

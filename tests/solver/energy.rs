@@ -138,7 +138,7 @@ fn motions_feel_the_slope_of_the_potential() {
         parameters.set(*slot, value);
     }
     let mut scratch = Scratch::new(&system);
-    let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
+    let mut here = system.evaluate(&parameters, &state, &mut scratch).unwrap();
     let loads = here.loads().unwrap();
     for (id, slope) in (1..).zip(slopes) {
         let axis = if id == 1 { Vec3::y() } else { Vec3::z() };

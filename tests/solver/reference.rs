@@ -76,7 +76,7 @@ fn compare(stem: &str) {
                 worst[1] = worst[1].max((pose.R[(k / 3, k % 3)] - a).abs());
             }
         }
-        let mut here = system.look(&parameters, &state, &mut scratch).unwrap();
+        let mut here = system.evaluate(&parameters, &state, &mut scratch).unwrap();
         for (name, bushing) in case["bushings"].as_object().unwrap() {
             let b = model.bushings.iter().find(|b| b.header.name == *name);
             let element = system.element("BUSHING", b.unwrap().header.id).unwrap();

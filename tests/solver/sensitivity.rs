@@ -40,7 +40,7 @@ fn values(
     quantities
         .iter()
         .map(|(q, w)| {
-            let mut here = system.look(parameters, &state, &mut scratch).unwrap();
+            let mut here = system.evaluate(parameters, &state, &mut scratch).unwrap();
             w * here.quantity(*q).unwrap()
         })
         .collect()
@@ -262,7 +262,7 @@ fn reaction_of_a_gear_at_a_cylindrical_joint() {
     let mut scratch = Scratch::new(&solved.system);
     let mut here = solved
         .system
-        .look(&solved.parameters, &solved.state, &mut scratch)
+        .evaluate(&solved.parameters, &solved.state, &mut scratch)
         .unwrap();
     let told = here.read_constraint(gear);
     let whole = [told.force.x, told.force.y, told.force.z, told.torque.x];

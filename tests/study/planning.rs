@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use admire_design::{Aim, Kind, Plan, Ranked, plan};
-use admire_diagnosis::{Progress, tolerant};
+use admire_diagnosis::{Progress, fit_with_random_effects};
 use admire_identify::LoadedStudy;
 use admire_rig::{RigOptions, virtual_rig};
 use nalgebra::DVector;
@@ -42,7 +42,7 @@ fn planned(loaded: &LoadedStudy, aim: Aim) -> Plan {
 
 /// Standard deviation of a combination of ln K by an identification among tolerances.
 fn identified(loaded: &LoadedStudy, vector: &[f64]) -> f64 {
-    let found = tolerant(&loaded.problem()).unwrap();
+    let found = fit_with_random_effects(&loaded.problem()).unwrap();
     let v = DVector::from_column_slice(vector);
     v.dot(&(found.covariance(v.len()) * &v)).sqrt()
 }

@@ -3,9 +3,11 @@
 //! Out of centre is a small error that every bushing has, and a finding when it stands out; askew is a cause of its own.
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number, SIX, Unknown, number};
+use super::super::hypothesis::{
+    EffectParameter, Hypothesis, Parametrisation, SIX, Sensitivity, number,
+};
 use super::super::survey::Survey;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 
 /// Millimetres and degrees a bushing may well be off.
 const SD: (f64, f64) = (0.5, 0.5);
@@ -18,7 +20,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         }
         let id = bushing.header.id;
         let address = format!("BUSHING/{id}");
-        let members = survey.members(Group::Offsets, &address);
+        let members = survey.members(EffectGroup::Offsets, &address);
         if !members.is_empty() {
             out.push(Hypothesis::outstanding(
                 Cause::AssemblyOffset,
@@ -32,17 +34,17 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let numbers = (3..6).filter(|axis| stiffnesses[*axis] > 0.0).map(|axis| {
             let [stiffness, preload] =
                 ["KT", "TORQUE"].map(|word| number("BUSHING", id, word, Some(axis - 2)));
-            let column = Column::Always(vec![(preload.clone(), stiffnesses[axis])]);
-            Number {
+            let column = Sensitivity::Always(vec![(preload.clone(), stiffnesses[axis])]);
+            EffectParameter {
                 column,
-                ..Number::new(
+                ..EffectParameter::new(
                     SIX[axis],
                     SD.1.to_radians(),
-                    Unknown::Offset { stiffness, preload },
+                    Parametrisation::Offset { stiffness, preload },
                 )
             }
         });
-        let numbers: Vec<Number> = numbers.collect();
+        let numbers: Vec<EffectParameter> = numbers.collect();
         if !numbers.is_empty() {
             out.push(Hypothesis::plain(
                 Cause::AssemblyOffset,

@@ -6,7 +6,7 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
 use super::super::survey::Survey;
 
 /// Millimetres per newton a bracket that holds a joint may well yield, and the seat of a spring, which often is rubber.
@@ -58,12 +58,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 } else {
                     ""
                 },
-                numbers: vec![Number {
-                    column: Column::PerCase(column),
-                    ..Number::new(
+                numbers: vec![EffectParameter {
+                    column: Sensitivity::PerCase(column),
+                    ..EffectParameter::new(
                         "compliance",
                         sd / per_length,
-                        Unknown::Compliance(stiffnesses.collect()),
+                        Parametrisation::Compliance(stiffnesses.collect()),
                     )
                 }],
                 ln_prior: 0.0,
@@ -71,7 +71,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 changes,
                 memory: None,
                 part: 0,
-                with: None,
+                joint_with: None,
             });
         };
     for joint in model.joints.iter().filter(|j| j.header.active) {

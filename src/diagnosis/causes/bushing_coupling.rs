@@ -4,7 +4,9 @@ use admire_solver::mechanics::Vec6;
 use admire_syntax::{Expression, NewStatement};
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, FORCES, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{
+    Change, EffectParameter, FORCES, Hypothesis, Parametrisation, Sensitivity, number,
+};
 use super::super::survey::Survey;
 
 /// Names of the fifteen pairs.
@@ -82,12 +84,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 members: Vec::new(),
                 side: "",
                 form,
-                numbers: vec![Number {
-                    column: Column::Wrench((bushing.i, bushing.j), wrench),
-                    ..Number::new(
+                numbers: vec![EffectParameter {
+                    column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
+                    ..EffectParameter::new(
                         form,
                         0.1 * size,
-                        Unknown::Extended(vec![entry(a, b), entry(b, a)]),
+                        Parametrisation::Extended(vec![entry(a, b), entry(b, a)]),
                     )
                 }],
                 ln_prior: 0.0,
@@ -95,7 +97,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 changes: vec![Change::Add(statement)],
                 memory: None,
                 part: 0,
-                with: None,
+                joint_with: None,
             });
         }
     }
@@ -154,14 +156,17 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
         format!("{first}{first}{first}-{second}"),
     ];
     // As much at the largest deflection as the constant may well be.
-    let numbers = names.into_iter().enumerate().map(|(k, name)| Number {
-        column: Column::Wrench(pair, along(rises[k])),
-        ..Number::new(
-            name,
-            constant.numbers[0].sd / [far_b, far_a][k].powi(2),
-            Unknown::Extended(vec![(literal(0, k), 1.0), (literal(1, k), 1.0)]),
-        )
-    });
+    let numbers = names
+        .into_iter()
+        .enumerate()
+        .map(|(k, name)| EffectParameter {
+            column: Sensitivity::Wrench(pair, along(rises[k])),
+            ..EffectParameter::new(
+                name,
+                constant.numbers[0].sd / [far_b, far_a][k].powi(2),
+                Parametrisation::Extended(vec![(literal(0, k), 1.0), (literal(1, k), 1.0)]),
+            )
+        });
     let mut growth = Hypothesis::plain(
         Cause::BushingCoupling,
         constant.address.clone(),

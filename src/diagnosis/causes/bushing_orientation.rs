@@ -3,7 +3,7 @@
 use super::super::cause::Cause;
 use super::super::hypothesis::{Hypothesis, SIX};
 use super::super::survey::Survey;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 
 /// Radians a bushing may well be turned.
 const SD: f64 = 0.17;
@@ -15,7 +15,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             continue;
         }
         let address = format!("BUSHING/{}", bushing.header.id);
-        let members = survey.members(Group::Axes, &address).into_iter();
+        let members = survey.members(EffectGroup::Axes, &address).into_iter();
         let angles: Vec<(usize, String)> = members
             .zip(SIX)
             .map(|((member, _), axis)| (member, format!("angle_{axis}")))

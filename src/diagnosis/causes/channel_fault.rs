@@ -3,7 +3,7 @@
 use admire_identify::global::Row;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number, Unknown};
+use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity};
 use super::super::survey::Survey;
 
 /// Every channel: its gain, its zero, and each single reading.
@@ -25,12 +25,13 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .iter()
             .map(|(_, _, value)| value.abs())
             .fold(info.sigma, f64::max);
-        let mut put = |form: &'static str, number: Number| {
+        let mut put = |form: &'static str, number: EffectParameter| {
             let (cause, address) = (Cause::ChannelFault, info.name.clone());
             out.push(Hypothesis::plain(cause, address, form, vec![number]));
         };
-        let off =
-            |name: &str, rows: Vec<(usize, f64)>| Number::linear(name, size, Column::Rows(rows));
+        let off = |name: &str, rows: Vec<(usize, f64)>| {
+            EffectParameter::linear(name, size, Sensitivity::Rows(rows))
+        };
         // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
         // would explain anything by making it nothing.
         // A single number has no gain and zero of its own.
@@ -47,9 +48,9 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let predicted = readings
             .iter()
             .map(|(at, reading)| (*at, reading + survey.misfit(*at)));
-        let gain = Number {
-            column: Column::Rows(predicted.collect()),
-            ..Number::new("gain", 0.1, Unknown::Gain(readings))
+        let gain = EffectParameter {
+            column: Sensitivity::Rows(predicted.collect()),
+            ..EffectParameter::new("gain", 0.1, Parametrisation::Gain(readings))
         };
         put("gain", gain);
         let zero = read.iter().map(|(at, _, _)| (*at, -1.0 / info.sigma));

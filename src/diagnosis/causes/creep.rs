@@ -1,11 +1,12 @@
 //! `creep`: rubber flows from case to case, `F = -K (u - c)`, where `c` goes a part of the way to `u` in every case.
 
-use admire_identify::global::Carries;
+use admire_identify::global::Evolution;
 use admire_solver::mechanics::Vec6;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component, number,
+    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity,
+    component, number,
 };
 use super::super::survey::{Survey, statement};
 
@@ -35,20 +36,24 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     flown += rate * (deflection[axis] - flown);
                     Vec6::ith(axis, force)
                 });
-                let share = Number {
-                    column: Column::Wrench(pair, forces.collect()),
-                    ..Number::new(
+                let share = EffectParameter {
+                    column: Sensitivity::Wrench(pair, forces.collect()),
+                    ..EffectParameter::new(
                         "stiffness",
                         SD.0 * stiffness[axis],
-                        Unknown::Extended(vec![(
+                        Parametrisation::Extended(vec![(
                             number("GFORCE", force, FORCES[axis], Some(1)),
                             1.0,
                         )]),
                     )
                 };
-                let part = Number {
+                let part = EffectParameter {
                     mean: rate,
-                    ..Number::new("rate", SD.1, Unknown::Extended(vec![(literal(flow), 1.0)]))
+                    ..EffectParameter::new(
+                        "rate",
+                        SD.1,
+                        Parametrisation::Extended(vec![(literal(flow), 1.0)]),
+                    )
                 };
                 let variable =
                     |id, value: String| statement("VARIABLE", id, &[("FUNCTION", value)]);
@@ -67,10 +72,10 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         .map(Change::Add)
                         .collect(),
                     part: 0,
-                    with: None,
+                    joint_with: None,
                     memory: Some(MemoryPlan {
                         anchor: literal(place),
-                        carries: Carries::Flow,
+                        carries: Evolution::Flow,
                         by: literal(flow),
                         measure: survey.deflection_function(pair, axis),
                     }),

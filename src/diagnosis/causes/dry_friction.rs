@@ -3,13 +3,13 @@
 //! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
 //! slider stands before the first case is unknown; from then on each case leaves it to the next.
 
-use admire_identify::global::Carries;
+use admire_identify::global::Evolution;
 use admire_solver::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    BY_DIRECTION, Change, Column, FORCES, Hypothesis, MemoryPlan, Number, Unknown, component,
-    number,
+    BY_DIRECTION, Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation,
+    Sensitivity, component, number,
 };
 use super::super::survey::Survey;
 
@@ -53,14 +53,14 @@ const BY: f64 = 0.3;
 /// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
 /// whose spring starts elsewhere and whose limits are this force apart from the mean.
 pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
-    let chosen = &survey.fitted.chosen;
+    let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &Hypothesis)| {
-        let differs = |other: &Hypothesis| other.part == BY_DIRECTION && other.same_place(h);
+        let differs = |other: &Hypothesis| other.part == BY_DIRECTION && other.same_site(h);
         if h.cause != Cause::DryFriction || h.part > 0 || chosen.iter().any(differs) {
             return None;
         }
         let force = survey.fitted.estimates(at).first()?.value.abs();
-        let Column::Wrench(pair, wrench) = &h.numbers[0].column else {
+        let Sensitivity::Wrench(pair, wrench) = &h.numbers[0].column else {
             return None;
         };
         let axis = wrench
@@ -68,12 +68,15 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
             .find_map(|w| w.iter().position(|f| *f != 0.0))?;
         let (gforce, changes) = survey.vector_force(*pair, &[(axis, "-0.0*1.0")]);
         let against = vec![admire_solver::mechanics::Vec6::ith(axis, -1.0); survey.cases()];
-        let numbers = vec![Number {
-            column: Column::Wrench(*pair, against),
-            ..Number::new(
+        let numbers = vec![EffectParameter {
+            column: Sensitivity::Wrench(*pair, against),
+            ..EffectParameter::new(
                 "asymmetry",
                 BY * force,
-                Unknown::Extended(vec![(number("GFORCE", gforce, FORCES[axis], Some(1)), 1.0)]),
+                Parametrisation::Extended(vec![(
+                    number("GFORCE", gforce, FORCES[axis], Some(1)),
+                    1.0,
+                )]),
             )
         }];
         let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
@@ -177,7 +180,7 @@ fn put(
             .into_iter()
             .map(|p| admire_solver::mechanics::Vec6::ith(axis, p))
             .collect();
-        let unfelt = Column::None;
+        let unfelt = Sensitivity::None;
         out.push(Hypothesis {
             cause: Cause::DryFriction,
             address: address.to_string(),
@@ -185,32 +188,32 @@ fn put(
             side: "",
             form,
             numbers: vec![
-                Number {
-                    column: Column::Wrench(pair, wrench),
-                    ..Number::new(
+                EffectParameter {
+                    column: Sensitivity::Wrench(pair, wrench),
+                    ..EffectParameter::new(
                         "force",
                         SD * survey.newton() * lever,
-                        Unknown::Extended(vec![(literal(1), 1.0)]),
+                        Parametrisation::Extended(vec![(literal(1), 1.0)]),
                     )
                 },
-                Number {
+                EffectParameter {
                     column: unfelt.clone(),
-                    ..Number::new(
+                    ..EffectParameter::new(
                         "stiffness",
                         LENGTH.1,
-                        Unknown::SlipLength {
+                        Parametrisation::SlipLength {
                             address: literal(last),
                             start: length,
                             usual: LENGTH.0 * range,
                         },
                     )
                 },
-                Number {
+                EffectParameter {
                     mean: start,
-                    ..Number::new(
+                    ..EffectParameter::new(
                         "anchor",
                         range,
-                        Unknown::Extended(vec![(at_start.clone(), 1.0)]),
+                        Parametrisation::Extended(vec![(at_start.clone(), 1.0)]),
                     )
                 },
             ],
@@ -218,10 +221,10 @@ fn put(
             one_sided: true,
             changes: changes.clone(),
             part: 0,
-            with: None,
+            joint_with: None,
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),
-                carries: Carries::Slider,
+                carries: Evolution::Slider,
                 by: literal(last),
                 measure: measure.clone(),
             }),

@@ -1,9 +1,9 @@
 //! `element-parameter`: a number of the deck taken as known is wrong.
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
 use super::super::survey::Survey;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
 /// Parts of themselves by which numbers may well be wrong: rates of springs, their preloads, and rubber, of which data sheets often
@@ -14,8 +14,8 @@ const SD: (f64, f64, f64) = (0.1, 0.05, 0.4);
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
-            Group::Preloads => SD.1,
-            Group::SpringRates => SD.0,
+            EffectGroup::Preloads => SD.1,
+            EffectGroup::SpringRates => SD.0,
             _ => SD.2,
         };
         let mut hypothesis = Hypothesis::outstanding(
@@ -34,7 +34,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
 /// A free length shifts the force of its spring by a constant, as a preload does.
 fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (_, address, group, force) in survey.numbers_of_the_deck() {
-        if group != Group::Preloads {
+        if group != EffectGroup::Preloads {
             continue;
         }
         let springs = &survey.model.springdampers;
@@ -48,12 +48,12 @@ fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             continue;
         }
         let length = number("SPRINGDAMPER", spring.header.id, "LENGTH", None);
-        let change = Number {
-            column: Column::Always(vec![(length.clone(), 1.0)]),
-            ..Number::new(
+        let change = EffectParameter {
+            column: Sensitivity::Always(vec![(length.clone(), 1.0)]),
+            ..EffectParameter::new(
                 "change",
                 SD.1 * force / spring.stiffness,
-                Unknown::Extended(vec![(length.clone(), 1.0)]),
+                Parametrisation::Extended(vec![(length.clone(), 1.0)]),
             )
         };
         let (cause, address) = (Cause::ElementParameter, length.to_string());

@@ -4,7 +4,7 @@ use admire_solver::mechanics::Vec3;
 
 use super::super::cause::Cause;
 use super::super::frame::by_frame;
-use super::super::hypothesis::{Column, Hypothesis, Number, SIX};
+use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity};
 use super::super::survey::Survey;
 
 /// Millimetres and degrees a frame may well move.
@@ -26,7 +26,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             } else {
                 SD.1.to_radians()
             };
-            Number::linear(SIX[k], sd, Column::Rows(rows))
+            EffectParameter::linear(SIX[k], sd, Sensitivity::Rows(rows))
         });
         out.push(Hypothesis::plain(
             Cause::FrameDrift,

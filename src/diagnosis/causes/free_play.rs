@@ -3,7 +3,9 @@
 //! The part is split at one of its ends. Between both ends of the play little holds it, beyond them a contact.
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, number,
+};
 use super::super::survey::Survey;
 use super::link_compliance::link_ends;
 
@@ -47,22 +49,22 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             side: "",
             form: end.form,
             numbers: vec![
-                Number {
-                    column: Column::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
-                    ..Number::new("play", sd, Unknown::Extended(halves))
+                EffectParameter {
+                    column: Sensitivity::PerCase(end.moved(|n| 0.5 * libm::tanh(n / held))),
+                    ..EffectParameter::new("play", sd, Parametrisation::Extended(halves))
                 },
-                Number::new(
+                EffectParameter::new(
                     "stiffness",
                     SPREAD,
-                    Unknown::Rate {
+                    Parametrisation::Rate {
                         address: number("BUSHING", bushing, "K", Some(3)),
                         usual: within,
                     },
                 ),
-                Number::new(
+                EffectParameter::new(
                     "contact",
                     CONTACT.1,
-                    Unknown::Rate {
+                    Parametrisation::Rate {
                         address: number("GFORCE", force, "FZ", Some(1)),
                         usual: contact,
                     },
@@ -73,7 +75,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             changes,
             memory: None,
             part: 0,
-            with: None,
+            joint_with: None,
         });
     }
 }

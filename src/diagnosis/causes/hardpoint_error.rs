@@ -4,9 +4,9 @@
 //! assembled under strain. For a bushing the second is `assembly-offset`.
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number, SIX, number};
+use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity, number};
 use super::super::survey::Survey;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
@@ -22,7 +22,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .iter()
             .map(|marker| marker_name(survey, *marker));
         let names: Vec<String> = names.collect();
-        let members = survey.members(Group::Hardpoints, &names[0]);
+        let members = survey.members(EffectGroup::Hardpoints, &names[0]);
         let mut put = |form, members: Vec<(usize, String)>| {
             if !members.is_empty() {
                 let sd = SD.0 * survey.millimetre();
@@ -71,7 +71,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     .map(|c| (number("MARKER", id, "QP", Some(c + 1)), unit[c]))
                     .collect();
                 let sd = SD.1 * survey.millimetre();
-                Number::linear(SIX[k], sd, Column::Always(column))
+                EffectParameter::linear(SIX[k], sd, Sensitivity::Always(column))
             });
             out.push(Hypothesis {
                 side: "part",

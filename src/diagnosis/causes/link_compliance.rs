@@ -6,7 +6,9 @@ use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
 use admire_syntax::Address;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, Number, RIGID, Unknown, number};
+use super::super::hypothesis::{
+    Change, EffectParameter, Hypothesis, Parametrisation, RIGID, Sensitivity, number,
+};
 use super::super::survey::Survey;
 
 /// Millimetres per newton a link may well yield.
@@ -109,12 +111,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             members: Vec::new(),
             side: "",
             form: end.form,
-            numbers: vec![Number {
-                column: Column::PerCase(end.moved(|n| n)),
-                ..Number::new(
+            numbers: vec![EffectParameter {
+                column: Sensitivity::PerCase(end.moved(|n| n)),
+                ..EffectParameter::new(
                     "compliance",
                     SD / per_length,
-                    Unknown::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
+                    Parametrisation::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
                 )
             }],
             ln_prior: 0.0,
@@ -122,7 +124,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             changes,
             memory: None,
             part: 0,
-            with: None,
+            joint_with: None,
         });
     }
 }

@@ -4,7 +4,7 @@ use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;
 use super::super::survey::Survey;
 use super::load_gain::growing;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 
 /// Rigs keep cross-talk to a few percent.
 const SD: f64 = 0.02;
@@ -15,7 +15,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for to in loads {
         for from in loads {
             let address = format!("{}<-{}", to.target, from.target);
-            for (member, _) in survey.members(Group::LoadDirections, &address) {
+            for (member, _) in survey.members(EffectGroup::LoadDirections, &address) {
                 out.push(Hypothesis::outstanding(
                     Cause::LoadCrosstalk,
                     address.clone(),

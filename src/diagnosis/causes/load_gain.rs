@@ -1,9 +1,9 @@
 //! `load-gain`: the rig's load is wrong by a factor.
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Column, Hypothesis, Number};
+use super::super::hypothesis::{EffectParameter, Hypothesis, Sensitivity};
 use super::super::survey::Survey;
-use admire_identify::tolerance::Group;
+use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
 /// A load cell may well be wrong by so much.
@@ -13,7 +13,7 @@ const SD: f64 = 0.03;
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for load in survey.loads() {
         let address = load.target.to_string();
-        for (member, _) in survey.members(Group::LoadGains, &address) {
+        for (member, _) in survey.members(EffectGroup::LoadGains, &address) {
             out.push(Hypothesis::outstanding(
                 Cause::LoadGain,
                 address.clone(),
@@ -45,7 +45,7 @@ pub(super) fn growing(
     let grown = values
         .iter()
         .map(|v| v * v.abs() / largest.max(f64::MIN_POSITIVE));
-    let column = Column::PerCase(vec![(to.clone(), grown.collect())]);
-    let numbers = vec![Number::linear("growth", sd, column)];
+    let column = Sensitivity::PerCase(vec![(to.clone(), grown.collect())]);
+    let numbers = vec![EffectParameter::linear("growth", sd, column)];
     Hypothesis::plain(cause, address.to_string(), "growing", numbers)
 }

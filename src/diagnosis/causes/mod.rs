@@ -25,7 +25,7 @@ use super::hypothesis::Hypothesis;
 use super::survey::Survey;
 
 /// Each class of causes is there with this probability, divided equally among its places and forms.
-pub(super) const PRESENT: f64 = 0.05;
+pub(super) const CLASS_PRIOR_PROBABILITY: f64 = 0.05;
 
 /// Every hypothesis at every place of the deck, in a fixed order.
 pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
@@ -61,7 +61,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     }
     for h in &mut out {
         let count = counts.iter().find(|(of, _)| *of == class(h));
-        h.ln_prior = libm::log(PRESENT / count.map_or(1.0, |(_, count)| *count));
+        h.ln_prior = libm::log(CLASS_PRIOR_PROBABILITY / count.map_or(1.0, |(_, count)| *count));
         if h.form == body_compliance::IN_LINE {
             h.ln_prior -= std::f64::consts::LN_2;
         }

@@ -3,7 +3,9 @@
 use admire_solver::mechanics::Vec6;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, component, number};
+use super::super::hypothesis::{
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, component, number,
+};
 use super::super::survey::Survey;
 
 /// Powers of the deflection beside the linear one; the force is odd.
@@ -57,12 +59,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         super::super::hypothesis::FORCES[axis],
                         literal,
                     );
-                    Number {
-                        column: Column::Wrench((bushing.i, bushing.j), wrench),
-                        ..Number::new(
+                    EffectParameter {
+                        column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
+                        ..EffectParameter::new(
                             ["", "", "quadratic", "cubic", "", "quintic"][power as usize],
                             0.5 * stiffness[axis] * largest / rise(largest),
-                            Unknown::Extended(vec![(address, 1.0)]),
+                            Parametrisation::Extended(vec![(address, 1.0)]),
                         )
                     }
                 });
@@ -78,7 +80,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     changes: changes.into_iter().map(Change::Add).collect(),
                     memory: None,
                     part: 0,
-                    with: None,
+                    joint_with: None,
                 });
             }
         }

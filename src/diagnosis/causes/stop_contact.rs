@@ -5,7 +5,9 @@ use admire_solver::model::JointKind;
 use admire_syntax::NewStatement;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{Change, Column, Hypothesis, Number, Unknown, number};
+use super::super::hypothesis::{
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, number,
+};
 use super::super::survey::Survey;
 
 /// Where in the range of a displacement the stop may begin; the fit then moves it.
@@ -145,7 +147,7 @@ fn stops(
         };
         let wrench = |power: i32| {
             let along = |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
-            Column::Wrench(pair, u.iter().zip(directions).map(along).collect())
+            Sensitivity::Wrench(pair, u.iter().zip(directions).map(along).collect())
         };
         // A literal has no sign of its own, so a negative clearance is added instead.
         let (sign, size) = if clearance < 0.0 {
@@ -180,26 +182,26 @@ fn stops(
             side: "",
             form,
             numbers: vec![
-                Number {
+                EffectParameter {
                     column: wrench(1),
-                    ..Number::new(
+                    ..EffectParameter::new(
                         "stiffness",
                         SD * per_length,
-                        Unknown::Extended(vec![(slot(1), 1.0)]),
+                        Parametrisation::Extended(vec![(slot(1), 1.0)]),
                     )
                 },
-                Number {
+                EffectParameter {
                     column: wrench(3),
-                    ..Number::new(
+                    ..EffectParameter::new(
                         "hardening",
                         SD * per_length / (0.3 * range).powi(2),
-                        Unknown::Extended(vec![(slot(second + 1), 1.0)]),
+                        Parametrisation::Extended(vec![(slot(second + 1), 1.0)]),
                     )
                 },
-                Number::new(
+                EffectParameter::new(
                     "clearance_shift",
                     0.2 * range,
-                    Unknown::Extended(clearances),
+                    Parametrisation::Extended(clearances),
                 ),
             ],
             ln_prior: 0.0,
@@ -207,7 +209,7 @@ fn stops(
             changes: added.into_iter().map(Change::Add).collect(),
             memory: None,
             part: 0,
-            with: None,
+            joint_with: None,
         });
     }
 }

@@ -29,7 +29,7 @@ fn a_fit_without_causes_that_went_astray_is_replaced() {
     astray.x[0] += 1.0;
     let mut search = Search::new(&subject, Arc::new(astray), Data::All);
     let found = search.held_against_none(Arc::clone(&with_cause));
-    assert!(found.chosen.is_empty());
+    assert!(found.effects.is_empty());
     assert!((search.none.ln_posterior() - none.ln_posterior()).abs() < 0.1);
     // Beside the true one it stays, for others to judge.
     let mut search = Search::new(&subject, none, Data::All);

@@ -26,7 +26,7 @@ pub fn channel_changes(
     if channels.count == 0 {
         return Ok(out);
     }
-    let mut here = system.look(theta, state, scratch)?;
+    let mut here = system.evaluate(theta, state, scratch)?;
     for k in 0..channels.count {
         let Some((_, gradient)) = here.read_function((channels.first + k, 1))? else {
             continue;

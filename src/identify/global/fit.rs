@@ -6,13 +6,13 @@ use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::confidence::{NORMAL_975, covariance, open_directions};
-use super::gauss_newton::{Ending, LOUD, Minimum, Tolerances, approach, minimise};
+use super::gauss_newton::{Ending, LOUD, Minimum, Tolerances, homotopy_start, minimise};
 use super::held_curves::held_curves;
 use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
 use super::profile::profile_interval;
-use super::unknown::{Component, FitUnknown, FitUnknowns, Meaning};
+use super::unknown::{Component, FitUnknown, FitUnknowns, Target};
 use crate::evaluation::fill;
 use crate::goodness::{FitTest, Kind, Tally};
 use crate::structure::{Residuals, structure};
@@ -121,7 +121,7 @@ pub fn fit_unknowns(
                     .next();
                 offsets.push(FitUnknown {
                     addresses: vec![unknown.address.clone()],
-                    meaning: Meaning::Offset(*component),
+                    target: Target::Offset(*component),
                     start: found.unwrap_or(0.0),
                     mean: 0.0,
                     sd,
@@ -130,7 +130,7 @@ pub fn fit_unknowns(
         }
         list.push(FitUnknown {
             addresses,
-            meaning: Meaning::Stiffness(components),
+            target: Target::Stiffness(components),
             start: start.map_or(mean, |start| usable(start.values[k])),
             mean,
             sd: settings.prior_log_sd,
@@ -290,7 +290,7 @@ fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimu
     if let (true, Some(last)) = (missed, starts.last()) {
         let (scale, held) = (global.scale(), global.held());
         let history = global.history.clone();
-        let led = approach(global, last, &scale, &held);
+        let led = homotopy_start(global, last, &scale, &held);
         global.history = history;
         best = better(global, &led, best);
     }
@@ -460,7 +460,7 @@ fn offsets(
         .collect();
     let mut any = false;
     for (k, unknown) in global.unknowns.list().iter().enumerate() {
-        let Meaning::Offset(component) = &unknown.meaning else {
+        let Target::Offset(component) = &unknown.target else {
             continue;
         };
         any = true;
@@ -554,7 +554,7 @@ fn tested(
         .unknowns
         .list()
         .iter()
-        .map(|unknown| matches!(unknown.meaning, Meaning::Stiffness(_)));
+        .map(|unknown| matches!(unknown.target, Target::Stiffness(_)));
     let stiffnesses = stiffnesses.chain(std::iter::repeat(false));
     for ((k, prior), stiffness) in global.priors().iter().enumerate().zip(stiffnesses) {
         if stiffness {

@@ -13,10 +13,10 @@ pub trait LeastSquares {
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation>;
 
     /// Remembers what the last evaluation ended with, for the next ones to begin there.
-    fn keep(&mut self) {}
+    fn checkpoint(&mut self) {}
 
     /// Lets the next evaluation begin with what was remembered last: that of a trial may be of another equilibrium.
-    fn go_back(&mut self) {}
+    fn rollback(&mut self) {}
 
     /// Weight of each residual at these residuals; 1 for a Gaussian likelihood.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
@@ -24,7 +24,7 @@ pub trait LeastSquares {
     }
 
     /// Where a step of the linear model leads.
-    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         x.iter().zip(step.iter()).map(|(x, s)| x + s).collect()
     }
 
@@ -165,14 +165,14 @@ const RETRIES: usize = 6;
 /// steps overshoot, and go on overshooting from one side to the other. What a step really did along itself tells how much is
 /// missing; it is blamed on the unknowns that moved most in natural units. (The secants of Dennis, Gay and Welsch's NL2SOL, 1981,
 /// reduced to what keeps the model positive.)
-struct Missing(DMatrix<f64>);
+struct SecantCorrection(DMatrix<f64>);
 
 /// What a step did over what the model said of its curvature: beyond these more is missing, or less.
 const MISJUDGED: (f64, f64) = (0.7, 1.1);
 
-impl Missing {
+impl SecantCorrection {
     /// After a step with this slope and curvature in the model, and the rise it really made.
-    fn learn(&mut self, step: &DVector<f64>, scale: &[f64], (slope, bend): (f64, f64), rise: f64) {
+    fn update(&mut self, step: &DVector<f64>, scale: &[f64], (slope, bend): (f64, f64), rise: f64) {
         let seen = 2.0 * (rise - slope);
         if !(seen / bend).is_finite() {
             return;
@@ -201,7 +201,7 @@ impl Point {
     /// The step of the linear model within limits, and what it would gain.
     fn step(
         &self,
-        missing: Option<&Missing>,
+        missing: Option<&SecantCorrection>,
         (lower, upper): &(Vec<f64>, Vec<f64>),
         held: &[bool],
     ) -> (DVector<f64>, f64) {
@@ -295,10 +295,10 @@ pub fn minimise(
         }
     };
     let evaluation = problem.evaluate(start, true)?;
-    problem.keep();
+    problem.checkpoint();
     let mut best = point(problem, start.to_vec(), evaluation);
     let mut reach = REACH;
-    let mut missing = Missing(DMatrix::zeros(start.len(), start.len()));
+    let mut missing = SecantCorrection(DMatrix::zeros(start.len(), start.len()));
     let mut retries = 0;
     let (mut iterations, mut tries, mut ending) = (0, 0, Ending::MaxIterations);
     'steps: while tries < tolerances.max_iterations {
@@ -308,7 +308,7 @@ pub fn minimise(
             let at = uphill.as_ref().unwrap_or(&best);
             let learnt = (chance == 0).then_some(&missing);
             let (step, gain) = at.step(learnt, &problem.limits(scale, reach), held);
-            let trial = problem.moved(&at.x, &step);
+            let trial = problem.retract(&at.x, &step);
             if chance == 0 {
                 (first, promised) = (longest(&at.x, &trial, scale), gain);
                 let free = first < 0.5 * reach;
@@ -331,13 +331,13 @@ pub fn minimise(
             if late {
                 let slope = best.gradient.dot(&step);
                 let model = (slope, -2.0 * (promised + slope));
-                missing.learn(&step, scale, model, -gained);
+                missing.update(&step, scale, model, -gained);
             } else if chance == 0 {
                 missing.0.fill(0.0);
             }
             if late && gained <= 0.0 && retries < RETRIES {
                 retries += 1;
-                problem.go_back();
+                problem.rollback();
                 continue 'steps;
             }
             if gained <= 0.0 {
@@ -351,7 +351,7 @@ pub fn minimise(
                 reach = 0.5 * first;
             }
             best = next;
-            problem.keep();
+            problem.checkpoint();
             retries = 0;
             iterations += 1;
             if !problem.progress(iterations, &best.x, best.value) {
@@ -360,7 +360,7 @@ pub fn minimise(
             }
             continue 'steps;
         }
-        problem.go_back();
+        problem.rollback();
         reach = SHRINK * reach.min(first);
         if reach < LEAST_REACH {
             // Round-off hides any further gain: at a minimum this is convergence.
@@ -400,7 +400,7 @@ pub(crate) const LOUD: f64 = 3.0;
 /// linear model misses, and not come back. So the noise counts as the misfit there is, and every unknown has a prior of one natural unit
 /// about the start; stage by stage the misfit falls and the readings count more. (Levenberg's damping by the square of the misfit, as of
 /// Yamashita and Fukushima, 2001.)
-pub fn approach(
+pub fn homotopy_start(
     problem: &mut dyn LeastSquares,
     start: &[f64],
     scale: &[f64],
@@ -425,7 +425,7 @@ pub fn approach(
             return x;
         }
         before = misfit;
-        let mut louder = Louder {
+        let mut louder = InflatedNoise {
             problem: &mut *problem,
             noise: misfit,
         };
@@ -446,12 +446,12 @@ pub fn approach(
 }
 
 /// A problem whose noise is so many times as large.
-struct Louder<'a> {
+struct InflatedNoise<'a> {
     problem: &'a mut dyn LeastSquares,
     noise: f64,
 }
 
-impl LeastSquares for Louder<'_> {
+impl LeastSquares for InflatedNoise<'_> {
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation> {
         let found = self.problem.evaluate(x, with_jacobian)?;
         Some(Evaluation {
@@ -461,16 +461,16 @@ impl LeastSquares for Louder<'_> {
         })
     }
 
-    fn keep(&mut self) {
-        self.problem.keep();
+    fn checkpoint(&mut self) {
+        self.problem.checkpoint();
     }
 
-    fn go_back(&mut self) {
-        self.problem.go_back();
+    fn rollback(&mut self) {
+        self.problem.rollback();
     }
 
-    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
-        self.problem.moved(x, step)
+    fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+        self.problem.retract(x, step)
     }
 
     fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {

@@ -261,7 +261,7 @@ impl LeastSquares for MarginalProblem<'_> {
         let prediction = self.predictor.predict(&numbers, directions.as_deref());
         if with_jacobian {
             let shares = self.predictor.shares(&self.unknowns.springs());
-            self.unknowns.set_shares(&shares.unwrap_or_default());
+            self.unknowns.set_load_shares(&shares.unwrap_or_default());
         }
         let columns = if with_jacobian { all.len() } else { 0 };
         let found = self
@@ -291,15 +291,15 @@ impl LeastSquares for MarginalProblem<'_> {
         })
     }
 
-    fn keep(&mut self) {
-        self.predictor.keep();
+    fn checkpoint(&mut self) {
+        self.predictor.checkpoint();
     }
 
-    fn go_back(&mut self) {
-        self.predictor.go_back();
+    fn rollback(&mut self) {
+        self.predictor.rollback();
     }
 
-    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         self.unknowns.moved(x, step)
     }
 

@@ -11,7 +11,7 @@ use admire_solver::system::{Parameters, Slot};
 
 /// How the place moves on after a case in which the displacement was `u`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Carries {
+pub enum Evolution {
     /// By the return map of [`Slip`]; the number is the length the spring stretches before the slider moves.
     Slider,
     /// `c + r (u - c)`; the number is `r`, a part of the way between zero and one.
@@ -20,11 +20,11 @@ pub enum Carries {
 
 /// A spring of the deck that remembers.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Memory {
+pub struct HysteresisState {
     /// The displacement at which its spring is unstretched; what the deck says holds before the first case.
     pub anchor: Slot,
     /// How that moves on.
-    pub carries: Carries,
+    pub carries: Evolution,
     /// The number it moves on by.
     pub by: Slot,
     /// The channel that measures the displacement.
@@ -34,7 +34,7 @@ pub struct Memory {
 /// Where the anchors stand before a case, and how that depends on the unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<'a> {
-    memories: &'a [Memory],
+    memories: &'a [HysteresisState],
     anchors: Vec<f64>,
     /// Per memory one derivative per direction.
     by: Vec<Vec<f64>>,
@@ -43,7 +43,7 @@ pub(super) struct Carried<'a> {
 impl<'a> Carried<'a> {
     /// Before the first case.
     pub(super) fn new(
-        memories: &'a [Memory],
+        memories: &'a [HysteresisState],
         theta: &Parameters,
         directions: Option<&[Direction]>,
     ) -> Self {
@@ -109,7 +109,7 @@ impl<'a> Carried<'a> {
             let before = self.anchors[k];
             // What the anchor becomes, and its derivatives by itself before, by u and by the number.
             let (after, by_anchor, by_u, by_number) = match memory.carries {
-                Carries::Slider => {
+                Evolution::Slider => {
                     // A spring of unit stiffness slides at a force that is its length.
                     let slip = Slip::at(u, &[1.0, number.abs(), before]);
                     if !slip.slides(before) {
@@ -117,7 +117,7 @@ impl<'a> Carried<'a> {
                     }
                     (slip.anchor_after, 0.0, 1.0, -slip.force.signum())
                 }
-                Carries::Flow => {
+                Evolution::Flow => {
                     let rate = number.clamp(0.0, 1.0);
                     let inside = if rate == number { u - before } else { 0.0 };
                     (before + rate * (u - before), 1.0 - rate, rate, inside)

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::free::{STEPS, step};
-use super::memory::{Carried, Memory};
+use super::memory::{Carried, HysteresisState};
 use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
 use admire_session::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
@@ -46,7 +46,7 @@ pub struct NativePredictor<'a> {
     directions: Vec<Direction>,
     answers: Vec<Option<Arc<Answer>>>,
     kept: Kept,
-    memories: Vec<Memory>,
+    memories: Vec<HysteresisState>,
     /// Weights of parts that spin.
     weights: Vec<HeldWeight>,
     /// True if the deck has motions that nothing resists.
@@ -82,7 +82,7 @@ impl<'a> NativePredictor<'a> {
 
     /// With contacts that remember; their channels are among those of [`Self::new`].
     #[must_use]
-    pub fn remembering(mut self, memories: Vec<Memory>) -> Self {
+    pub fn remembering(mut self, memories: Vec<HysteresisState>) -> Self {
         self.memories = memories;
         self
     }
@@ -195,7 +195,7 @@ impl<'a> NativePredictor<'a> {
         };
         let n = self.system.unknowns();
         let mut column = vec![0.0; n];
-        let mut here = self.system.look(theta, state, &mut self.scratch).ok()?;
+        let mut here = self.system.evaluate(theta, state, &mut self.scratch).ok()?;
         // Directions share numbers: a marker that moves along x and one that moves along y on a part that stands askew.
         let mut known: BTreeMap<Slot, usize> = BTreeMap::new();
         let mut by_slot: Vec<f64> = Vec::new();
@@ -408,13 +408,13 @@ impl Predictor for NativePredictor<'_> {
         Some(out)
     }
 
-    fn keep(&mut self) {
+    fn checkpoint(&mut self) {
         self.kept.states.clear();
         self.kept.states.extend_from_slice(self.sweeper.answers());
         self.kept.answers.clone_from(&self.answers);
     }
 
-    fn go_back(&mut self) {
+    fn rollback(&mut self) {
         if self.kept.answers.len() == self.answers.len() {
             self.sweeper.return_to(&self.kept.states);
             self.answers.clone_from(&self.kept.answers);

@@ -183,10 +183,10 @@ pub trait Predictor {
     }
 
     /// Remembers the last answers of all cases.
-    fn keep(&mut self) {}
+    fn checkpoint(&mut self) {}
 
     /// Lets the next solve of each case start from what was remembered last: a trial may have led to another equilibrium.
-    fn go_back(&mut self) {}
+    fn rollback(&mut self) {}
 
     /// How often all load cases were solved so far.
     fn sweeps(&self) -> usize;

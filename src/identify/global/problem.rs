@@ -94,19 +94,19 @@ impl LeastSquares for GlobalProblem<'_> {
         let prediction = self.predictor.predict(&numbers, directions.as_deref());
         if with_jacobian {
             let shares = self.predictor.shares(&self.unknowns.springs());
-            self.unknowns.set_shares(&shares.unwrap_or_default());
+            self.unknowns.set_load_shares(&shares.unwrap_or_default());
         }
         let columns = if with_jacobian { x.len() } else { 0 };
         self.observations
             .evaluate(&prediction, &self.layout, x, columns)
     }
 
-    fn keep(&mut self) {
-        self.predictor.keep();
+    fn checkpoint(&mut self) {
+        self.predictor.checkpoint();
     }
 
-    fn go_back(&mut self) {
-        self.predictor.go_back();
+    fn rollback(&mut self) {
+        self.predictor.rollback();
     }
 
     /// Huber's weights on the length of each mark's residual, so that a wrong mark counts less as a whole.
@@ -127,7 +127,7 @@ impl LeastSquares for GlobalProblem<'_> {
         weights
     }
 
-    fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
+    fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         self.unknowns.moved(x, step)
     }
 

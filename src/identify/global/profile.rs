@@ -149,7 +149,7 @@ impl<'a> Learnt<'a> {
 impl Profile<'_> {
     /// Unknowns after a step from the estimate.
     fn place(&self, step: &DVector<f64>) -> Vec<f64> {
-        self.problem.moved(&self.minimum.x, step)
+        self.problem.retract(&self.minimum.x, step)
     }
 
     /// A step of `k` alone.

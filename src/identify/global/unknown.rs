@@ -20,7 +20,7 @@ pub struct Component {
 
 /// What one unknown sets.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Meaning {
+pub enum Target {
     /// x = ln K of these components (several under a symmetry).
     Stiffness(Vec<Component>),
     /// x = delta0 of equation 9 in length units or radians: the bushing's two sides sit displaced by it in every load case, so
@@ -40,7 +40,7 @@ pub struct FitUnknown {
     /// Addresses of the numbers it stands for.
     pub addresses: Vec<Address>,
     /// What it sets.
-    pub meaning: Meaning,
+    pub target: Target,
     /// Where it starts; for stiffnesses ln K.
     pub start: f64,
     /// Prior mean.
@@ -127,8 +127,8 @@ impl FitUnknowns {
 
     /// The springs of all stiffnesses, in order.
     pub fn springs(&self) -> Vec<Component> {
-        let of = |unknown: &FitUnknown| match &unknown.meaning {
-            Meaning::Stiffness(components) => components.clone(),
+        let of = |unknown: &FitUnknown| match &unknown.target {
+            Target::Stiffness(components) => components.clone(),
             _ => Vec::new(),
         };
         self.list.iter().flat_map(of).collect()
@@ -136,7 +136,7 @@ impl FitUnknowns {
 
     /// Takes the load share of each of [`Self::springs`]; several springs of one unknown count by their mean. None at all where the
     /// backend knows none: then all count as springs in series.
-    pub fn set_shares(&mut self, shares: &[f64]) {
+    pub fn set_load_shares(&mut self, shares: &[f64]) {
         if shares.is_empty() {
             self.shares.clear();
             return;
@@ -148,8 +148,8 @@ impl FitUnknowns {
                 1.0
             }
         });
-        let of = |unknown: &FitUnknown| match &unknown.meaning {
-            Meaning::Stiffness(components) if !components.is_empty() => {
+        let of = |unknown: &FitUnknown| match &unknown.target {
+            Target::Stiffness(components) if !components.is_empty() => {
                 left.by_ref().take(components.len()).sum::<f64>() / components.len() as f64
             }
             _ => 1.0,
@@ -160,7 +160,7 @@ impl FitUnknowns {
     /// The load share of unknown `k`; `None` if it is no stiffness.
     fn share(&self, k: usize) -> Option<f64> {
         let unknown = self.list.get(k)?;
-        let stiffness = matches!(unknown.meaning, Meaning::Stiffness(_));
+        let stiffness = matches!(unknown.target, Target::Stiffness(_));
         stiffness.then(|| self.shares.get(k).copied().unwrap_or(1.0))
     }
 
@@ -201,35 +201,35 @@ impl FitUnknowns {
         let mut theta = deck.clone();
         let mut per_case = Vec::new();
         for (unknown, value) in self.list.iter().zip(x) {
-            match &unknown.meaning {
-                Meaning::Stiffness(components) => {
+            match &unknown.target {
+                Target::Stiffness(components) => {
                     for component in components {
                         theta.set(component.stiffness, libm::exp(*value));
                     }
                 }
-                Meaning::Number(slots) => {
+                Target::Number(slots) => {
                     for (slot, factor) in slots {
                         theta.set(*slot, theta.get(*slot) + factor * value);
                     }
                 }
-                Meaning::PerCase(slots) => {
+                Target::PerCase(slots) => {
                     let scaled = |factors: &[f64]| factors.iter().map(|f| f * value).collect();
                     per_case.extend(slots.iter().map(|(slot, factors)| (*slot, scaled(factors))));
                 }
-                Meaning::Turn(markers) => {
+                Target::Turn(markers) => {
                     for (marker, axis) in markers.iter().filter(|_| *value != 0.0) {
                         theta.turn(*marker, axis, *value);
                     }
                 }
-                Meaning::Offset(_) => {}
+                Target::Offset(_) => {}
             }
         }
         // Preloads follow the stiffnesses, which are all set by now.
         for (unknown, value) in self.list.iter().zip(x) {
-            if let Meaning::Offset(Component {
+            if let Target::Offset(Component {
                 stiffness,
                 preload: Some(preload),
-            }) = unknown.meaning
+            }) = unknown.target
             {
                 theta.set(preload, theta.get(preload) + theta.get(stiffness) * value);
             }
@@ -247,15 +247,15 @@ impl FitUnknowns {
             self.list
                 .iter()
                 .zip(x)
-                .find_map(|(unknown, value)| match unknown.meaning {
-                    Meaning::Offset(Component { stiffness, preload }) if stiffness == slot => {
+                .find_map(|(unknown, value)| match unknown.target {
+                    Target::Offset(Component { stiffness, preload }) if stiffness == slot => {
                         Some((preload, *value))
                     }
                     _ => None,
                 })
         };
-        let of = |unknown: &FitUnknown| match &unknown.meaning {
-            Meaning::Stiffness(components) => components
+        let of = |unknown: &FitUnknown| match &unknown.target {
+            Target::Stiffness(components) => components
                 .iter()
                 .flat_map(|component| {
                     let K = theta.get(component.stiffness);
@@ -265,15 +265,15 @@ impl FitUnknowns {
                     std::iter::once((component.stiffness, K)).chain(preload)
                 })
                 .collect(),
-            Meaning::Offset(Component { stiffness, preload }) => preload
+            Target::Offset(Component { stiffness, preload }) => preload
                 .iter()
                 .map(|slot| (*slot, theta.get(*stiffness)))
                 .collect(),
-            Meaning::Number(slots) => slots.clone(),
-            Meaning::PerCase(_) | Meaning::Turn(_) => Vec::new(),
+            Target::Number(slots) => slots.clone(),
+            Target::PerCase(_) | Target::Turn(_) => Vec::new(),
         };
-        let per_case = |unknown: &FitUnknown| match &unknown.meaning {
-            Meaning::PerCase(slots) => slots.clone(),
+        let per_case = |unknown: &FitUnknown| match &unknown.target {
+            Target::PerCase(slots) => slots.clone(),
             _ => Vec::new(),
         };
         self.list
@@ -283,8 +283,8 @@ impl FitUnknowns {
                 unknown: k,
                 always: of(unknown),
                 per_case: per_case(unknown),
-                turns: match &unknown.meaning {
-                    Meaning::Turn(markers) => markers.clone(),
+                turns: match &unknown.target {
+                    Target::Turn(markers) => markers.clone(),
                     _ => Vec::new(),
                 },
             })

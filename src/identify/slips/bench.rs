@@ -8,10 +8,10 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::candidate::{Change, Family};
 use crate::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
 use crate::global::{
-    Component, FitUnknown, FitUnknowns, GlobalProblem, Meaning, Observations, Prepared,
+    Component, FitUnknown, FitUnknowns, GlobalProblem, Observations, Prepared, Target,
     fit_unknowns, global_problem,
 };
-use crate::tolerance::{Effect, Layer, LayerOf, Sizes};
+use crate::tolerance::{Effect, LayerOf, RandomEffects, VarianceComponents};
 use crate::unknowns::bushing_number;
 use crate::{LoadedStudy, Problem};
 use admire_syntax::Address;
@@ -56,10 +56,10 @@ impl Rows {
 }
 
 /// An unknown of the bench's own, zero before anything is known.
-const fn unknown(meaning: Meaning, sd: f64) -> FitUnknown {
+const fn unknown(meaning: Target, sd: f64) -> FitUnknown {
     FitUnknown {
         addresses: Vec::new(),
-        meaning,
+        target: meaning,
         start: 0.0,
         mean: 0.0,
         sd,
@@ -187,7 +187,7 @@ impl Bench {
                 .filter_map(|family| family.by_factor.as_ref());
             let meaning = |effect| {
                 // One that the solver does not know changes nothing.
-                let none = Meaning::Number(Vec::new());
+                let none = Target::Number(Vec::new());
                 self.meaning(problem, effect).unwrap_or(none)
             };
             effects
@@ -281,12 +281,12 @@ impl Bench {
         (series.values().map(squares).sum::<f64>() / count.max(1) as f64).sqrt()
     }
 
-    fn sizes(&self) -> Sizes {
+    fn sizes(&self) -> VarianceComponents {
         let study = &self.study;
         let millimetre = 1e-3 / study.model.units.length.si;
         let frames = study.study.identify.frame_sd;
         let frames = [0, 3].map(|axis| frames.of_axis(axis, &study.model.units));
-        Sizes::new(
+        VarianceComponents::new(
             &study.study.tolerances,
             (study.measurement.sigma_on_parts, frames),
             millimetre,
@@ -294,12 +294,12 @@ impl Bench {
     }
 
     /// Small errors of axle and rig, each with the largest size its group may have.
-    fn members(&self, problem: &Problem<'_>, sizes: &Sizes) -> Vec<FitUnknown> {
+    fn members(&self, problem: &Problem<'_>, sizes: &VarianceComponents) -> Vec<FitUnknown> {
         let is_sought = |address: &Address| {
             let mut unknowns = problem.unknowns.iter();
             unknowns.any(|u| u.address == *address || u.tied.contains(address))
         };
-        let layer = Layer::of(&LayerOf {
+        let layer = RandomEffects::of(&LayerOf {
             model: problem.model,
             programme: problem.programme,
             load_errors: false,
@@ -318,24 +318,24 @@ impl Bench {
             .collect()
     }
 
-    fn meaning(&self, problem: &Problem<'_>, effect: &Effect) -> Option<Meaning> {
+    fn meaning(&self, problem: &Problem<'_>, effect: &Effect) -> Option<Target> {
         let slot = |address: &Address| self.prepared.system.catalogue().slot(address);
         Some(match effect {
             Effect::Always(pairs) => {
                 let of = |(address, factor): &(Address, f64)| Some((slot(address)?, *factor));
-                Meaning::Number(pairs.iter().map(of).collect::<Option<_>>()?)
+                Target::Number(pairs.iter().map(of).collect::<Option<_>>()?)
             }
             Effect::PerCase(pairs) => {
                 let of = |(address, factors): &(Address, Vec<f64>)| {
                     Some((slot(address)?, factors.clone()))
                 };
-                Meaning::PerCase(pairs.iter().map(of).collect::<Option<_>>()?)
+                Target::PerCase(pairs.iter().map(of).collect::<Option<_>>()?)
             }
-            Effect::Turn(markers) => Meaning::Turn(markers.clone()),
+            Effect::Turn(markers) => Target::Turn(markers.clone()),
             Effect::Offset { bushing, axis } => {
                 let id = problem.model.bushings[*bushing].header.id;
                 let of = |words| slot(&bushing_number(id, words, *axis));
-                Meaning::Offset(Component {
+                Target::Offset(Component {
                     stiffness: of(["K", "KT"])?,
                     preload: Some(of(["FORCE", "TORQUE"])?),
                 })

@@ -9,14 +9,14 @@ const ALIKE: f64 = 1.05;
 
 /// Rows whose variance is a sum of squares of sizes: of the noise of a reading, of the rigid motion of marks.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Class {
+pub struct VarianceClass {
     /// What is there whatever the sizes are: one where the noise is known.
     pub known: f64,
     /// Sizes by their places, and how much of the square of each is in the variance.
     pub terms: Arc<[(usize, f64)]>,
 }
 
-impl Class {
+impl VarianceClass {
     /// Of noise with a scale, or of one without, and of a rigid motion with its size and the square of its direction.
     pub(super) fn new(scale: Option<usize>, rigid: Option<(usize, f64)>) -> Self {
         let own = scale.map(|at| (at, 1.0));
@@ -59,5 +59,5 @@ pub(super) struct Turned {
     /// How many these are.
     pub rigid: usize,
     /// Of each new row; `None` where it is not used.
-    pub classes: Vec<Option<Class>>,
+    pub classes: Vec<Option<VarianceClass>>,
 }

@@ -10,7 +10,7 @@ const NOTHING: f64 = 1e-12;
 
 /// A matrix of turned rows, see [`Whitening::apply`], class by class.
 #[derive(Clone, Debug)]
-pub struct ByClass {
+pub struct RowsByVarianceClass {
     /// How many columns there are.
     pub(super) count: usize,
     /// The rows of each class.
@@ -26,7 +26,7 @@ pub(super) struct Columns {
     pub values: DMatrix<f64>,
 }
 
-impl ByClass {
+impl RowsByVarianceClass {
     /// Of all columns.
     pub fn new(whitening: &Whitening, turned: &DMatrix<f64>) -> Self {
         Self::of_rows(&whitening.rows_of, turned)

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::class::{Class, Turned};
+use super::class::{Turned, VarianceClass};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// Squares of directions below this share of the largest are round-off.
@@ -21,7 +21,7 @@ const NOTHING: f64 = 1e-6;
 /// Leaves these directions out: blocks and single rows that one of them goes through become one block.
 pub(super) fn without(
     blocks: &mut Vec<Turned>,
-    alone: &mut Vec<(usize, f64, Class)>,
+    alone: &mut Vec<(usize, f64, VarianceClass)>,
     free: &[Vec<(usize, f64)>],
     usual: &[f64],
 ) {
@@ -176,14 +176,15 @@ fn turned<'a>(
     out.classes[..unused].fill(None);
     for (k, direction) in directions.column_iter().enumerate() {
         let shares = direction.iter().map(|x| x * x);
-        let pairs: Vec<(f64, &Class)> = shares.zip(block.classes.iter().flatten()).collect();
+        let pairs: Vec<(f64, &VarianceClass)> =
+            shares.zip(block.classes.iter().flatten()).collect();
         out.classes[unused + k] = Some(mixed(&pairs, usual));
     }
     out
 }
 
 /// The class of a sum of independent rows, by the share of each.
-fn mixed(parts: &[(f64, &Class)], usual: &[f64]) -> Class {
+fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     let known: f64 = parts.iter().map(|(share, class)| share * class.known).sum();
     let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
     for (share, class) in parts {
@@ -196,7 +197,7 @@ fn mixed(parts: &[(f64, &Class)], usual: &[f64]) -> Class {
     terms.retain(|at, mu| *mu * size(*at) > NOTHING * whole);
     // Shares of one noise add up to one.
     let settled = |x: f64| if (x - 1.0).abs() < NOTHING { 1.0 } else { x };
-    Class {
+    VarianceClass {
         known: if known > NOTHING * whole {
             settled(known)
         } else {
@@ -213,7 +214,7 @@ fn mixed(parts: &[(f64, &Class)], usual: &[f64]) -> Class {
 mod tests {
     use nalgebra::{Cholesky, DVector};
 
-    use super::super::group::{Scale, Sizes};
+    use super::super::group::{NoiseScale, VarianceComponents};
     use super::super::whitening::{MarkBlock, Whitening};
     use super::*;
     use admire_solver::mechanics::Vec3;
@@ -224,8 +225,9 @@ mod tests {
     /// that spin together with a channel that sees it.
     #[test]
     fn nothing_along_a_free_direction_counts() {
-        let mut sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
-        sizes.add_scale(Scale::Channel(0), true);
+        let mut sizes =
+            VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        sizes.add_scale(NoiseScale::Channel(0), true);
         let mut noise = Noise::new(5, "free directions");
         let mut block = |first: usize| MarkBlock {
             rows: (0..4).map(|k| first + 3 * k).collect(),
@@ -235,7 +237,7 @@ mod tests {
             unit: 0.03,
         };
         let blocks = [block(0), block(12), block(24)];
-        let single = [(36, Some(Scale::Channel(0)))];
+        let single = [(36, Some(NoiseScale::Channel(0)))];
         let axis = Vec3::new(0.3, -0.8, 0.5).normalize();
         let through = Vec3::new(10.0, -4.0, 7.0);
         let spin = |block: &MarkBlock| {
@@ -255,7 +257,7 @@ mod tests {
 
         let size = |scale| libm::exp(2.0 * sizes.ln[sizes.scale(scale).unwrap()]);
         let mut C = DMatrix::identity(37, 37);
-        C[(36, 36)] = size(Scale::Channel(0));
+        C[(36, 36)] = size(NoiseScale::Channel(0));
         for block in &blocks {
             let (mut T, mut R) = (DMatrix::zeros(37, 3), DMatrix::zeros(37, 3));
             for (row, lever) in block.rows.iter().zip(&block.levers) {
@@ -270,8 +272,8 @@ mod tests {
             // Turns less what shifts do.
             let shares = (T.tr_mul(&T)).try_inverse().unwrap() * T.tr_mul(&R);
             let R = R - &T * shares;
-            C += size(Scale::PoseShift) * &T * T.transpose();
-            C += size(Scale::PoseTurn) * &R * R.transpose();
+            C += size(NoiseScale::PoseShift) * &T * T.transpose();
+            C += size(NoiseScale::PoseTurn) * &R * R.transpose();
         }
         let density = |z: &DVector<f64>| {
             let weights = whitening.weights(&sizes.ln);

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::class::Class;
-use super::columns::{ByClass, Columns};
+use super::class::VarianceClass;
+use super::columns::{Columns, RowsByVarianceClass};
 use super::product::{dot, transposed};
 use super::share::Block;
 use super::whitening::Whitening;
@@ -14,7 +14,7 @@ use super::whitening::Whitening;
 const TOGETHER: usize = 64;
 
 /// Further columns `E`, in sets, beside the columns `A` of a linear model with the residual `z`.
-pub struct Further {
+pub struct CrossProducts {
     /// How many columns each of the two has.
     count: [usize; 2],
     shares: Vec<FurtherShare>,
@@ -22,7 +22,7 @@ pub struct Further {
 
 /// The rows of one class.
 struct FurtherShare {
-    class: Class,
+    class: VarianceClass,
     /// Columns of `A` that these rows depend on.
     known: Vec<usize>,
     /// Sets of columns of `E`.
@@ -47,16 +47,16 @@ struct Set {
     own: usize,
 }
 
-impl Further {
+impl CrossProducts {
     /// Of turned rows: the columns of the model, its residual (reading minus prediction), and sets of further columns that follow one
     /// another, with what gives those of a range; it is asked once for each, in order.
     pub fn new(
         whitening: &Whitening,
-        (jacobian, residual): (&ByClass, &DVector<f64>),
+        (jacobian, residual): (&RowsByVarianceClass, &DVector<f64>),
         (sets, mut turned): (&[Range<usize>], impl FnMut(Range<usize>) -> DMatrix<f64>),
     ) -> Self {
         let classes = whitening.classes.iter().zip(&jacobian.classes);
-        let share = |(class, A): (&Class, &Columns)| FurtherShare {
+        let share = |(class, A): (&VarianceClass, &Columns)| FurtherShare {
             class: class.clone(),
             known: A.active.clone(),
             sets: Vec::with_capacity(sets.len()),
@@ -76,7 +76,7 @@ impl Further {
             rest = after;
             let from = first.start;
             let to = here.last().map_or(from, |last| last.end);
-            let E = ByClass::new(whitening, &turned(from..to));
+            let E = RowsByVarianceClass::new(whitening, &turned(from..to));
             for (k, share) in shares.iter_mut().enumerate() {
                 let (A, E) = (&jacobian.classes[k], &E.classes[k]);
                 let cross = transposed(&A.values, &E.values);

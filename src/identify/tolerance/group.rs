@@ -1,10 +1,10 @@
 //! Groups of tolerances, their usual sizes, and how far the readings may move those.
 
-use admire_study::{Stated, ToleranceSettings};
+use admire_study::{PriorSetting, ToleranceSettings};
 
 /// What belongs together because it is made, or measured, in the same way.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Group {
+pub enum EffectGroup {
     /// Connection points, all parts that meet there together.
     Hardpoints,
     /// Points where the rig's loads act.
@@ -43,7 +43,7 @@ pub enum Group {
 
 /// What noise there is beside that of single coordinates.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Scale {
+pub enum NoiseScale {
     /// A rigid shift of all marks of a part in a case.
     PoseShift,
     /// A rigid turn of all marks of a part in a case.
@@ -66,7 +66,7 @@ const NEAR_BOUND: f64 = 0.01;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Size {
     /// Median.
-    pub usual: f64,
+    pub median: f64,
     /// Standard deviation of the logarithm.
     pub ln_sd: f64,
     /// Natural logarithms of the bounds.
@@ -100,64 +100,67 @@ impl Size {
     fn new(usual: f64, ln_sd: f64) -> Self {
         let middle = libm::log(usual);
         Self {
-            usual,
+            median: usual,
             ln_sd,
             bounds: (middle - 4.0 * ln_sd, middle + 2.5 * ln_sd),
         }
     }
 
     /// A size that may be stated: zero switches its group off.
-    fn of(stated: Stated, unit: f64, usual: Self) -> Option<Self> {
+    fn of(stated: PriorSetting, unit: f64, usual: Self) -> Option<Self> {
         match stated {
-            Stated::Estimate => Some(usual),
-            Stated::Size(size) if size > 0.0 => Some(Self::new(size * unit, STATED)),
-            Stated::Size(_) => None,
+            PriorSetting::Estimate => Some(usual),
+            PriorSetting::Size(size) if size > 0.0 => Some(Self::new(size * unit, STATED)),
+            PriorSetting::Size(_) => None,
         }
     }
 
     /// What is left of a measuring frame's place when it was aligned with the axle.
-    pub fn of_alignment(stated: Stated, millimetre: f64) -> Option<(Group, Self)> {
+    pub fn of_alignment(stated: PriorSetting, millimetre: f64) -> Option<(EffectGroup, Self)> {
         let usual = Self::new(ALIGNED * millimetre, 0.7);
-        Self::of(stated, millimetre, usual).map(|size| (Group::FrameAlignment, size))
+        Self::of(stated, millimetre, usual).map(|size| (EffectGroup::FrameAlignment, size))
     }
 
     /// The same of a frame that is seen to be another one.
-    pub fn of_another_frame(millimetre: f64) -> (Group, Self) {
+    pub fn of_another_frame(millimetre: f64) -> (EffectGroup, Self) {
         let mut size = Self::new(ALIGNED * millimetre, 0.7);
         size.bounds.1 = libm::log(MOST_OFF * millimetre);
-        (Group::FrameAlignment, size)
+        (EffectGroup::FrameAlignment, size)
     }
 
     /// What load cells and their control leave from case to case; and where a load is zero.
-    pub fn of_load_errors() -> [(Group, Self); 2] {
+    pub fn of_load_errors() -> [(EffectGroup, Self); 2] {
         [
             (
-                Group::LoadRepeatability,
+                EffectGroup::LoadRepeatability,
                 Self::new(REPEATED, LOOSE).at_most(MOST),
             ),
             (
-                Group::IdleLoads,
+                EffectGroup::IdleLoads,
                 Self::new(IDLE * REPEATED, LOOSE).at_most(MOST),
             ),
         ]
     }
 
     /// What setting up a measuring frame anew for each case leaves. `millimetre` is one in the deck's unit.
-    pub fn of_frames(millimetre: f64) -> [(Group, Self); 3] {
+    pub fn of_frames(millimetre: f64) -> [(EffectGroup, Self); 3] {
         let shift = Self::new(SHIFTED * millimetre, LOOSE).at_most(MOST_SHIFTED * millimetre);
         [
-            (Group::FrameShifts, shift),
+            (EffectGroup::FrameShifts, shift),
             (
-                Group::FrameTurns,
+                EffectGroup::FrameTurns,
                 Self::new(TURNED, LOOSE).at_most(MOST_TURNED),
             ),
-            (Group::FrameDrifts, shift),
+            (EffectGroup::FrameDrifts, shift),
         ]
     }
 
     /// How far the mount of an axle usually yields at the largest value of a load.
-    pub fn of_a_mount(millimetre: f64) -> [(Group, Self); 1] {
-        [(Group::MountYield, Self::new(YIELDED * millimetre, LOOSE))]
+    pub fn of_a_mount(millimetre: f64) -> [(EffectGroup, Self); 1] {
+        [(
+            EffectGroup::MountYield,
+            Self::new(YIELDED * millimetre, LOOSE),
+        )]
     }
 
     /// The turn of a frame that goes with a shift, per length.
@@ -167,7 +170,7 @@ impl Size {
 
     /// True if a size is so large that its prior speaks against it: what grew so far took up what the model lacks.
     pub fn is_strained(&self, ln: f64) -> bool {
-        let above = ln - libm::log(self.usual);
+        let above = ln - libm::log(self.median);
         above > STRAINED * self.ln_sd || ln > self.bounds.1 - NEAR_BOUND
     }
 
@@ -178,23 +181,23 @@ impl Size {
 
     /// Logarithm of the prior's density, constants left out.
     pub fn ln_prior(&self, ln: f64) -> f64 {
-        let z = (ln - libm::log(self.usual)) / self.ln_sd;
+        let z = (ln - libm::log(self.median)) / self.ln_sd;
         -0.5 * z * z - libm::log(self.ln_sd)
     }
 }
 
 /// Sizes of groups and noises: which there are, what is usual, and in [`Sizes::ln`] what they are taken to be.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Sizes {
+pub struct VarianceComponents {
     /// Groups, then scales; in the order of `ln`.
-    pub groups: Vec<(Group, Size)>,
+    pub groups: Vec<(EffectGroup, Size)>,
     /// Noises beside that of single coordinates.
-    pub scales: Vec<(Scale, Size)>,
+    pub scales: Vec<(NoiseScale, Size)>,
     /// Natural logarithms.
     pub ln: Vec<f64>,
 }
 
-impl Sizes {
+impl VarianceComponents {
     /// All groups and scales a study needs as a rule; none that the user has switched off. `millimetre` is one in the deck's unit, in
     /// which marks on parts and shifts of the frame are stated; its turns are in radians.
     pub fn new(
@@ -211,8 +214,8 @@ impl Sizes {
             Size::new(0.01 * mm, 0.7)
         };
         let s = settings;
-        let known_to_be = |stated: Stated| match stated {
-            Stated::Size(size) if size > 0.0 => Some(size),
+        let known_to_be = |stated: PriorSetting| match stated {
+            PriorSetting::Size(size) if size > 0.0 => Some(size),
             _ => None,
         };
         let stated = known_to_be(s.load_repeatability);
@@ -222,42 +225,45 @@ impl Sizes {
         let known = |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED));
         let groups = [
             (
-                Group::Hardpoints,
+                EffectGroup::Hardpoints,
                 of(s.hardpoints, mm, Size::new(Size::HARDPOINTS * mm, 0.7)),
             ),
-            (Group::LoadPoints, Some(Size::new(0.5 * mm, 0.7))),
+            (EffectGroup::LoadPoints, Some(Size::new(0.5 * mm, 0.7))),
             (
-                Group::Offsets,
+                EffectGroup::Offsets,
                 of(s.hardpoints, 0.25 * mm, Size::new(0.05 * mm, 0.7)),
             ),
-            (Group::Axes, Some(Size::new(0.1 * degree, 0.7))),
+            (EffectGroup::Axes, Some(Size::new(0.1 * degree, 0.7))),
             (
-                Group::LoadGains,
+                EffectGroup::LoadGains,
                 of(s.load_gain, 1.0, Size::new(0.003, 0.5).at_most(0.01)),
             ),
             (
-                Group::LoadRepeatability,
+                EffectGroup::LoadRepeatability,
                 stated.map(|size| Size::new(size, STATED)),
             ),
             (
-                Group::IdleLoads,
+                EffectGroup::IdleLoads,
                 stated.map(|size| Size::new(IDLE * size, LOOSE)),
             ),
             (
-                Group::LoadDirections,
+                EffectGroup::LoadDirections,
                 of(s.load_direction_deg, degree, Size::new(0.001, 0.7)),
             ),
-            (Group::Marks, of(s.marks_on_parts, mm, marks)),
-            (Group::FrameShifts, known(frames[0], 1e-6 * mm)),
-            (Group::FrameTurns, known(frames[1], 1e-9)),
-            (Group::MountYield, mount),
-            (Group::Preloads, Some(Size::new(0.003, 0.5).at_most(0.01))),
+            (EffectGroup::Marks, of(s.marks_on_parts, mm, marks)),
+            (EffectGroup::FrameShifts, known(frames[0], 1e-6 * mm)),
+            (EffectGroup::FrameTurns, known(frames[1], 1e-9)),
+            (EffectGroup::MountYield, mount),
             (
-                Group::SpringRates,
+                EffectGroup::Preloads,
+                Some(Size::new(0.003, 0.5).at_most(0.01)),
+            ),
+            (
+                EffectGroup::SpringRates,
                 Some(Size::new(0.015, 0.5).at_most(0.025)),
             ),
             (
-                Group::KnownStiffnesses,
+                EffectGroup::KnownStiffnesses,
                 Some(Size::new(0.03, 0.5).at_most(0.1)),
             ),
         ];
@@ -266,8 +272,14 @@ impl Sizes {
             .filter_map(|(group, size)| Some((group, size?)));
         let arm = 100.0 * mm;
         let pose = [
-            (Scale::PoseShift, of(s.pose, mm, Size::new(0.003 * mm, 1.5))),
-            (Scale::PoseTurn, of(s.pose, mm / arm, Size::new(3e-5, 1.5))),
+            (
+                NoiseScale::PoseShift,
+                of(s.pose, mm, Size::new(0.003 * mm, 1.5)),
+            ),
+            (
+                NoiseScale::PoseTurn,
+                of(s.pose, mm / arm, Size::new(3e-5, 1.5)),
+            ),
         ];
         let scales = pose
             .into_iter()
@@ -282,24 +294,24 @@ impl Sizes {
     }
 
     /// With one more noise, over what is declared or, where nothing is, over a guess.
-    pub fn add_scale(&mut self, scale: Scale, declared: bool) {
+    pub fn add_scale(&mut self, scale: NoiseScale, declared: bool) {
         let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
         self.scales.push((scale, size));
-        self.ln.push(libm::log(size.usual));
+        self.ln.push(libm::log(size.median));
     }
 
     /// With one more group, at its usual size.
     #[must_use]
-    pub fn with_group(&self, group: Group, size: Size) -> Self {
+    pub fn with_group(&self, group: EffectGroup, size: Size) -> Self {
         let mut new = self.clone();
-        new.ln.insert(new.groups.len(), libm::log(size.usual));
+        new.ln.insert(new.groups.len(), libm::log(size.median));
         new.groups.push((group, size));
         new
     }
 
     /// Logarithms of the usual sizes.
     pub(crate) fn usual(&self) -> Vec<f64> {
-        self.each().map(|size| libm::log(size.usual)).collect()
+        self.each().map(|size| libm::log(size.median)).collect()
     }
 
     /// Prior and bounds of each, in the order of `ln`.
@@ -309,18 +321,18 @@ impl Sizes {
     }
 
     /// Where a group is in `ln`.
-    pub fn group(&self, group: Group) -> Option<usize> {
+    pub fn group(&self, group: EffectGroup) -> Option<usize> {
         self.groups.iter().position(|(of, _)| *of == group)
     }
 
     /// Where a scale is in `ln`.
-    pub fn scale(&self, scale: Scale) -> Option<usize> {
+    pub fn scale(&self, scale: NoiseScale) -> Option<usize> {
         let at = self.scales.iter().position(|(of, _)| *of == scale)?;
         Some(self.groups.len() + at)
     }
 
     /// The size of a group.
-    pub fn of(&self, group: Group) -> Option<f64> {
+    pub fn of(&self, group: EffectGroup) -> Option<f64> {
         self.group(group).map(|at| libm::exp(self.ln[at]))
     }
 
@@ -332,14 +344,14 @@ impl Sizes {
 
     /// Where a candidate's sizes start: not above what is usual by more than a factor e, so that sizes that have swallowed a cause
     /// let it go.
-    pub fn modest(&self, over: f64) -> Vec<f64> {
+    pub fn shrunk_to_median(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
-        each.map(|(ln, size)| ln.min(libm::log(size.usual) + over))
+        each.map(|(ln, size)| ln.min(libm::log(size.median) + over))
             .collect()
     }
 }
 
-impl Group {
+impl EffectGroup {
     /// Its name in `diagnosis.json`.
     pub const fn as_str(self) -> &'static str {
         match self {
@@ -364,7 +376,7 @@ impl Group {
     }
 }
 
-impl Scale {
+impl NoiseScale {
     /// Its name in `diagnosis.json`; empty for a noise whose size is not written there.
     pub const fn as_str(self) -> &'static str {
         match self {

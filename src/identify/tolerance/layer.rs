@@ -1,6 +1,6 @@
 //! The small errors of an axle and its rig as numbers of the deck.
 
-use super::group::Group;
+use super::group::EffectGroup;
 use super::point::{Point, points};
 use admire_session::backend::{Load, LoadProgramme};
 use admire_solver::mechanics::Vec3;
@@ -27,9 +27,9 @@ pub enum Effect {
 
 /// One small error.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Member {
+pub struct RandomEffect {
     /// Its group, whose size is the standard deviation of the member: lengths in the deck's unit, radians, or parts of one.
-    pub group: Group,
+    pub group: EffectGroup,
     /// What it belongs to: the address of a marker, a load, a bushing, a joint, or a number.
     pub address: String,
     /// 0 to 2 for x, y, z; 0 where there is only one.
@@ -52,14 +52,14 @@ pub struct LayerOf<'a> {
 
 /// All members.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Layer {
+pub struct RandomEffects {
     /// In a fixed order.
-    pub members: Vec<Member>,
+    pub members: Vec<RandomEffect>,
     /// Hardpoints, whose addresses are those of their first markers.
     pub points: Vec<Point>,
 }
 
-impl Layer {
+impl RandomEffects {
     /// The layer of a deck and its loads.
     pub fn of(study: &LayerOf<'_>) -> Self {
         let mut layer = Self {
@@ -95,8 +95,12 @@ impl Layer {
     }
 
     /// Members of a group at an address.
-    pub fn at<'a>(&'a self, group: Group, address: &'a str) -> impl Iterator<Item = usize> + 'a {
-        let of = move |(_, m): &(usize, &Member)| m.group == group && m.address == address;
+    pub fn at<'a>(
+        &'a self,
+        group: EffectGroup,
+        address: &'a str,
+    ) -> impl Iterator<Item = usize> + 'a {
+        let of = move |(_, m): &(usize, &RandomEffect)| m.group == group && m.address == address;
         self.members.iter().enumerate().filter(of).map(|(k, _)| k)
     }
 
@@ -105,8 +109,8 @@ impl Layer {
             let address = marker_address(model, point.markers[0]);
             for axis in 0..3 {
                 let effect = shift(model, &point.markers, &Vec3::ith(axis, 1.0));
-                self.members.push(Member {
-                    group: Group::Hardpoints,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Hardpoints,
                     address: address.clone(),
                     axis,
                     effect,
@@ -130,8 +134,8 @@ impl Layer {
                     .iter()
                     .any(|point| point.markers.contains(&marker));
                 for axis in (0..3).filter(|_| own) {
-                    self.members.push(Member {
-                        group: Group::LoadPoints,
+                    self.members.push(RandomEffect {
+                        group: EffectGroup::LoadPoints,
                         address: marker_address(model, marker),
                         axis,
                         effect: shift(model, &[marker], &Vec3::ith(axis, 1.0)),
@@ -143,8 +147,8 @@ impl Layer {
                 continue;
             }
             let target = load.target.clone();
-            self.members.push(Member {
-                group: Group::LoadGains,
+            self.members.push(RandomEffect {
+                group: EffectGroup::LoadGains,
                 address: target.to_string(),
                 axis: 0,
                 effect: Effect::PerCase(vec![(target.clone(), values.clone())]),
@@ -154,8 +158,8 @@ impl Layer {
                 if other.target == target || !same {
                     continue;
                 }
-                self.members.push(Member {
-                    group: Group::LoadDirections,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::LoadDirections,
                     address: format!("{}<-{target}", other.target),
                     axis: 0,
                     effect: Effect::PerCase(vec![(other.target.clone(), values.clone())]),
@@ -172,11 +176,11 @@ impl Layer {
             for (case, at) in study.programme.cases.iter().enumerate() {
                 let mut factors = vec![0.0; cases];
                 factors[case] = largest;
-                self.members.push(Member {
+                self.members.push(RandomEffect {
                     group: if at.values[load] == 0.0 {
-                        Group::IdleLoads
+                        EffectGroup::IdleLoads
                     } else {
-                        Group::LoadRepeatability
+                        EffectGroup::LoadRepeatability
                     },
                     address: target.to_string(),
                     axis: 0,
@@ -194,15 +198,15 @@ impl Layer {
             let id = bushing.header.id;
             let address = format!("BUSHING/{id}");
             for axis in 0..3 {
-                self.members.push(Member {
-                    group: Group::Offsets,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Offsets,
                     address: address.clone(),
                     axis,
                     effect: Effect::Offset { bushing: at, axis },
                 });
                 let turn = [bushing.i, bushing.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
-                self.members.push(Member {
-                    group: Group::Axes,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Axes,
                     address: address.clone(),
                     axis,
                     effect: Effect::Turn(turn.to_vec()),
@@ -211,7 +215,7 @@ impl Layer {
             for (word, values) in [("K", bushing.k), ("KT", bushing.kt)] {
                 for (axis, value) in values.into_iter().enumerate() {
                     let number = number("BUSHING", id, word, Some(axis + 1));
-                    self.known(study, Group::KnownStiffnesses, number, value);
+                    self.known(study, EffectGroup::KnownStiffnesses, number, value);
                 }
             }
         }
@@ -225,8 +229,8 @@ impl Layer {
                 JointKind::Cylindrical | JointKind::Translational
             );
             for axis in (0..3).filter(|_| !slides) {
-                self.members.push(Member {
-                    group: Group::Offsets,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Offsets,
                     address: format!("JOINT/{}", joint.header.id),
                     axis,
                     effect: shift(model, &[joint.i], &Vec3::ith(axis, 1.0)),
@@ -238,8 +242,8 @@ impl Layer {
             );
             for axis in (0..2).filter(|_| has_axis) {
                 let turn = [joint.i, joint.j].map(|marker| (marker, Vec3::ith(axis, 1.0)));
-                self.members.push(Member {
-                    group: Group::Axes,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Axes,
                     address: format!("JOINT/{}", joint.header.id),
                     axis,
                     effect: Effect::Turn(turn.to_vec()),
@@ -269,8 +273,8 @@ impl Layer {
                 SpringKind::Rotational => number("SPRINGDAMPER", id, "TORQUE", None),
             };
             if force > 0.0 && !(study.is_sought)(&address) {
-                self.members.push(Member {
-                    group: Group::Preloads,
+                self.members.push(RandomEffect {
+                    group: EffectGroup::Preloads,
                     address: address.to_string(),
                     axis: 0,
                     effect: Effect::Always(vec![(address, force)]),
@@ -281,13 +285,13 @@ impl Layer {
                 SpringKind::Rotational => "KT",
             };
             let rate = number("SPRINGDAMPER", id, word, None);
-            self.known(study, Group::SpringRates, rate, spring.stiffness);
+            self.known(study, EffectGroup::SpringRates, rate, spring.stiffness);
         }
     }
 
-    fn known(&mut self, study: &LayerOf<'_>, group: Group, address: Address, value: f64) {
+    fn known(&mut self, study: &LayerOf<'_>, group: EffectGroup, address: Address, value: f64) {
         if value > 0.0 && !(study.is_sought)(&address) {
-            self.members.push(Member {
+            self.members.push(RandomEffect {
                 group,
                 address: address.to_string(),
                 axis: 0,

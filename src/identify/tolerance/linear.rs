@@ -8,28 +8,28 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::columns::ByClass;
+use super::columns::RowsByVarianceClass;
 use super::factor::Factor;
-use super::further::Further;
-use super::group::{Group, Sizes};
-use super::reached::Reached;
-use super::share::Share;
+use super::further::CrossProducts;
+use super::group::{EffectGroup, VarianceComponents};
+use super::reached::Solution;
+use super::share::ClassGram;
 use super::whitening::Whitening;
 
 /// Prior of one unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Unknown {
+pub struct Coefficient {
     /// Mean.
     pub mean: f64,
     /// Standard deviation of its own: of the whole if it is in no group, else of what it has beyond its group.
     pub sd: f64,
     /// Its group of tolerances.
-    pub group: Option<Group>,
+    pub group: Option<EffectGroup>,
 }
 
-impl Unknown {
+impl Coefficient {
     /// A member of a group.
-    pub const fn member(group: Group) -> Self {
+    pub const fn member(group: EffectGroup) -> Self {
         Self {
             mean: 0.0,
             sd: 0.0,
@@ -38,7 +38,7 @@ impl Unknown {
     }
 
     /// Prior standard deviation at these sizes.
-    pub fn prior_sd(&self, sizes: &Sizes) -> f64 {
+    pub fn prior_sd(&self, sizes: &VarianceComponents) -> f64 {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
         libm::hypot(tau, self.sd)
     }
@@ -46,10 +46,10 @@ impl Unknown {
 
 /// A model linearised at a point.
 #[derive(Clone, Debug)]
-pub struct Linear {
-    shares: Vec<Share>,
+pub struct LinearModel {
+    shares: Vec<ClassGram>,
     /// One per column.
-    pub unknowns: Vec<Unknown>,
+    pub unknowns: Vec<Coefficient>,
     /// Where it was linearised.
     pub at: DVector<f64>,
 }
@@ -97,19 +97,19 @@ impl Posterior {
     }
 }
 
-impl Linear {
+impl LinearModel {
     /// `jacobian` and `residual` (reading minus prediction) are those of turned rows, see [`Whitening::apply`].
     pub fn new(
         whitening: &Whitening,
-        jacobian: &ByClass,
+        jacobian: &RowsByVarianceClass,
         residual: &DVector<f64>,
-        unknowns: Vec<Unknown>,
+        unknowns: Vec<Coefficient>,
         at: DVector<f64>,
     ) -> Self {
         let classes = whitening.classes.iter().zip(&whitening.rows_of);
-        let shares = classes
-            .zip(&jacobian.classes)
-            .map(|((class, rows), A)| Share::new(class.clone(), A, &residual.select_rows(rows)));
+        let shares = classes.zip(&jacobian.classes).map(|((class, rows), A)| {
+            ClassGram::new(class.clone(), A, &residual.select_rows(rows))
+        });
         Self {
             shares: shares.collect(),
             unknowns,
@@ -119,7 +119,12 @@ impl Linear {
 
     /// With a set of so many further columns, and their unknowns, at zero.
     #[must_use]
-    pub fn with(&self, further: &Further, (set, count): (usize, usize), unknown: Unknown) -> Self {
+    pub fn with(
+        &self,
+        further: &CrossProducts,
+        (set, count): (usize, usize),
+        unknown: Coefficient,
+    ) -> Self {
         let n = self.unknowns.len();
         let shares = self.shares.iter().zip(further.blocks(set));
         let mut new = Self {
@@ -136,8 +141,8 @@ impl Linear {
     pub fn moved(
         &self,
         whitening: &Whitening,
-        jacobian: &ByClass,
-        (changed, own): (&[usize], &ByClass),
+        jacobian: &RowsByVarianceClass,
+        (changed, own): (&[usize], &RowsByVarianceClass),
         residual: &DVector<f64>,
         at: DVector<f64>,
     ) -> Self {
@@ -166,10 +171,10 @@ impl Linear {
             rows.copied().collect::<Vec<usize>>()
         };
         let rows_of: Vec<Vec<usize>> = whitening.rows_of.iter().map(of_class).collect();
-        let columns = ByClass::of_rows(&rows_of, turned);
+        let columns = RowsByVarianceClass::of_rows(&rows_of, turned);
         let shares = self.shares.iter().zip(&rows_of).zip(&columns.classes);
         let rest = shares.map(|((share, rows), A)| {
-            let out = Share::new(share.class.clone(), A, &residual.select_rows(rows));
+            let out = ClassGram::new(share.class.clone(), A, &residual.select_rows(rows));
             share.less(&out)
         });
         Self {
@@ -193,7 +198,7 @@ impl Linear {
         (H, g, q, logs)
     }
 
-    fn prior_sds(&self, sizes: &Sizes) -> DVector<f64> {
+    fn prior_sds(&self, sizes: &VarianceComponents) -> DVector<f64> {
         DVector::from_iterator(
             self.unknowns.len(),
             self.unknowns.iter().map(|unknown| unknown.prior_sd(sizes)),
@@ -201,7 +206,7 @@ impl Linear {
     }
 
     /// The linear model at these sizes; `None` if it has no finite answer.
-    fn solved(&self, sizes: &Sizes, damping: f64) -> Option<Solved> {
+    fn solved(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solved> {
         let S = self.prior_sds(sizes);
         let (mut M, g, q, logs) = self.sums(&sizes.ln);
         let n = S.len();
@@ -243,7 +248,7 @@ impl Linear {
 
     /// Logarithm of the evidence at these sizes.
     #[cfg(test)]
-    fn ln_z(&self, sizes: &Sizes) -> f64 {
+    fn ln_z(&self, sizes: &VarianceComponents) -> f64 {
         self.solved(sizes, 0.0)
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
@@ -251,7 +256,7 @@ impl Linear {
     /// The evidence, its gradient by the logarithms of the sizes, and, if asked for, Fisher's information of each alone.
     pub(crate) fn evidence(
         &self,
-        sizes: &Sizes,
+        sizes: &VarianceComponents,
         with_information: bool,
     ) -> Option<(f64, Vec<f64>, Vec<f64>)> {
         let solved = self.solved(sizes, 0.0)?;
@@ -262,7 +267,7 @@ impl Linear {
             .ln
             .iter()
             .zip(sizes.each())
-            .map(|(ln, size)| -(ln - libm::log(size.usual)) / (size.ln_sd * size.ln_sd))
+            .map(|(ln, size)| -(ln - libm::log(size.median)) / (size.ln_sd * size.ln_sd))
             .collect();
         let mut information: Vec<f64> = sizes.each().map(|size| size.ln_sd.powi(-2)).collect();
         for (k, unknown) in self.unknowns.iter().enumerate() {
@@ -308,7 +313,7 @@ impl Linear {
     }
 
     /// The posterior at these sizes; `None` if the model has no finite answer.
-    pub fn posterior(&self, sizes: &Sizes) -> Option<Posterior> {
+    pub fn posterior(&self, sizes: &VarianceComponents) -> Option<Posterior> {
         let solved = self.solved(sizes, 0.0)?;
         let inverse = solved.factor.inverse();
         let S = &solved.S;
@@ -345,12 +350,12 @@ impl Linear {
 
     /// Where the unknowns end if they were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
     /// as their own holds them there. The step is that of Levenberg and Marquardt in units of the priors.
-    pub fn reached(&self, sizes: &Sizes, damping: f64) -> Option<Reached> {
+    pub fn solve(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solution> {
         self.solved(sizes, damping)?.reached()
     }
 
     /// What the objective `z'W z + |x/S|^2` is where the model was linearised.
-    pub fn objective(&self, sizes: &Sizes) -> f64 {
+    pub fn objective(&self, sizes: &VarianceComponents) -> f64 {
         let S = self.prior_sds(sizes);
         let data: f64 = self
             .shares
@@ -365,7 +370,7 @@ impl Linear {
     }
 
     /// The sizes of greatest evidence, from where `sizes` are.
-    pub fn sized(&self, sizes: &Sizes) -> Sizes {
+    pub fn maximise_evidence(&self, sizes: &VarianceComponents) -> VarianceComponents {
         super::sizes::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
 }
@@ -384,10 +389,10 @@ struct Solved {
 }
 
 impl Solved {
-    fn reached(self) -> Option<Reached> {
+    fn reached(self) -> Option<Solution> {
         let step = self.mu.component_mul(&self.S);
         let finite = step.iter().all(|x| x.is_finite()) && self.ln_z.is_finite();
-        finite.then(|| Reached {
+        finite.then(|| Solution {
             ln_z: self.ln_z,
             gain: 0.5 * self.b.dot(&self.mu).max(0.0),
             step,
@@ -401,7 +406,7 @@ impl Solved {
 mod tests {
     use std::ops::Range;
 
-    use super::super::group::Scale;
+    use super::super::group::NoiseScale;
     use super::super::whitening::MarkBlock;
     use super::*;
     use admire_solver::mechanics::Vec3;
@@ -409,7 +414,7 @@ mod tests {
     use admire_study::noise::Noise;
 
     /// Four marks of two parts in six cases, with three stiffnesses and six members of two groups.
-    fn linear(sizes: &Sizes) -> (Linear, Whitening, DMatrix<f64>, DVector<f64>) {
+    fn linear(sizes: &VarianceComponents) -> (LinearModel, Whitening, DMatrix<f64>, DVector<f64>) {
         let mut noise = Noise::new(3, "evidence");
         let mut block = |first: usize| MarkBlock {
             rows: (0..4).map(|k| first + 3 * k).collect(),
@@ -426,23 +431,23 @@ mod tests {
         let J = DMatrix::from_fn(n, 9, |_, _| 3.0 * noise.normal());
         let z = DVector::from_fn(n, |_, _| 2.0 * noise.normal());
         let unknown = |k: usize| match k {
-            0..=2 => Unknown {
+            0..=2 => Coefficient {
                 mean: 0.3,
                 sd: 3.0,
                 group: None,
             },
-            3..=5 => Unknown::member(Group::Hardpoints),
-            6 => Unknown {
+            3..=5 => Coefficient::member(EffectGroup::Hardpoints),
+            6 => Coefficient {
                 sd: 0.4,
-                ..Unknown::member(Group::LoadGains)
+                ..Coefficient::member(EffectGroup::LoadGains)
             },
-            _ => Unknown::member(Group::LoadGains),
+            _ => Coefficient::member(EffectGroup::LoadGains),
         };
         let at = DVector::from_fn(9, |k, _| 0.01 * k as f64);
         let turned = (whitening.apply(&J), whitening.apply_vector(&z));
-        let linear = Linear::new(
+        let linear = LinearModel::new(
             &whitening,
-            &ByClass::new(&whitening, &turned.0),
+            &RowsByVarianceClass::new(&whitening, &turned.0),
             &turned.1,
             (0..9).map(unknown).collect(),
             at,
@@ -453,14 +458,14 @@ mod tests {
     /// Against the density of a Gaussian with the covariance of readings written out.
     #[test]
     fn evidence_is_the_density_of_the_readings() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let used: Vec<usize> = (0..144)
             .filter(|k| whitening.class_of[*k].is_some())
             .collect();
         assert_eq!(used.len(), 143);
         let (J, z) = (J.select_rows(&used), z.select_rows(&used));
-        let density = |sizes: &Sizes| {
+        let density = |sizes: &VarianceComponents| {
             let S2 = DMatrix::from_diagonal(&DVector::from_iterator(
                 9,
                 linear.unknowns.iter().map(|u| u.prior_sd(sizes).powi(2)),
@@ -497,8 +502,9 @@ mod tests {
 
     #[test]
     fn the_gradient_by_the_sizes_is_that_of_differences() {
-        let mut sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
-        sizes.add_scale(Scale::Marks, true);
+        let mut sizes =
+            VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        sizes.add_scale(NoiseScale::Marks, true);
         let (linear, ..) = linear(&sizes);
         let (_, gradient, _) = linear.evidence(&sizes, true).unwrap();
         for k in 0..sizes.ln.len() {
@@ -519,10 +525,11 @@ mod tests {
     /// Half of what the objective of the linear model is above its minimum: at no step, what the whole step gains.
     #[test]
     fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
-        let mut sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
-        sizes.add_scale(Scale::Marks, true);
+        let mut sizes =
+            VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        sizes.add_scale(NoiseScale::Marks, true);
         let (linear, ..) = linear(&sizes);
-        let reached = linear.reached(&sizes, 0.0).unwrap();
+        let reached = linear.solve(&sizes, 0.0).unwrap();
         assert!(reached.gain > 1.0);
         for part in [0.0, 0.5, 1.0, 3.0] {
             let above = reached.above(&(part * &reached.step));
@@ -534,10 +541,10 @@ mod tests {
     /// Columns that are added or replaced leave what a model made anew of all of them has.
     #[test]
     fn a_model_with_other_columns_is_that_made_anew() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let unknowns = &linear.unknowns;
-        let alike = |a: &Linear, b: &Linear| {
+        let alike = |a: &LinearModel, b: &LinearModel| {
             let (a, b) = (a.ln_z(&sizes), b.ln_z(&sizes));
             assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
         };
@@ -545,13 +552,13 @@ mod tests {
         at.rows_mut(7, 2).fill(0.0);
         let (known, mut other) = (J.columns(0, 7).into_owned(), J.clone());
         let further = J.columns(7, 2).into_owned();
-        let by_class = |J: &DMatrix<f64>| ByClass::new(&whitening, J);
+        let by_class = |J: &DMatrix<f64>| RowsByVarianceClass::new(&whitening, J);
         let (known, J) = (by_class(&known), by_class(&J));
         let columns = |range: Range<usize>| further.columns(range.start, range.len()).into_owned();
-        let further = Further::new(&whitening, (&known, &z), (&[0..0, 0..2], columns));
+        let further = CrossProducts::new(&whitening, (&known, &z), (&[0..0, 0..2], columns));
         let few = at.rows(0, 7).into_owned();
-        let few = Linear::new(&whitening, &known, &z, unknowns[..7].to_vec(), few);
-        let whole = Linear::new(&whitening, &J, &z, unknowns.clone(), at);
+        let few = LinearModel::new(&whitening, &known, &z, unknowns[..7].to_vec(), few);
+        let whole = LinearModel::new(&whitening, &J, &z, unknowns.clone(), at);
         alike(&few.with(&further, (1, 2), unknowns[8]), &whole);
 
         other.column_mut(3).scale_mut(1.7);
@@ -559,7 +566,7 @@ mod tests {
         let (own, left) = (by_class(&other.select_columns(&[3, 8])), &z * 0.9);
         let at = linear.at.clone();
         let moved = linear.moved(&whitening, &J, (&[3, 8], &own), &left, at.clone());
-        let anew = Linear::new(&whitening, &by_class(&other), &left, unknowns.clone(), at);
+        let anew = LinearModel::new(&whitening, &by_class(&other), &left, unknowns.clone(), at);
         alike(&moved, &anew);
         assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
     }
@@ -567,7 +574,7 @@ mod tests {
     /// Rows that are taken out leave what a model of the others has.
     #[test]
     fn a_model_without_some_rows_is_that_of_the_others() {
-        let sizes = Sizes::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
+        let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
         let (linear, whitening, J, z) = linear(&sizes);
         let left_out: Vec<bool> = (0..144).map(|row| row >= 96).collect();
         let less = linear.without(&whitening, (&J, &z), &left_out);
@@ -575,9 +582,9 @@ mod tests {
         let mut few = whitening.clone();
         few.rows_of = whitening.rows_of.iter().map(rows).collect();
         let unknowns = linear.unknowns.clone();
-        let other = Linear::new(
+        let other = LinearModel::new(
             &few,
-            &ByClass::new(&few, &J),
+            &RowsByVarianceClass::new(&few, &J),
             &z,
             unknowns,
             linear.at.clone(),

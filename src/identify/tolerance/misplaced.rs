@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::part_marks::{
-    Looks, Mark, OUTLIER, PartMarks, centres, internal, part_marks, pose_of_others, residuals,
-    worst,
+    Mark, OUTLIER, PartMarks, RigidityVerdict, centres, deformation_coordinates,
+    find_single_outlier, part_marks, pose_of_others, residuals,
 };
-use super::sorted::{Sorted, spread};
+use super::sorted::{RigidityScreen, mad_sigma};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 use nalgebra::DVector;
@@ -41,7 +41,7 @@ impl Misplaced {
 }
 
 /// Marks that are off in the mean over all cases, and marks whose single wrong readings agree.
-pub(super) fn misplaced(measurement: &Measurement, sorted: &Sorted) -> BTreeSet<Mark> {
+pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> BTreeSet<Mark> {
     let centre = centres(
         &residuals(measurement, &sorted.blocks, &BTreeMap::new()),
         true,
@@ -66,7 +66,7 @@ pub(super) fn misplaced(measurement: &Measurement, sorted: &Sorted) -> BTreeSet<
 /// How places of marks differ from the list is a rigid motion of their part, and a small error of each. One that is far off stands out.
 fn off_the_list(
     measurement: &Measurement,
-    sorted: &Sorted,
+    sorted: &RigidityScreen,
     centre: &BTreeMap<Mark, Vec3>,
 ) -> BTreeSet<Mark> {
     let mut parts: BTreeMap<usize, Vec<(usize, Vec3)>> = BTreeMap::new();
@@ -81,12 +81,12 @@ fn off_the_list(
     };
     let left = parts.iter().flat_map(|(part, marks)| {
         let shifts = marks.iter().flat_map(|(_, e)| [e.x, e.y, e.z]);
-        internal(
+        deformation_coordinates(
             &listed(*part, marks),
             &DVector::from_iterator(3 * marks.len(), shifts),
         )
     });
-    let usual = spread(left.collect());
+    let usual = mad_sigma(left.collect());
     let cases = measurement.cases.len().max(1) as f64;
     let least = measurement.sigma_on_parts.max(sorted.sigma / cases.sqrt());
     let sigma = usual.max(least);
@@ -96,7 +96,7 @@ fn off_the_list(
         let shifts = marks.iter().map(|(_, shift)| shift);
         let seen: Vec<Vec3> = listed.iter().zip(shifts).map(|(p, e)| p + e).collect();
         if sigma > 0.0
-            && let Looks::Wrong(at, _) = worst((&listed, &seen), sigma)
+            && let RigidityVerdict::Wrong(at, _) = find_single_outlier((&listed, &seen), sigma)
         {
             out.insert((*part, marks[at].0));
         }
@@ -105,9 +105,9 @@ fn off_the_list(
 }
 
 /// How far marks that were left out are off, and where, by the poses that the other marks of their parts tell.
-pub(super) fn told(
+pub(super) fn misplaced_marks(
     measurement: &Measurement,
-    sorted: &Sorted,
+    sorted: &RigidityScreen,
     left_out: &BTreeSet<Mark>,
 ) -> Vec<Misplaced> {
     let centre = centres(
@@ -153,7 +153,7 @@ pub(super) fn told(
         if off.is_empty() {
             off.clone_from(&errors);
         }
-        let error = middle(&off);
+        let error = median(&off);
         // Single readings tell where it was only if it is far from the list.
         if error.amax() > far {
             off = errors;
@@ -169,7 +169,7 @@ pub(super) fn told(
             part,
             mark,
             error,
-            sd: spread(around.collect()).max(sorted.sigma) / (off.len() as f64).sqrt(),
+            sd: mad_sigma(around.collect()).max(sorted.sigma) / (off.len() as f64).sqrt(),
             cases: off.into_iter().map(|(case, _)| case).collect(),
             read,
         });
@@ -178,7 +178,7 @@ pub(super) fn told(
 }
 
 /// Median of each component.
-fn middle(errors: &[(usize, Vec3)]) -> Vec3 {
+fn median(errors: &[(usize, Vec3)]) -> Vec3 {
     Vec3::from_fn(|axis, _| {
         let mut values: Vec<f64> = errors.iter().map(|(_, e)| e[axis]).collect();
         values.sort_by(f64::total_cmp);

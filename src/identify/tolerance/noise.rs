@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::misplaced::{Misplaced, misplaced, told};
+use super::misplaced::{Misplaced, misplaced, misplaced_marks};
 use super::part_marks::{Mark, OUTLIER, centres, coordinates, part_marks, residuals};
-use super::sorted::{MarkOutlier, Sorted};
+use super::sorted::{MarkOutlier, RigidityScreen};
 use super::tails::Tails;
 use admire_solver::mechanics::Vec3;
 use admire_study::{MarkReading, Measurement};
@@ -26,7 +26,7 @@ const TAILED: f64 = 0.3;
 
 /// How exact mark coordinates are.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Noise {
+pub struct MarkNoise {
     /// Standard deviation of a coordinate as the study states it; `None` if it states none.
     pub declared: Option<f64>,
     /// The same from the readings, where parts carry four marks or more in several cases.
@@ -43,14 +43,15 @@ pub struct Noise {
     pub suspects: Vec<(usize, usize)>,
 }
 
-impl Noise {
+impl MarkNoise {
     /// From the marks of a measurement.
     pub fn of(measurement: &Measurement) -> Self {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
         let none = BTreeMap::new();
         let mut left_out: BTreeSet<Mark> = BTreeSet::new();
-        let without =
-            |marks: &BTreeSet<Mark>| Sorted::new(measurement, &part_marks(measurement, marks));
+        let without = |marks: &BTreeSet<Mark>| {
+            RigidityScreen::new(measurement, &part_marks(measurement, marks))
+        };
         let mut sorted = loop {
             let sorted = without(&left_out);
             let found = misplaced(measurement, &sorted);
@@ -59,13 +60,13 @@ impl Noise {
             }
             left_out.extend(found);
         };
-        let misplaced = told(measurement, &sorted, &left_out);
+        let misplaced = misplaced_marks(measurement, &sorted, &left_out);
         // One that no case has beside three others cannot be told: it is used, and judged with the rest.
         if misplaced.len() < left_out.len() {
             left_out = misplaced.iter().map(|of| (of.part, of.mark)).collect();
             sorted = without(&left_out);
         }
-        let Sorted {
+        let RigidityScreen {
             blocks,
             outliers,
             suspects,
@@ -128,7 +129,7 @@ impl Noise {
     }
 
     /// True for a reading that is not used: it is wrong, its mark is, or it cannot be told which of several are.
-    pub fn leaves_out(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
+    pub fn is_excluded(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
         self.is_outlier(case, reading)
             || self.is_misplaced(read)
             || self.suspects.contains(&(case, read.part))

@@ -104,13 +104,13 @@ pub(super) fn coordinates(
                 [e.x, e.y, e.z]
             })
             .collect();
-        out.extend(internal(&places, &DVector::from_vec(e)));
+        out.extend(deformation_coordinates(&places, &DVector::from_vec(e)));
     }
     out
 }
 
 /// Coordinates of residuals that no rigid motion of the marks changes, along an orthonormal basis: all of the same variance.
-pub(super) fn internal(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
+pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
     let n = e.len();
     let centroid = places.iter().sum::<Vec3>() / places.len() as f64;
     let mut basis: Vec<DVector<f64>> = Vec::new();
@@ -203,7 +203,7 @@ pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark,
 }
 
 /// How marks of a part look.
-pub(super) enum Looks {
+pub(super) enum RigidityVerdict {
     /// As one rigid part.
     Fine,
     /// The others, which agree among themselves, show this one to be wrong, by so much.
@@ -213,26 +213,29 @@ pub(super) enum Looks {
 }
 
 /// Looks for one mark that is wrong.
-pub(super) fn worst((on_part, measured): (&[Vec3], &[Vec3]), sigma: f64) -> Looks {
+pub(super) fn find_single_outlier(
+    (on_part, measured): (&[Vec3], &[Vec3]),
+    sigma: f64,
+) -> RigidityVerdict {
     let count = on_part.len();
     if count < 3 {
-        return Looks::Fine;
+        return RigidityVerdict::Fine;
     }
     let Ok(all) = absolute_orientation(on_part, measured, 1.0) else {
-        return Looks::Fine;
+        return RigidityVerdict::Fine;
     };
     let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
     let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
     if count == 3 {
         // Three marks show that one is wrong along their plane, but not which.
         return if largest > 2.0 * SUSPECT * usual {
-            Looks::Mixed
+            RigidityVerdict::Mixed
         } else {
-            Looks::Fine
+            RigidityVerdict::Fine
         };
     }
     if largest < SUSPECT * usual {
-        return Looks::Fine;
+        return RigidityVerdict::Fine;
     }
     let mut without: Vec<(f64, usize, Vec3)> = (0..count)
         .filter_map(|out| {
@@ -242,7 +245,7 @@ pub(super) fn worst((on_part, measured): (&[Vec3], &[Vec3]), sigma: f64) -> Look
         .collect();
     without.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some(&(rest, at, error)) = without.first() else {
-        return Looks::Fine;
+        return RigidityVerdict::Fine;
     };
     let variance = sigma * sigma;
     let freedom = (3 * (count - 1) - 6) as f64;
@@ -253,11 +256,11 @@ pub(super) fn worst((on_part, measured): (&[Vec3], &[Vec3]), sigma: f64) -> Look
         .is_none_or(|next| next.0 - rest > CLEAR * variance);
     let is_far = error.amax() > OUTLIER * sigma;
     match (agree && is_far, is_clear) {
-        (true, true) => Looks::Wrong(at, error),
-        (true, false) => Looks::Mixed,
+        (true, true) => RigidityVerdict::Wrong(at, error),
+        (true, false) => RigidityVerdict::Mixed,
         // Noise with tails has such blocks, too; only what is far out is kept from the fit.
-        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => Looks::Mixed,
-        _ => Looks::Fine,
+        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => RigidityVerdict::Mixed,
+        _ => RigidityVerdict::Fine,
     }
 }
 

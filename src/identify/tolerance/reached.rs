@@ -5,7 +5,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::factor::Factor;
 
 /// The maximum of a linear model.
-pub struct Reached {
+pub struct Solution {
     /// Logarithm of the evidence times the prior of the sizes.
     pub ln_z: f64,
     /// What the step gains, in nats.
@@ -18,7 +18,7 @@ pub struct Reached {
     pub(super) S: DVector<f64>,
 }
 
-impl Reached {
+impl Solution {
     /// By how many nats the maximum is above where another step leads, in the linear model.
     pub fn above(&self, other: &DVector<f64>) -> f64 {
         let off =
@@ -28,7 +28,7 @@ impl Reached {
 
     /// The step to the maximum with some unknowns moving within limits: what goes furthest beyond them is held at its own first, and the
     /// rest follows it. Held all at once, unknowns that only differ in sum would leave the valley they share.
-    pub fn step_within(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
+    pub fn box_constrained_step(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
         let mut step = self.step.clone();
         let mut held: Vec<(usize, f64)> = Vec::new();
         while held.len() < limits.len() {
@@ -68,7 +68,7 @@ impl Reached {
 
     /// The maximum if the objective also rose by `x' bend x`, where `x` are the steps of the unknowns at `places`. `None` where that has no
     /// finite answer.
-    pub fn held(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
+    pub fn with_quadratic_penalty(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
         let across = self.across(places);
         // (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
         let inner = across.select_rows(places) * bend;
@@ -131,7 +131,7 @@ mod tests {
         let b = scaled.tr_mul(&residual);
         let factor = Factor::new(information.clone()).unwrap();
         let mu = factor.solve(&b);
-        let reached = Reached {
+        let reached = Solution {
             ln_z: 0.0,
             gain: 0.5 * b.dot(&mu),
             step: mu.component_mul(&S),
@@ -140,7 +140,7 @@ mod tests {
         };
         // One direction alone: singular.
         let bend = DMatrix::from_row_slice(2, 2, &[4.0, -6.0, -6.0, 9.0]);
-        let held = reached.held(&[0, 2], &bend).unwrap();
+        let held = reached.with_quadratic_penalty(&[0, 2], &bend).unwrap();
         let mut whole = information;
         for (i, row) in [0, 2].into_iter().enumerate() {
             for (j, column) in [0, 2].into_iter().enumerate() {
@@ -160,7 +160,7 @@ mod tests {
         let valley = DMatrix::from_row_slice(2, 2, &[0.25, 0.5, 0.5, 1.0]) * 1e6;
         let information = valley + DMatrix::identity(2, 2) * 1e-2;
         let step = DVector::from_vec(vec![10.0, -5.0]);
-        let reached = Reached {
+        let reached = Solution {
             ln_z: 0.0,
             gain: 0.0,
             factor: Factor::new(information).unwrap(),
@@ -168,7 +168,7 @@ mod tests {
             step,
         };
         let limits = [(0, (-1.2, 1.2)), (1, (-1.2, 1.2))];
-        let within = reached.step_within(&limits);
+        let within = reached.box_constrained_step(&limits);
         assert!((within[0] - 1.2).abs() < 1e-6, "{within}");
         assert!((within[1] + 0.6).abs() < 1e-6, "{within}");
     }

@@ -2,15 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::class::Class;
+use super::class::VarianceClass;
 use super::columns::Columns;
 use super::product::{dot, gram, transposed};
 
 /// Rows of one class: of `A`, the derivatives by the unknowns, and `z`, what is left.
 #[derive(Clone, Debug)]
-pub(super) struct Share {
+pub(super) struct ClassGram {
     /// The class.
-    pub class: Class,
+    pub class: VarianceClass,
     /// How many rows.
     pub count: f64,
     /// `z'z`.
@@ -35,9 +35,9 @@ pub(super) struct Block {
     pub g: Vec<f64>,
 }
 
-impl Share {
+impl ClassGram {
     /// Of the columns and the residual in the rows of a class.
-    pub(super) fn new(class: Class, A: &Columns, z: &DVector<f64>) -> Self {
+    pub(super) fn new(class: VarianceClass, A: &Columns, z: &DVector<f64>) -> Self {
         let full = gram(&A.values);
         let n = A.active.len();
         let mut H = Vec::with_capacity(n * (n + 1) / 2);

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::group::Sizes;
+use super::group::VarianceComponents;
 
 /// Evaluations at most,
 const MOST: usize = 30;
@@ -14,9 +14,9 @@ const LONGEST: f64 = 1.5;
 /// Climbs from where the sizes are; `evidence` gives value, gradient and, the first time, information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
 /// inverse curvature; sizes at a bound that the gradient pushes against stay there.)
 pub(crate) fn climb(
-    start: &Sizes,
-    mut evidence: impl FnMut(&Sizes, bool) -> Option<(f64, Vec<f64>, Vec<f64>)>,
-) -> Sizes {
+    start: &VarianceComponents,
+    mut evidence: impl FnMut(&VarianceComponents, bool) -> Option<(f64, Vec<f64>, Vec<f64>)>,
+) -> VarianceComponents {
     let bounds: Vec<(f64, f64)> = start.each().map(|size| size.bounds).collect();
     let clamp = |ln: &mut [f64]| {
         for (ln, (low, high)) in ln.iter_mut().zip(&bounds) {

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::part_marks::{Looks, Mark, PartMarks, centres, coordinates, residuals, worst};
+use super::part_marks::{
+    Mark, PartMarks, RigidityVerdict, centres, coordinates, find_single_outlier, residuals,
+};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 
@@ -24,7 +26,7 @@ pub struct MarkOutlier {
 
 /// What fits rigid parts, and what does not.
 #[derive(Default)]
-pub(super) struct Sorted {
+pub(super) struct RigidityScreen {
     /// Marks that agree.
     pub blocks: Vec<PartMarks>,
     /// Readings that are plainly wrong.
@@ -35,7 +37,7 @@ pub(super) struct Sorted {
     pub sigma: f64,
 }
 
-impl Sorted {
+impl RigidityScreen {
     /// Sorts the marks of all parts in all cases.
     pub(super) fn new(measurement: &Measurement, all: &[PartMarks]) -> Self {
         let none = BTreeMap::new();
@@ -47,7 +49,7 @@ impl Sorted {
         for _ in 0..PASSES {
             let rough = residuals(measurement, &sorted.blocks, &none);
             let centre = centres(&rough, true);
-            let sigma = spread(coordinates(measurement, &rough, &centre));
+            let sigma = mad_sigma(coordinates(measurement, &rough, &centre));
             let again = Self::at(measurement, all.to_vec(), &centre, sigma);
             let is_same = again.blocks == sorted.blocks && again.suspects == sorted.suspects;
             sorted = again;
@@ -70,14 +72,14 @@ impl Sorted {
             blocks.retain_mut(|block| {
                 loop {
                     let (on_part, measured) = block.places(measurement, centre);
-                    match worst((&on_part, &measured), sigma) {
-                        Looks::Fine => return true,
-                        Looks::Wrong(at, error) => outliers.push(MarkOutlier {
+                    match find_single_outlier((&on_part, &measured), sigma) {
+                        RigidityVerdict::Fine => return true,
+                        RigidityVerdict::Wrong(at, error) => outliers.push(MarkOutlier {
                             case: block.case,
                             reading: block.readings.remove(at),
                             error,
                         }),
-                        Looks::Mixed => {
+                        RigidityVerdict::Mixed => {
                             suspects.push((block.case, block.part));
                             return false;
                         }
@@ -95,7 +97,7 @@ impl Sorted {
 }
 
 /// Standard deviation by the median of absolute values.
-pub fn spread(mut values: Vec<f64>) -> f64 {
+pub fn mad_sigma(mut values: Vec<f64>) -> f64 {
     values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     MAD * values
         .get(values.len() / 2)

@@ -11,9 +11,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Par};
 use nalgebra::{DMatrix, DVector};
 
-use super::class::{Class, Turned};
+use super::class::{Turned, VarianceClass};
 use super::free::without;
-use super::group::{Scale, Sizes};
+use super::group::{NoiseScale, VarianceComponents};
 use super::product::{read, write};
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -40,7 +40,7 @@ pub struct Whitening {
     /// Square root of the precision of each old row that stands alone.
     alone: Vec<(usize, f64)>,
     /// Classes, and the class of each new row; `None` where it is not used.
-    pub classes: Vec<Class>,
+    pub classes: Vec<VarianceClass>,
     /// Class of each row.
     pub class_of: Vec<Option<usize>>,
     /// Rows of each class, in ascending order.
@@ -54,9 +54,9 @@ impl Whitening {
     /// along the directions of rows in `free`.
     pub fn new(
         marks: &[MarkBlock],
-        single: &[(usize, Option<Scale>)],
+        single: &[(usize, Option<NoiseScale>)],
         precision: &[f64],
-        sizes: &Sizes,
+        sizes: &VarianceComponents,
         free: &[Vec<(usize, f64)>],
     ) -> Self {
         let mut new = Self {
@@ -67,15 +67,15 @@ impl Whitening {
             rows_of: Vec::new(),
             place_of: vec![None; precision.len()],
         };
-        let own = sizes.scale(Scale::Marks);
+        let own = sizes.scale(NoiseScale::Marks);
         let rigid = |(turn, mu): &(bool, f64)| {
-            let scale = [Scale::PoseShift, Scale::PoseTurn][usize::from(*turn)];
+            let scale = [NoiseScale::PoseShift, NoiseScale::PoseTurn][usize::from(*turn)];
             Some((sizes.scale(scale)?, *mu))
         };
         let mut all = Vec::new();
         for block in marks {
             let (places, matrix, squares) = turned(block, precision);
-            let of = |k: usize| Some(Class::new(own, squares.get(k).and_then(rigid)));
+            let of = |k: usize| Some(VarianceClass::new(own, squares.get(k).and_then(rigid)));
             all.push(Turned {
                 classes: (0..places.len()).map(of).collect(),
                 rigid: squares.len().min(places.len()),
@@ -87,12 +87,16 @@ impl Whitening {
         for (row, scale) in single {
             if precision[*row] > 0.0 {
                 let scale = scale.and_then(|scale| sizes.scale(scale));
-                alone.push((*row, precision[*row].sqrt(), Class::new(scale, None)));
+                alone.push((
+                    *row,
+                    precision[*row].sqrt(),
+                    VarianceClass::new(scale, None),
+                ));
             }
         }
         without(&mut all, &mut alone, free, &sizes.usual());
         let mut known = BTreeMap::new();
-        let mut class = |classes: &mut Vec<Class>, class: Class| {
+        let mut class = |classes: &mut Vec<VarianceClass>, class: VarianceClass| {
             *known.entry(class.key()).or_insert_with(|| {
                 classes.push(class);
                 classes.len() - 1

@@ -2,11 +2,11 @@
 
 use super::dry_friction::{place, slider, start};
 use super::memory::MemoryLaw;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `force=...,back=...,stiffness=...`: the force toward positive and toward negative displacements; `start=0`.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let at = place(spec, reality)?;
     let law = MemoryLaw::Slip {
         stiffness: spec.positive("stiffness")?,

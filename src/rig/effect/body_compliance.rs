@@ -2,12 +2,12 @@
 //! in all directions and without rotation. Brackets are stiffer one way than another: `x`, `y`, `z` are factors of the stiffness
 //! along the axes of ground. With `rated` the spring stiffens as with `link-compliance`.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `stiffness=...`, `x=1,y=1,z=1`, `rated=...`.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let kinds = ["JOINT", "SPRINGDAMPER", "BUSHING", "JPRIM"];
     let object = reality.object(spec, &kinds)?;
     let stiffness = spec.positive("stiffness")?;

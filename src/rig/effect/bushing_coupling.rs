@@ -3,11 +3,11 @@
 //! `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
 
 use super::reality::displacement;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// One or more of `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`; `reach=...`, a deflection of the second one of each pair.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let pair = reality.pair(spec, &bushing)?;
     let names = ["x", "y", "z", "ax", "ay", "az"];

@@ -1,10 +1,10 @@
 //! A reading's gain, zero or single value is wrong.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `gain=...` and `offset=...`; with `case=...` in that case only.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let found = reality
         .channels
         .iter()

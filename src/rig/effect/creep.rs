@@ -2,11 +2,11 @@
 //! of the way to `u`, so that the answer depends on how many cases came before.
 
 use super::memory::{Memory, MemoryLaw};
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `rate=...`, above zero and below one.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let rate = spec.positive("rate")?;

@@ -6,11 +6,11 @@
 
 use super::memory::{Memory, MemoryLaw};
 use super::reality::displacement;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`; `axis=z` or `az` for a joint.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let (pair, component) = place(spec, reality)?;
     let (limit, stiffness) = (spec.positive("force")?, spec.positive("stiffness")?);
     let start = start(spec)?;
@@ -55,7 +55,10 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
 }
 
 /// A stiffness of a bushing, or the free motion of a joint.
-pub(super) fn place(spec: &EffectSpec, reality: &Reality) -> Result<([u32; 2], usize), Diagnostic> {
+pub(super) fn place(
+    spec: &EffectSpec,
+    reality: &GroundTruth,
+) -> Result<([u32; 2], usize), Diagnostic> {
     let address = reality.object(spec, &["BUSHING", "JOINT"])?;
     if address.kind == "BUSHING" {
         return reality.bushing_component(spec, &address);
@@ -84,7 +87,7 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
 /// A spring in series with a slider.
 pub(super) fn slider(
     spec: &EffectSpec,
-    reality: &mut Reality,
+    reality: &mut GroundTruth,
     (pair, component): ([u32; 2], usize),
     law: MemoryLaw,
 ) -> Result<(), Diagnostic> {

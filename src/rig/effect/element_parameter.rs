@@ -1,11 +1,11 @@
 //! A number of the deck taken as known is wrong.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `value=...`, `factor=...` or `delta=...`.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address =
         Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;
     let Some(deck) = reality.dataset.value_at(&address) else {

@@ -5,14 +5,14 @@
 
 use super::link_compliance::{cut, line};
 use super::reality::displacement;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// Newtons (of the deck's force unit) that use up all of the play of a joint, if not stated.
 const FORCE: f64 = 1000.0;
 
 /// `gap=...`: the whole play; of a part besides `force=...`: what uses it up.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING", "PART"])?;
     let half = 0.5 * spec.positive("gap")?;
     if address.kind == "PART" {

@@ -5,14 +5,14 @@
 //! markers stay where they are on their parts.
 
 use super::point::{on_part, points};
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z`: with `form=part` (the default) in the axes of the marker's part, with `form=point` in ground axes.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
     if spec.word("form", &["part", "point"])? == "part" {
@@ -38,7 +38,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
 /// Moves a marker of connections; where it is a mass centre as well, that one stays on a copy.
 fn move_connection(
     spec: &EffectSpec,
-    reality: &mut Reality,
+    reality: &mut GroundTruth,
     (model, id): (&Model, u32),
     shift: &Vec3,
 ) -> Result<(), Diagnostic> {

@@ -4,14 +4,14 @@
 //! stiffness, or at both ends with twice of it each. With `rated` the spring stiffens, as rubber in the eye of a link does:
 //! `F = k u (1 + (k u / rated)^2)`.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `stiffness=...`, `ends=one` or `both`, `rated=...`: the force at which a linear spring's deflection takes twice that force.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let stiffness = spec.positive("stiffness")?;
     let both = spec.word("ends", &["one", "both"])? == "both";
@@ -35,7 +35,7 @@ type End = (Address, &'static str, Vec3);
 /// Both ends of a part, and the line from the first to the second.
 pub(super) fn line(
     spec: &EffectSpec,
-    reality: &Reality,
+    reality: &GroundTruth,
     part: u32,
 ) -> Result<([End; 2], Vec3), Diagnostic> {
     let found = ends(&reality.model(), part);
@@ -80,7 +80,7 @@ fn ends(model: &Model, part: u32) -> Vec<End> {
 /// Makes an end a part of its own that slides along the line on the rest, held by a spring; the spring's markers.
 pub(super) fn cut(
     spec: &EffectSpec,
-    reality: &mut Reality,
+    reality: &mut GroundTruth,
     part: u32,
     end: &End,
     line: &Vec3,

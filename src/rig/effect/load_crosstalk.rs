@@ -1,11 +1,11 @@
 //! The rig applies part of one load along another: `SFORCE/2<-SFORCE/3`.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `fraction=0.02` of the load on the right acts along the one on the left besides. With `law=growing` a rig that leans the more
 /// the more it is loaded: the fraction is half as large where there is no load.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((to, from)) = spec.address.split_once("<-") else {
         return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));
     };

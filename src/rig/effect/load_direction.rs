@@ -1,13 +1,13 @@
 //! Outside the catalogue: the rig pulls in another direction than the deck says.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Vec3;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `ax_deg, ay_deg, az_deg`: a rotation vector in the axes of the marker that gives the direction: J of an action-only SFORCE, RM of a
 /// GFORCE or VFORCE.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let turn = spec.turn()?;
     let target = reality.programme.loads[load].target.clone();
@@ -26,7 +26,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diag
 }
 
 /// The argument that names the marker whose axes give the direction of a load.
-pub(crate) fn direction_of(reality: &Reality, target: &Address) -> Option<&'static str> {
+pub(crate) fn direction_of(reality: &GroundTruth, target: &Address) -> Option<&'static str> {
     let object = Address {
         argument: None,
         index: None,

@@ -1,11 +1,11 @@
 //! The rig's load is wrong by a factor.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `gain=1.02`: what acts is so many times what the study says. With `law=growing` a load cell that is not straight: the error
 /// per load is half as large where there is no load.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let gain = spec.number("gain")?;
     let course = reality.course(spec, load)?;

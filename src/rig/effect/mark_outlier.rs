@@ -1,10 +1,10 @@
 //! One mark reading is wrong: `case 7 KNUCKLE 3`.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `x, y, z`: by so much.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let ["case", label, part, mark] = words.as_slice() else {
         return Err(spec.refuse("sits at a reading, for example `case 7 KNUCKLE 3`"));

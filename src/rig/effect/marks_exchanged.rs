@@ -1,10 +1,10 @@
 //! Outside the catalogue: somebody mixed up the marks of two parts from some case on: `KNUCKLE<->ROD`.
 
-use super::{EffectSpec, ReadingFault, Reality};
+use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `from=8`: the first case with exchanged marks; `mark=3` if it is one mark only.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((a, b)) = spec.address.split_once("<->") else {
         return Err(spec.refuse("sits at two parts, for example KNUCKLE<->ROD"));
     };

@@ -38,12 +38,12 @@ pub(super) use load_direction::direction_of;
 pub use memory::Memory;
 pub(super) use point::{held, points};
 pub use reality::Marked;
-pub(crate) use reality::{ReadingFault, Reality};
+pub(crate) use reality::{GroundTruth, ReadingFault};
 pub use spec::EffectSpec;
 
 use admire_syntax::diagnostic::Diagnostic;
 
-type Plant = fn(&EffectSpec, &mut Reality) -> Result<(), Diagnostic>;
+type Plant = fn(&EffectSpec, &mut GroundTruth) -> Result<(), Diagnostic>;
 
 /// Every cause of guide/study.md, and what plants it.
 const CAUSES: &[(&str, Plant)] = &[
@@ -91,7 +91,7 @@ pub fn outside_causes() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// A cause that does not exist, an address that names nothing suitable, a value that is missing, unknown or out of range.
-pub fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let mut known = CAUSES.iter().chain(OUTSIDE);
     let Some((_, plant)) = known.find(|(name, _)| *name == spec.cause) else {
         let names: Vec<&str> = causes().chain(outside_causes()).collect();

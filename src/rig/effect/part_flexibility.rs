@@ -3,7 +3,7 @@
 //! What is held at one marker, with all marks on that side of the cut, is on a part of its own. It turns
 //! on the rest half way between that marker and the mean of the other connections, held by torsion springs.
 
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
@@ -11,7 +11,7 @@ use admire_syntax::diagnostic::Diagnostic;
 const RIGID: f64 = 1e3;
 
 /// `marker=12,stiffness=...` (torque per radian) and `mode=both`, `bend` or `twist`.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let end = spec.number("marker")? as u32;
     let stiffness = spec.positive("stiffness")?;

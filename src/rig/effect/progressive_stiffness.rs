@@ -3,11 +3,11 @@
 //! Cubic: `F = -K u - cubic u^3`. Exponential rate: the stiffness is `K exp(rate |u|)`, `F = -K (exp(rate |u|) - 1) / rate * sgn u`.
 
 use super::reality::displacement;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `law=cubic,cubic=...` or `law=exponential,rate=...`.
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let u = displacement(pair, component);

@@ -97,7 +97,7 @@ pub(super) struct Holder {
 
 /// The reality a virtual rig measures: the deck, the loads and the readings, with effects planted.
 #[derive(Clone, Debug)]
-pub struct Reality {
+pub struct GroundTruth {
     /// The deck with what was planted.
     pub dataset: Dataset,
     /// The loads that really act.
@@ -112,7 +112,7 @@ pub struct Reality {
     pub channels: Vec<String>,
 }
 
-impl Reality {
+impl GroundTruth {
     /// The deck as it is now.
     pub(crate) fn model(&self) -> Model {
         Model::lower(&self.dataset).value

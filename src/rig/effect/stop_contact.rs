@@ -4,12 +4,12 @@
 //! where the gap is closed, zero elsewhere.
 
 use super::reality::displacement;
-use super::{EffectSpec, Reality};
+use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Pose;
 use admire_syntax::diagnostic::Diagnostic;
 
 /// `clearance=...,stiffness=...`, `law=linear` or `quadratic`, `side=plus` or `minus` (for a spring: `bump` or `rebound`).
-pub(super) fn plant(spec: &EffectSpec, reality: &mut Reality) -> Result<(), Diagnostic> {
+pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["JOINT", "SPRINGDAMPER"])?;
     let pair = reality.pair(spec, &address)?;
     let (clearance, stiffness) = (spec.number("clearance")?, spec.positive("stiffness")?);

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use sha2::Digest;
 
 use super::{Load, SweepRequest};
-use crate::{find_file, folder_of, native_spelling, on_deck};
+use crate::{commands_for_other_model, find_file, folder_of, native_spelling};
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::references;
 use admire_syntax::text::Source;
@@ -50,7 +50,7 @@ impl RunFiles {
             deck: with_xrf(Dataset::parse(deck.clone()).value)
                 .bytes()
                 .to_vec(),
-            commands: on_deck(STEM, commands).bytes().to_vec(),
+            commands: commands_for_other_model(STEM, commands).bytes().to_vec(),
             beside: beside(original),
         }
     }

@@ -97,7 +97,7 @@ fn attempt(
     }
     memory.positions(system, parameters, state, None)?;
     memory
-        .check_removed(system, parameters, state, |k| !system.of_velocities[k])
+        .check_removed(system, parameters, state, |k| !system.is_nonholonomic[k])
         .map_err(at_the_start)?;
     system.accept(parameters, state, &mut memory.scratch);
     system.settle_variables(parameters, state, &mut memory.scratch)?;

@@ -256,13 +256,13 @@ impl Consistent {
             let lacking = system.assemble_leniently(parameters, state, scratch, g, levels)?;
             if lacking > 0 && lacking >= lacking_before {
                 // The solution with the others does not give it a value either.
-                system.look(parameters, state, &mut self.scratch)?;
+                system.evaluate(parameters, state, &mut self.scratch)?;
             }
             lacking_before = lacking;
             self.levels.finish();
             let matrix = self.levels.combined(&mut self.values, |row, column| {
                 if equations.contains(&row) {
-                    let of_velocities = system.of_velocities[row - n];
+                    let of_velocities = system.is_nonholonomic[row - n];
                     if column < n && of_velocities {
                         [0.0, 1.0, 0.0]
                     } else if column < system.first_variable {
@@ -287,7 +287,7 @@ impl Consistent {
             }
             for (row, column, [by_place, by_rate, _]) in self.levels.entries() {
                 if equations.contains(&row) && column < n {
-                    let of_velocities = system.of_velocities[row - n];
+                    let of_velocities = system.is_nonholonomic[row - n];
                     let by = if of_velocities { by_rate } else { by_place };
                     self.g[row] += by * self.v[column];
                 }
@@ -379,7 +379,7 @@ impl Consistent {
         let out = |k: &usize| state.redundant[*k] && looked_at(*k);
         for k in (0..state.redundant.len()).filter(out) {
             let violation = self.g[system.first_equation + k].abs();
-            let size = if system.of_velocities[k] {
+            let size = if system.is_nonholonomic[k] {
                 largest_speed(system, state)
             } else {
                 system.length

@@ -133,7 +133,7 @@ impl Coordinates {
         let follow = own.clone().try_inverse();
         let follow = follow.unwrap_or_else(|| DMatrix::identity(count, count));
         let followed: DMatrix<f64> = -(&follow * by_place);
-        let mut here = system.look(parameters, state, &mut scratch)?;
+        let mut here = system.evaluate(parameters, state, &mut scratch)?;
         for (row, &variable) in self.variables.iter().enumerate() {
             let mut by = nalgebra::RowDVector::zeros(n);
             let mut others = false;

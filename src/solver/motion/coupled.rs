@@ -102,7 +102,7 @@ impl Coupled {
                 if by_k {
                     put(y(i, row), y(i, column), k);
                 }
-                if constraints.contains(&row) && !system.of_velocities[row - n] {
+                if constraints.contains(&row) && !system.is_nonholonomic[row - n] {
                     continue;
                 }
                 let of_a_body = column < n;

@@ -67,12 +67,12 @@ impl Integrator<'_> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.origin.time))?;
-        state.let_pieces_go();
+        state.clear_branches();
         Ok(state)
     }
 
     /// Takes the last step back: it stands where that began.
-    pub(super) fn take_back(&mut self) {
+    pub(super) fn undo_step(&mut self) {
         self.state = self.origin.clone();
         self.sizes = self.sizes_before;
         self.statistics.steps -= 1;
@@ -83,8 +83,8 @@ impl Integrator<'_> {
     ///
     /// # Errors
     /// [`MotionError`] as of [`Self::advance_to`].
-    pub(super) fn solve_again_to(&mut self, time: f64) -> Result<(), MotionError> {
-        self.take_back();
+    pub(super) fn retry_step_to(&mut self, time: f64) -> Result<(), MotionError> {
+        self.undo_step();
         self.within = true;
         self.before = None;
         self.factored = None;

@@ -54,7 +54,7 @@ impl Consistent {
             self.bordered.factor(system, &self.rows, holds, |_| plain);
             let mut most = (EXCHANGED, None);
             for out in (0..system.equations).filter(|&k| state.redundant[k]) {
-                let active = system.equation_is_active(out) && !system.of_velocities[out];
+                let active = system.equation_is_active(out) && !system.is_nonholonomic[out];
                 let Some(kind) = kinds[out].filter(|_| active && lengths[out] > 0.0) else {
                     continue;
                 };

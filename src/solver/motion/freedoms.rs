@@ -259,9 +259,9 @@ impl Bare {
         let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
         let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
         let free = left_free(&svd.singular_values, &Vt, lengths);
-        let of_velocities = |&k: &usize| system.of_velocities[k] && system.takes_part(state, k);
+        let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
         let (Z, R) = if (0..equations).any(|k| of_velocities(&k)) {
-            let G = gradients(&|k| !system.of_velocities[k]);
+            let G = gradients(&|k| !system.is_nonholonomic[k]);
             let svd = singular_values(G, false, true).ok_or(Reason::NoEigenvalues)?;
             let Vt = svd.v_t.expect("asked for");
             (left_free(&svd.singular_values, &Vt, lengths), Some(free))

@@ -2,12 +2,12 @@ use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
+use super::discrete_states::Regimes;
 use super::error::{MotionError, NotSettled, Reason};
+use super::error_scales::ErrorScales;
 use super::newton::{Equations, Stages, Unknowns};
-use super::regimes::Regimes;
 use super::sequence::Sequence;
 use super::settings::{INSIDE, Settings};
-use super::sizes::Sizes;
 use super::tableau::{A, C, lagrange};
 use crate::system::{Parameters, State, System};
 
@@ -51,9 +51,9 @@ pub struct Integrator<'a> {
     pub(super) change: Unknowns,
     /// The unknowns of the last step: what the next one begins with.
     pub(super) polynomial: Unknowns,
-    pub(super) sizes: Sizes,
+    pub(super) sizes: ErrorScales,
     /// The same before the last step.
-    pub(super) sizes_before: Sizes,
+    pub(super) sizes_before: ErrorScales,
     /// The step to try next.
     pub(super) h: f64,
     /// The last step; none before the first.
@@ -100,8 +100,8 @@ impl<'a> Integrator<'a> {
             unknowns: Unknowns::new(system),
             change: Unknowns::new(system),
             polynomial: Unknowns::new(system),
-            sizes: Sizes::new(system),
-            sizes_before: Sizes::new(system),
+            sizes: ErrorScales::new(system),
+            sizes_before: ErrorScales::new(system),
             h: settings.hinit.max(settings.hmin).min(settings.hmax),
             last: None,
             anew: true,
@@ -178,7 +178,7 @@ impl<'a> Integrator<'a> {
         self.consistent
             .reconcile(self.system, self.parameters, &mut state, step)
             .map_err(|reason| reason.at(self.state.time))?;
-        state.let_pieces_go();
+        state.clear_branches();
         Ok(state)
     }
 

@@ -3,7 +3,7 @@
 use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::error::{MotionError, Reason};
-use super::passage::{EXACT, PLACES, Watched};
+use super::event_location::{EXACT, PLACES, Watched};
 use super::root::narrowed;
 use crate::system::{Parameters, Scratch, State, System};
 
@@ -220,7 +220,7 @@ pub fn check_determined(system: &System, state: &State) -> Result<(), MotionErro
     if freedoms > 0 {
         return Err(Reason::NotKinematic { freedoms }.at(state.time));
     }
-    let of_velocities = |&k: &usize| system.of_velocities[k] && system.takes_part(state, k);
+    let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
     if let Some(k) = (0..system.equations).find(of_velocities) {
         let equation = system.constraint_equation_name(k).to_string();
         return Err(Reason::HeldVelocities { equation }.at(state.time));

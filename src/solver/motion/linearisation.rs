@@ -86,7 +86,7 @@ impl Linearisation {
         let square = inverse * inverse;
         self.levels.combined(values, |row, column| {
             if (n..variable).contains(&row) {
-                if system.of_velocities[row - n] {
+                if system.is_nonholonomic[row - n] {
                     // Its row times z.
                     if column < n {
                         [inverse, one, zero]
@@ -185,7 +185,7 @@ impl Linearisation {
             }
             if !(n..variable).contains(&row) {
                 b[row] -= (T::of(by_rate) + z * T::of(by_second)) * e[column];
-            } else if system.of_velocities[row - n] {
+            } else if system.is_nonholonomic[row - n] {
                 b[row] -= z * T::of(by_rate) * e[column];
             }
         }

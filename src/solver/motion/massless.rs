@@ -74,7 +74,7 @@ impl Massless {
     }
 
     /// A motion that nothing holds, or that is held by what has no value, if there is one.
-    fn unresisted(&self) -> Option<DVector<f64>> {
+    fn unrestrained_mode(&self) -> Option<DVector<f64>> {
         let held = self.scaled(&(&self.stiffness * self.step + &self.damping));
         let Some(svd) = singular_values(held, false, true) else {
             return self
@@ -171,7 +171,7 @@ impl Consistent {
             return Ok(());
         }
         let massless = Massless::of(system, &self.factors, &self.levels, step);
-        if let Some(motion) = massless.and_then(|massless| massless.unresisted()) {
+        if let Some(motion) = massless.and_then(|massless| massless.unrestrained_mode()) {
             let freedom = system.freedom_name(motion.icamax());
             return Err(Reason::MassSingular { freedom });
         }

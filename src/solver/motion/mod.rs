@@ -3,6 +3,7 @@
 //! Radau IIA of three stages on the stabilised index-2 form of the equations of motion, in a rotation chart per step. Knows no files and no
 //! commands.
 
+mod anderson;
 mod arrival;
 mod assembly;
 mod bordered;
@@ -11,8 +12,12 @@ mod coordinates;
 mod coupled;
 mod dense;
 mod derivatives;
+mod discrete_states;
 mod error;
+mod error_scales;
 mod estimate;
+mod event_handling;
+mod event_location;
 mod exchange;
 mod freedoms;
 mod integrator;
@@ -21,17 +26,12 @@ mod kinematic;
 mod linearisation;
 mod linearised;
 mod massless;
-mod mixing;
 mod modes;
 mod newton;
-mod passage;
 mod reduced;
-mod regimes;
 mod root;
 mod sequence;
 mod settings;
-mod settling;
-mod sizes;
 mod state_matrices;
 mod tableau;
 #[cfg(test)]
@@ -43,6 +43,7 @@ pub use consistent::Consistent;
 pub use coordinates::Coordinates;
 pub use error::MotionError;
 pub use error::Reason;
+pub use event_location::Watched;
 pub use integrator::Integrator;
 pub use kinematic::advance;
 pub use kinematic::advance_watched;
@@ -50,6 +51,5 @@ pub use kinematic::check_determined;
 pub use modes::Mode;
 pub use modes::modes;
 pub use modes::modes_in;
-pub use passage::Watched;
 pub use settings::Settings;
 pub use state_matrices::state_matrices;

@@ -8,8 +8,8 @@
 //! SIAM J. Sci. Comput. 18, 1997.) Near a singular position it settles where the derivatives of one stage do not serve all three,
 //! and costs a fraction of what [`super::coupled`] does.
 
+use super::anderson::AndersonAcceleration;
 use super::linearisation::{Correction, Linearisation};
-use super::mixing::Mixing;
 use super::newton::{Equations, Unknowns, turns};
 use super::tableau::A;
 use crate::linear::Lu;
@@ -28,7 +28,7 @@ pub(super) struct Sequence {
     factors: [Lu; 3],
     values: Vec<f64>,
     turns: [Vec<Mat3>; 3],
-    mixing: Mixing,
+    mixing: AndersonAcceleration,
 }
 
 impl Sequence {
@@ -41,7 +41,7 @@ impl Sequence {
             factors: std::array::from_fn(|_| Lu::for_many(system.moving_unknowns)),
             values: Vec::new(),
             turns: Default::default(),
-            mixing: Mixing::default(),
+            mixing: AndersonAcceleration::default(),
         }
     }
 

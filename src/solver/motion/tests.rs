@@ -350,7 +350,9 @@ VARIABLE/3, FUNCTION=0.2*SIN(TIME)
     let mut rate = rows.time.clone();
     rows.times(&v, &mut rate);
     let mut gamma = vec![0.0; system.equations];
-    let mut here = system.look(&deck.parameters, &state, &mut scratch).unwrap();
+    let mut here = system
+        .evaluate(&deck.parameters, &state, &mut scratch)
+        .unwrap();
     here.gamma(1e-3, &mut gamma).unwrap();
     rows.times(&a, &mut gamma);
     let along = |t: f64| {

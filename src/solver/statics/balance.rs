@@ -82,15 +82,17 @@ impl Balance {
     ) -> Result<Self, NoValue> {
         sums.clear();
         sums.resize(system.bodies.len(), Sum::default());
-        system.look(parameters, state, scratch)?.each_load(|load| {
-            let part = load.part.0;
-            let torque = load.torque_about(&system.reference_point(state, load.part));
-            let sum = &mut sums[part];
-            sum.force += load.force;
-            sum.torque += torque;
-            sum.forces += load.force.norm();
-            sum.torques += torque.norm();
-        })?;
+        system
+            .evaluate(parameters, state, scratch)?
+            .each_load(|load| {
+                let part = load.part.0;
+                let torque = load.torque_about(&system.reference_point(state, load.part));
+                let sum = &mut sums[part];
+                sum.force += load.force;
+                sum.torque += torque;
+                sum.forces += load.force.norm();
+                sum.torques += torque.norm();
+            })?;
         let mut out = Self::default();
         let (mut force, mut torque) = (None, None);
         for (part, body) in system.bodies.iter().enumerate() {

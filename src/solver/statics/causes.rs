@@ -107,7 +107,7 @@ impl Ended<'_> {
     /// What does work along a motion, in words.
     fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> Option<String> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
-        let mut here = system.look(parameters, state, scratch).ok()?;
+        let mut here = system.evaluate(parameters, state, scratch).ok()?;
         let loads = here.loads().ok()?;
         let by = |load: &Load<'_>| match load.by {
             Some(name) => name.to_string(),

@@ -2,7 +2,7 @@
 
 use super::causes::Ended;
 use super::measures::largest;
-use super::newton::{Failure, Solver, Way};
+use super::newton::{Failure, NewtonOptions, Solver};
 use super::settings::MOST_ITERATIONS;
 use super::{Continuation, Report, Settings, Softest, SolveError};
 use crate::system::{Parameters, State, System};
@@ -18,11 +18,11 @@ impl Solver {
         parameters: &Parameters,
         state: &mut State,
         settings: &Settings,
-        plain: Way,
+        plain: NewtonOptions,
     ) -> (Option<Continuation>, usize) {
         let mut iterations = 0;
         self.restart(state);
-        let damped = Way {
+        let damped = NewtonOptions {
             damped: true,
             maxit: 200,
             error: 1e-3,
@@ -49,7 +49,7 @@ impl Solver {
         // of TLIMIT as a half turn of the model is long.
         state.clone_from(&there);
         let steps = (HALF_TURN * system.length / settings.tlimit).ceil() as usize;
-        let patient = Way {
+        let patient = NewtonOptions {
             maxit: plain.maxit.max(steps.min(MOST_ITERATIONS)),
             ..plain
         };
@@ -67,7 +67,7 @@ impl Solver {
         parameters: &Parameters,
         state: &mut State,
         settings: &Settings,
-        (plain, report): (Way, &mut Report),
+        (plain, report): (NewtonOptions, &mut Report),
     ) -> Result<(), SolveError> {
         if self.remaining == 0 || !Softest::is_cheap(system) {
             return Ok(());
@@ -101,7 +101,7 @@ impl Solver {
         parameters: &Parameters,
         state: &mut State,
         settings: &Settings,
-        plain: Way,
+        plain: NewtonOptions,
     ) -> (Option<Continuation>, usize) {
         let mut iterations = 0;
         if system
@@ -113,7 +113,7 @@ impl Solver {
         let (mut released, mut increment, mut steps) = (0.0_f64, 0.25_f64, 0);
         while released < 1.0 && steps < 200 {
             let goal = (released + increment).min(1.0);
-            let way = Way {
+            let way = NewtonOptions {
                 held: 1.0 - goal,
                 maxit: 15,
                 error: 1e-3,

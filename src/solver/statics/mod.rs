@@ -30,7 +30,7 @@ pub(crate) use report::Iteration;
 pub use report::{Continuation, Far, FreeMotion, Report, SolveError, history_table};
 pub use sensitivity::Sensitivity;
 pub use settings::Settings;
-pub use settle::Settled;
+pub use settle::StabilisedEquilibrium;
 pub use stability::{Softest, smallest_eigenvalue};
 pub use tangent::Tangent;
 pub use tangent::Tangents;

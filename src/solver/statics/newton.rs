@@ -94,7 +94,7 @@ impl From<NoValue> for Failure {
 
 /// How a sequence of iterations is run.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(super) struct NewtonOptions {
     /// Fraction of `held` that still acts against the imbalance.
     pub held: f64,
     pub damped: bool,
@@ -188,7 +188,7 @@ impl Solver {
         self.give_values(system, parameters, state)?;
         self.began = self.first_multipliers(system, parameters, state)?;
         self.start.multipliers.clone_from(&state.multipliers);
-        let plain = Way {
+        let plain = NewtonOptions {
             held: 0.0,
             damped: false,
             keep: false,
@@ -363,7 +363,7 @@ impl Solver {
         &mut self,
         system: &System,
         parameters: &Parameters,
-        way: Way,
+        way: NewtonOptions,
     ) -> Result<(), NoValue> {
         let (scratch, g) = (&mut self.scratch, &mut self.g_trial);
         system.residual(parameters, &self.trial, scratch, g)?;
@@ -371,7 +371,7 @@ impl Solver {
         Ok(())
     }
 
-    fn hold(&mut self, way: Way) {
+    fn hold(&mut self, way: NewtonOptions) {
         if way.held > 0.0 {
             for (g, held) in self.g_trial.iter_mut().zip(&self.held) {
                 *g -= way.held * held;
@@ -385,7 +385,7 @@ impl Solver {
         parameters: &Parameters,
         state: &mut State,
         settings: &Settings,
-        way: Way,
+        way: NewtonOptions,
     ) -> Result<(), Failure> {
         self.history.clear();
         (self.shortened, self.limited) = (0, 0);
@@ -442,7 +442,7 @@ impl Solver {
             if limit < 1.0 {
                 self.limited += 1;
             }
-            let way_now = Way { keep, ..way };
+            let way_now = NewtonOptions { keep, ..way };
             let Some(step) = self.take(system, parameters, state, way_now, (limit, correction))?
             else {
                 // The old factors do not serve: the same place again with new ones.
@@ -492,7 +492,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &State,
-        way: Way,
+        way: NewtonOptions,
         (limit, correction): (f64, f64),
     ) -> Result<Option<f64>, Failure> {
         let mut step = limit;

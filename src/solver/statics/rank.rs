@@ -30,7 +30,7 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
         .collect();
     let mut redundant = system.redundant_rows(&rows);
     // What holds velocities has no row in statics, and says something new all the same.
-    for (redundant, of_velocities) in redundant.iter_mut().zip(&system.of_velocities) {
+    for (redundant, of_velocities) in redundant.iter_mut().zip(&system.is_nonholonomic) {
         *redundant &= !of_velocities;
     }
     redundant

@@ -47,7 +47,7 @@ impl<'a> Sensitivity<'a> {
         let mut by = vec![0.0; system.unknowns()];
         for &quantity in quantities {
             by.fill(0.0);
-            let mut here = system.look(parameters, state, &mut self.scratch)?;
+            let mut here = system.evaluate(parameters, state, &mut self.scratch)?;
             here.quantity_by_unknowns(quantity, &mut by)?;
             let through: f64 = by.iter().zip(&dx).map(|(a, b)| a * b).sum();
             out.push(through + here.quantity_by_slot(quantity, slot)?);
@@ -88,7 +88,7 @@ impl<'a> Sensitivity<'a> {
     /// [`SolveError::NoValue`] if an element has no value there.
     pub fn adjoint(&mut self, quantity: Quantity, slots: &[Slot]) -> Result<Vec<f64>, SolveError> {
         let (system, parameters, state) = (self.system, self.parameters, self.state);
-        let mut here = system.look(parameters, state, &mut self.scratch)?;
+        let mut here = system.evaluate(parameters, state, &mut self.scratch)?;
         let mut weights = vec![0.0; system.unknowns()];
         here.quantity_by_unknowns(quantity, &mut weights)?;
         self.tangent.adjoint(&mut weights);

@@ -15,7 +15,7 @@ const FAR: f64 = 1e4;
 
 /// How a stable equilibrium was reached from an unstable one.
 #[derive(Clone, Debug)]
-pub struct Settled {
+pub struct StabilisedEquilibrium {
     /// Largest motion of a part from the unstable equilibrium: length units, rotations times the model's length.
     pub moved: f64,
     /// The same of the stable equilibrium that the other way leads to, if it leads to one.
@@ -60,12 +60,13 @@ impl Solver {
         state: &mut State,
         settings: &Settings,
         softest: &Softest,
-    ) -> Result<Settled, Unsettled> {
+    ) -> Result<StabilisedEquilibrium, Unsettled> {
         let mut found = Vec::new();
         let mut failures = Vec::new();
         for way in [1.0, -1.0] {
             let mut trial = state.clone();
-            match self.descend(system, parameters, &mut trial, settings, (softest, way)) {
+            match self.overdamped_descent(system, parameters, &mut trial, settings, (softest, way))
+            {
                 Ok((report, softest)) => {
                     let moved = distance(system, state, &trial);
                     found.push((moved, trial, report, softest));
@@ -78,7 +79,7 @@ impl Solver {
         match found.into_iter().next() {
             Some((moved, settled, report, softest)) => {
                 *state = settled;
-                Ok(Settled {
+                Ok(StabilisedEquilibrium {
                     moved,
                     other,
                     report,
@@ -89,7 +90,7 @@ impl Solver {
         }
     }
 
-    fn descend(
+    fn overdamped_descent(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -103,7 +104,7 @@ impl Solver {
             budget: None,
             ..settings.clone()
         };
-        self.push(system, parameters, state, settings, (softest, way));
+        self.perturb(system, parameters, state, settings, (softest, way));
         for _ in 0..STEPS {
             let here = Softest::of(system, parameters, state)?;
             let softness = here
@@ -120,7 +121,7 @@ impl Solver {
                         // Another one that does not last: on from there, away from the start.
                         Some(saddle) if saddle.is_unstable() => {
                             let way = self.onwards(system, parameters, &start, state, &saddle);
-                            self.push(system, parameters, state, settings, (&saddle, way));
+                            self.perturb(system, parameters, state, settings, (&saddle, way));
                             continue;
                         }
                         lasting => return Ok((report, lasting)),
@@ -137,7 +138,7 @@ impl Solver {
     }
 
     /// Moves the parts along a motion.
-    fn push(
+    fn perturb(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -171,7 +172,7 @@ impl Solver {
         let after = |solver: &mut Self, way: f64| {
             let mut trial = state.clone();
             let settings = Settings::default();
-            solver.push(system, parameters, &mut trial, &settings, (softest, way));
+            solver.perturb(system, parameters, &mut trial, &settings, (softest, way));
             distance(system, start, &trial)
         };
         if after(self, 1.0) >= after(self, -1.0) {

@@ -39,7 +39,7 @@ impl System {
     ) -> Result<(), NoValue> {
         g.fill(0.0);
         scratch.largest = 0.0;
-        let mut here = self.look(parameters, state, scratch)?;
+        let mut here = self.evaluate(parameters, state, scratch)?;
         here.add_gravity(g, sink);
         if here.moving() {
             here.add_inertia(g, sink);

@@ -3,7 +3,7 @@
 use super::NoValue;
 use super::compiled_function::Source;
 use super::scratch::Beside;
-use super::structure::{Condition, Drive};
+use super::structure::{Drive, GconEquation};
 use super::{Configuration, Name, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
@@ -18,7 +18,7 @@ impl Configuration<'_> {
     pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
-        let is_it = |c: &&Condition| c.name.id == id && !self.is_out(c);
+        let is_it = |c: &&GconEquation| c.name.id == id && !self.is_out(c);
         let Some(condition) = system.conditions.iter().find(is_it) else {
             return (Vec3::zeros(), Vec3::zeros());
         };
@@ -54,8 +54,8 @@ impl Configuration<'_> {
     }
 
     /// True if a GCON takes no part here: in statics that is also what holds velocities.
-    pub(super) fn is_out(&self, condition: &Condition) -> bool {
-        let at_rest = self.system.of_velocities[condition.equation] && !self.moving();
+    pub(super) fn is_out(&self, condition: &GconEquation) -> bool {
+        let at_rest = self.system.is_nonholonomic[condition.equation] && !self.moving();
         at_rest || !self.system.takes_part(self.state, condition.equation)
     }
 
@@ -63,7 +63,7 @@ impl Configuration<'_> {
     pub(super) fn add_asked(&self, rates: &mut [f64]) {
         let (system, scratch) = (self.system, &*self.scratch);
         for condition in &system.conditions {
-            if !system.of_velocities[condition.equation] || self.is_out(condition) {
+            if !system.is_nonholonomic[condition.equation] || self.is_out(condition) {
                 continue;
             }
             let mut asked = scratch.functions[condition.function].value;
@@ -108,7 +108,7 @@ impl Configuration<'_> {
     /// `-multiplier` times the derivative of the gradient, by central differences: programs have first derivatives only.
     fn add_curvature<S: Sink>(
         &mut self,
-        condition: &Condition,
+        condition: &GconEquation,
         lambda: f64,
         sink: &mut S,
     ) -> Result<(), NoValue> {
@@ -142,7 +142,8 @@ impl Configuration<'_> {
                 beside.step[column] = sign * h;
                 system.advance(&mut beside.state, &beside.step);
                 let near = &mut *beside;
-                if let Err(error) = system.look(self.parameters, &near.state, &mut near.scratch) {
+                if let Err(error) = system.evaluate(self.parameters, &near.state, &mut near.scratch)
+                {
                     result = Err(error);
                     break;
                 }
@@ -186,10 +187,10 @@ impl System {
 /// velocities where it holds these. After [`Configuration::look`].
 pub(super) fn held_by<'a>(
     system: &'a System,
-    condition: &Condition,
+    condition: &GconEquation,
     scratch: &'a Scratch,
 ) -> impl Iterator<Item = (usize, f64)> + 'a {
-    let first = if system.of_velocities[condition.equation] {
+    let first = if system.is_nonholonomic[condition.equation] {
         system.moving_unknowns
     } else {
         0

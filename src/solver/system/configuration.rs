@@ -36,7 +36,7 @@ impl System {
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
-    pub fn look<'a>(
+    pub fn evaluate<'a>(
         &'a self,
         parameters: &'a Parameters,
         state: &'a State,

@@ -5,7 +5,7 @@
 //! and does not depend on the rate.
 
 use super::surface::Friction;
-use super::{Grip, Parameters, Scratch, State, System};
+use super::{Parameters, Scratch, State, StictionState, System};
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec3;
 
@@ -31,7 +31,7 @@ impl SlidingWith {
 
 /// What the surfaces of a deck do.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Grasp {
+pub enum StickSlipState {
     /// All slide.
     Sliding,
     /// Some slide.
@@ -42,7 +42,7 @@ pub enum Grasp {
     Released,
 }
 
-impl Grasp {
+impl StickSlipState {
     /// `sliding`, `mixed` or `sticking`.
     pub const fn word(self) -> &'static str {
         match self {
@@ -63,7 +63,7 @@ impl Friction {
 impl System {
     /// Lets the joints of these FRICTIONs creep in statics, too. Then [`System::creep_on`] moves the surfaces on from one equilibrium to
     /// the next.
-    pub fn let_creep(&mut self, ids: &[u32], with: SlidingWith) {
+    pub fn enable_static_friction(&mut self, ids: &[u32], with: SlidingWith) {
         for friction in &mut self.frictions {
             if ids.contains(&friction.name.id) {
                 let law = friction.law;
@@ -85,12 +85,12 @@ impl System {
 
     /// Moves the surfaces on to an equilibrium: the creep starts from here at the first call, and ends at the limit of sliding. Tells
     /// what the surfaces do; `None` without any.
-    pub fn creep_on(
+    pub fn advance_friction(
         &self,
         parameters: &Parameters,
         state: &mut State,
         scratch: &mut Scratch,
-    ) -> Option<Grasp> {
+    ) -> Option<StickSlipState> {
         /// So near the limit surfaces slide: round-off leaves a creep on either side of it.
         const NEAR: f64 = 1.0 - 1e-6;
         if !self.creeps() {
@@ -114,7 +114,7 @@ impl System {
             let size = crept.norm();
             all += 1;
             sliding += usize::from(size >= limit * NEAR);
-            *grip = Grip {
+            *grip = StictionState {
                 sticking: true,
                 creep: if size > limit {
                     crept * (limit / size)
@@ -128,9 +128,9 @@ impl System {
         }
         state.grips = grips;
         Some(match sliding {
-            0 => Grasp::Sticking,
-            n if n == all => Grasp::Sliding,
-            _ => Grasp::Mixed,
+            0 => StickSlipState::Sticking,
+            n if n == all => StickSlipState::Sliding,
+            _ => StickSlipState::Mixed,
         })
     }
 }

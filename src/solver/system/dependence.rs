@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 
 use super::System;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
-use super::structure::{Action, Algebraic, Drive, Element, Joint};
+use super::structure::{Action, Drive, Element, Joint, VariableEquation};
 
 /// What functions can read of each other.
 #[derive(Clone, Copy)]
 pub(crate) struct Reads<'a> {
     pub functions: &'a [CompiledFunction],
-    pub variables: &'a [Algebraic],
+    pub variables: &'a [VariableEquation],
     pub elements: &'a [Element],
     pub joints: &'a [Joint],
 }

@@ -30,7 +30,7 @@ impl System {
         slot: Slot,
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        self.look(parameters, state, scratch)?
+        self.evaluate(parameters, state, scratch)?
             .residual_by_slot(slot, dg)
     }
 

@@ -13,7 +13,7 @@ use super::compiled_function::Exerted;
 use super::contribution::{Ends, FunctionValue, Of};
 use super::forces::Ask;
 use super::surface::{Friction, SLOTS, Slide};
-use super::{Configuration, Grip, NoValue, Parameters, Scratch, State, System};
+use super::{Configuration, NoValue, Parameters, Scratch, State, StictionState, System};
 use crate::element::{Coefficient, FrictionLaw};
 use crate::function::{RateAxis, RateKind, RateMeasure};
 use crate::linear::Sink;
@@ -104,7 +104,7 @@ impl System {
             let speed = here.surface_velocity(friction).norm();
             let sticking = friction.active && friction.sticks && friction.law.sticks(speed);
             let on = sticking && grip.sticking;
-            *grip = Grip {
+            *grip = StictionState {
                 sticking,
                 creep: if on { creep } else { Vec3::zeros() },
                 place,
@@ -145,13 +145,13 @@ impl Configuration<'_> {
     }
 
     /// The rotation vector from the anchor, J axes.
-    fn turned(&self, friction: &Friction, grip: &Grip) -> Vec3 {
+    fn turned(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
         let (_, R_ji) = self.joint_place(friction);
         log(&(R_ji * grip.turn.transpose()))
     }
 
     /// The axis of a rotation, fixed at the anchor, J axes.
-    fn axis(slide: Slide, grip: &Grip) -> Vec3 {
+    fn axis(slide: Slide, grip: &StictionState) -> Vec3 {
         match slide {
             Slide::AlongZ => Vec3::z(),
             Slide::AboutI(axis) => grip.turn.column(axis).into(),
@@ -160,7 +160,7 @@ impl Configuration<'_> {
     }
 
     /// The creep by directions; zero unless it sticks.
-    pub(super) fn creep(&self, friction: &Friction, grip: &Grip) -> Vec3 {
+    pub(super) fn creep(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
         if !grip.sticking {
             return Vec3::zeros();
         }

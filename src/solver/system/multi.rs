@@ -2,12 +2,12 @@
 
 use super::chain::turn;
 use super::contribution::{Cross, Ends};
-use super::structure::Multi;
+use super::structure::NForce;
 use super::{Configuration, NoValue};
 
 impl Configuration<'_> {
     /// All wrenches of an NFORCE, into `scratch.multi`.
-    pub(super) fn evaluate_multi(&mut self, multi: &Multi) -> Result<(), NoValue> {
+    pub(super) fn evaluate_multi(&mut self, multi: &NForce) -> Result<(), NoValue> {
         self.scratch.motions.clear();
         for (&i, &pair) in multi.i.iter().zip(&multi.pairs) {
             let motion = self.motion((i, multi.j, pair), true);
@@ -26,7 +26,7 @@ impl Configuration<'_> {
 
     /// The wrench of an NFORCE at one of its markers, into `scratch.contribution`, after [`Self::evaluate_multi`]; zero, with the same
     /// pattern, if it is deactivated.
-    pub(super) fn multi(&mut self, multi: &Multi, at: usize, tangent: bool) {
+    pub(super) fn multi(&mut self, multi: &NForce, at: usize, tangent: bool) {
         let system = self.system;
         let on = f64::from(u8::from(multi.active));
         let n = multi.i.len();

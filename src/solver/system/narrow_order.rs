@@ -7,7 +7,7 @@ use super::System;
 impl System {
     /// The place of every column of the parts in an order by breadth from the end of each mechanism: what a row has other than zero stands
     /// close together, along a chain of any numbering too.
-    pub(super) fn narrow_order(&self, rows: &[Vec<(usize, f64)>]) -> Vec<usize> {
+    pub(super) fn bandwidth_reducing_order(&self, rows: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let mut owner = vec![0; self.first_equation];
         for (number, body) in self.bodies.iter().enumerate() {
             owner[body.first..body.first + body.freedoms].fill(number);
@@ -38,9 +38,9 @@ impl System {
                 continue;
             }
             // The one that is reached last from anywhere is at an end.
-            let from_anywhere = by_breadth(&tied, body, (&mut reached, 1));
+            let from_anywhere = breadth_first_order(&tied, body, (&mut reached, 1));
             let end = *from_anywhere.last().unwrap_or(&body);
-            for body in by_breadth(&tied, end, (&mut reached, 2)) {
+            for body in breadth_first_order(&tied, end, (&mut reached, 2)) {
                 let body = &self.bodies[body];
                 for column in body.first..body.first + body.freedoms {
                     order[column] = next;
@@ -53,7 +53,11 @@ impl System {
 }
 
 /// All that is tied to one, by their distance from it; `reached` tells of each in which round it was found.
-fn by_breadth(tied: &[Vec<usize>], from: usize, (reached, round): (&mut [u8], u8)) -> Vec<usize> {
+fn breadth_first_order(
+    tied: &[Vec<usize>],
+    from: usize,
+    (reached, round): (&mut [u8], u8),
+) -> Vec<usize> {
     reached[from] = round;
     let mut open = VecDeque::from([from]);
     let mut out = Vec::new();

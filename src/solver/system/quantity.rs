@@ -119,9 +119,13 @@ impl Configuration<'_> {
         let scratch = &mut *self.scratch;
         let mut difference = |h: f64| -> Result<f64, NoValue> {
             moved.set(slot, here + h);
-            let plus = system.look(&moved, state, scratch)?.quantity(quantity)?;
+            let plus = system
+                .evaluate(&moved, state, scratch)?
+                .quantity(quantity)?;
             moved.set(slot, here - h);
-            let minus = system.look(&moved, state, scratch)?.quantity(quantity)?;
+            let minus = system
+                .evaluate(&moved, state, scratch)?
+                .quantity(quantity)?;
             Ok((plus - minus) / (2.0 * h))
         };
         let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);

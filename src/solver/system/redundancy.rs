@@ -35,7 +35,11 @@ impl System {
         for &(row, column, value) in entries {
             rows[row as usize].push((column as usize, value / scale[column as usize]));
         }
-        let mut basis = Basis::of(columns, self.narrow_order(&rows), self.equations);
+        let mut basis = Basis::of(
+            columns,
+            self.bandwidth_reducing_order(&rows),
+            self.equations,
+        );
         let mut out = vec![false; self.equations];
         let [distances, products, others] = self.in_order();
         let mut weak = Vec::new();
@@ -58,13 +62,13 @@ impl System {
 
     /// The same by an elimination, which may take out others; again what holds places goes before what holds velocities.
     fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
-        let mut out = self.dependent_among(rows, &self.of_velocities);
-        for equation in (0..self.equations).filter(|&k| self.of_velocities[k]) {
+        let mut out = self.dependent_among(rows, &self.is_nonholonomic);
+        for equation in (0..self.equations).filter(|&k| self.is_nonholonomic[k]) {
             out[equation] = false;
             let mut whole = out.clone();
             whole[equation + 1..]
                 .iter_mut()
-                .zip(&self.of_velocities[equation + 1..])
+                .zip(&self.is_nonholonomic[equation + 1..])
                 .for_each(|(out, later)| *out |= later);
             // Those before depend on none of each other: with one more that does, one is left over.
             out[equation] = self.dependent_among(rows, &whole) != whole;
@@ -116,7 +120,7 @@ impl System {
         // What holds places goes before what holds velocities: that one of both is left out that leaves the places as they are.
         let (of_velocities, mut others): (Vec<usize>, Vec<usize>) = (0..self.equations)
             .filter(|&k| other[k])
-            .partition(|&k| self.of_velocities[k]);
+            .partition(|&k| self.is_nonholonomic[k]);
         others.extend(of_velocities);
         [distances, products, others]
     }

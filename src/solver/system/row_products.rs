@@ -34,7 +34,7 @@ impl RowProducts {
             first_equation: system.first_equation,
             first_variable: system.first_variable,
             unknowns: system.moving_unknowns,
-            of_velocities: system.of_velocities.clone(),
+            of_velocities: system.is_nonholonomic.clone(),
             ..Self::default()
         }
     }

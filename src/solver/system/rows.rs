@@ -33,7 +33,7 @@ impl Rows {
             first_variable: system.first_variable,
             time_column: 3 * system.moving_unknowns,
             first_velocity: system.moving_unknowns,
-            of_velocities: system.of_velocities.clone(),
+            of_velocities: system.is_nonholonomic.clone(),
             time: vec![0.0; system.equations],
             ..Self::default()
         }
@@ -304,7 +304,7 @@ impl Configuration<'_> {
         }
         for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {
             let [first, second] = found(condition.function);
-            let of_velocities = system.of_velocities[condition.equation];
+            let of_velocities = system.is_nonholonomic[condition.equation];
             gamma[condition.equation] = if of_velocities { first } else { second };
         }
         Ok(())

@@ -33,7 +33,7 @@ pub struct Driven {
 
 /// Where a friction stands: what of its creep lies behind, and from where it goes on.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Grip {
+pub struct StictionState {
     /// It sticks: the creep counts.
     pub sticking: bool,
     /// The creep at the anchor, by directions.
@@ -46,7 +46,7 @@ pub struct Grip {
     pub first: Option<f64>,
 }
 
-impl Grip {
+impl StictionState {
     /// Nothing sticks, and nothing was assembled yet.
     pub(crate) fn none() -> Self {
         Self {
@@ -89,7 +89,7 @@ pub struct State {
     /// MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
     pub driven: Vec<Driven>,
     /// Where each friction of a joint stands.
-    pub grips: Vec<Grip>,
+    pub grips: Vec<StictionState>,
     /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
     pub sensors: Vec<f64>,
     /// The pieces that IMPACTs, BISTOPs and IFs are held on within a step of a motion; empty elsewhere: all are as their arguments have them.
@@ -98,7 +98,7 @@ pub struct State {
 
 impl State {
     /// Functions are as their arguments have them; those held between two sides stay, which have no value of their own there.
-    pub(crate) fn let_pieces_go(&mut self) {
+    pub(crate) fn clear_branches(&mut self) {
         for piece in &mut self.pieces {
             *piece = piece.filter(|_| half_width(*piece).is_some());
         }

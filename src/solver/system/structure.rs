@@ -83,7 +83,7 @@ pub(crate) struct Element {
 
 /// NFORCE: a force between n markers and one.
 #[derive(Debug)]
-pub(crate) struct Multi {
+pub(crate) struct NForce {
     pub name: Name,
     pub i: Vec<usize>,
     pub j: usize,
@@ -95,7 +95,7 @@ pub(crate) struct Multi {
     pub active: bool,
 }
 
-impl Multi {
+impl NForce {
     pub(super) fn law(&self) -> MultiPoint {
         MultiPoint {
             markers: self.i.len(),
@@ -168,7 +168,7 @@ impl Joint {
 
 /// GCON: a function is zero.
 #[derive(Debug)]
-pub(crate) struct Condition {
+pub(crate) struct GconEquation {
     pub name: Name,
     /// I: where the reaction is reported.
     pub i: Option<usize>,
@@ -179,7 +179,7 @@ pub(crate) struct Condition {
 
 /// VARIABLE: the value of a function.
 #[derive(Debug)]
-pub struct Algebraic {
+pub struct VariableEquation {
     pub name: Name,
     pub function: usize,
     pub active: bool,
@@ -235,12 +235,12 @@ pub struct System {
     /// Markers whose place in ground is needed.
     pub(crate) used: Vec<usize>,
     pub(crate) elements: Vec<Element>,
-    pub(crate) multis: Vec<Multi>,
+    pub(crate) multis: Vec<NForce>,
     pub(crate) joints: Vec<Joint>,
     pub(crate) frictions: Vec<Friction>,
-    pub(crate) conditions: Vec<Condition>,
+    pub(crate) conditions: Vec<GconEquation>,
     /// VARIABLEs: algebraic unknowns.
-    pub variables: Vec<Algebraic>,
+    pub variables: Vec<VariableEquation>,
     pub(crate) states: Vec<StateEquation>,
     /// F1 to F8 of each REQUEST of the model.
     pub(crate) requests: Vec<[Option<usize>; 8]>,
@@ -283,7 +283,7 @@ pub struct System {
     /// The joint of each constraint equation.
     pub(crate) joint_of: Vec<Option<usize>>,
     /// Of each constraint equation whether it holds velocities: `f(q, V, t) = 0`, linear in V, which no place satisfies or violates.
-    pub(crate) of_velocities: Vec<bool>,
+    pub(crate) is_nonholonomic: Vec<bool>,
     /// The mean mass and length that motions are measured by.
     pub(crate) reference_mass: f64,
     /// How far a radian reaches: the mean distance of markers from the centre of their part.
@@ -485,7 +485,7 @@ impl System {
 
     /// True for an equation that takes part and holds places; all others hold velocities or nothing.
     pub(crate) fn holds_places(&self, state: &State, equation: usize) -> bool {
-        !self.of_velocities[equation] && self.takes_part(state, equation)
+        !self.is_nonholonomic[equation] && self.takes_part(state, equation)
     }
 
     /// Whether in motion the equation of this state reads its own rate.

@@ -3,7 +3,7 @@
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
 use admire_identify::global::{
-    Meaning, Observations, Options, Prepared, Row, Start, StartValues, fit_study, fit_unknowns,
+    Observations, Options, Prepared, Row, Start, StartValues, Target, fit_study, fit_unknowns,
     global_problem,
 };
 use admire_study::Measurement;
@@ -35,8 +35,8 @@ impl Span {
         let mut offset_of: Vec<Option<u32>> = unknowns
             .list()
             .iter()
-            .map(|unknown| match unknown.meaning {
-                Meaning::Offset(component) => catalogue.info(component.stiffness).address.id,
+            .map(|unknown| match unknown.target {
+                Target::Offset(component) => catalogue.info(component.stiffness).address.id,
                 _ => None,
             })
             .collect();

@@ -72,7 +72,7 @@ fn what_is_hardly_seen_does_not_run_off_on_the_way() {
     )
     .unwrap();
     assert!(straight.x[1] > 6.0, "{:?}", straight.x);
-    let led = approach(&mut Springs, &start, &scale, &held);
+    let led = homotopy_start(&mut Springs, &start, &scale, &held);
     assert!(led[1] < 3.0 && (led[0] - 1.2).abs() < 0.5, "{led:?}");
 }
 
@@ -121,11 +121,11 @@ impl LeastSquares for Snapping {
         })
     }
 
-    fn keep(&mut self) {
+    fn checkpoint(&mut self) {
         self.kept = self.there;
     }
 
-    fn go_back(&mut self) {
+    fn rollback(&mut self) {
         self.there = self.kept;
     }
 }

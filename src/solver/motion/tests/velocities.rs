@@ -48,7 +48,7 @@ fn a_sleigh_turns_until_it_glides_straight() {
         let mut scratch = Scratch::new(&deck.system);
         let here = deck
             .system
-            .look(&deck.parameters, &state, &mut scratch)
+            .evaluate(&deck.parameters, &state, &mut scratch)
             .expect("no error");
         let marker = crate::model::MarkerIx(2);
         let (force, torque) = here.read_condition(1, marker);
@@ -137,7 +137,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=21, K=30, C=0.1, LENGTH=0.3
         let mut scratch = Scratch::new(&told.system);
         let here = told
             .system
-            .look(&told.parameters, &told.state, &mut scratch);
+            .evaluate(&told.parameters, &told.state, &mut scratch);
         let value = here
             .and_then(|mut here| here.read_variable(1))
             .expect("no error");
@@ -185,7 +185,7 @@ GCON/{disc}3, I={cm}, FUNCTION=VY({cm})+WZ({cm})*{x}-WX({cm})*{z}"
 /// The loads on part 2, whose mass centre is its origin, make what its momentum and its spin change by.
 fn loads_make_the_motion(deck: &Deck, state: &State) {
     let mut scratch = Scratch::new(&deck.system);
-    let look = deck.system.look(&deck.parameters, state, &mut scratch);
+    let look = deck.system.evaluate(&deck.parameters, state, &mut scratch);
     let loads = look.expect("a value").loads().expect("no error");
     let (pose, v, a) = (
         state.poses[1],
@@ -460,7 +460,7 @@ VARIABLE/3, FUNCTION=DY(20,2)",
         let mut scratch = Scratch::new(&probe.system);
         let here = probe
             .system
-            .look(&probe.parameters, &probe.state, &mut scratch);
+            .evaluate(&probe.parameters, &probe.state, &mut scratch);
         let value = here
             .and_then(|mut here| here.read_variable(0))
             .expect("no error");

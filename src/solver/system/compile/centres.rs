@@ -1,13 +1,13 @@
 //! The centres of the parts, by which statics moves them, and the lengths that measure a model.
 
 use super::super::Parameters;
-use super::super::structure::{Body, Element, Joint, Multi};
+use super::super::structure::{Body, Element, Joint, NForce};
 use crate::mechanics::{Pose, Vec3};
 
 /// Gives every part its centre: where it is must not depend on where the part's frame is.
 pub(super) fn centres(
     bodies: &mut [Body],
-    (elements, joints, multis): (&[Element], &[Joint], &[Multi]),
+    (elements, joints, multis): (&[Element], &[Joint], &[NForce]),
     owners: &[usize],
     parameters: &Parameters,
 ) {

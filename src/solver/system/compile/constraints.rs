@@ -8,7 +8,7 @@ use crate::constraint::{
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder};
 use crate::system::catalogue::Role;
-use crate::system::structure::{Condition, Drive, Joint, RateDrive, Term};
+use crate::system::structure::{Drive, GconEquation, Joint, RateDrive, Term};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
@@ -140,7 +140,7 @@ impl Compiler<'_> {
                 self.used[i.0] = true;
             }
             let function = self.function(&g.function, &owner, None, Dimension::NONE);
-            self.conditions.push(Condition {
+            self.conditions.push(GconEquation {
                 name: owner,
                 i: g.i.map(|i| i.0),
                 function,

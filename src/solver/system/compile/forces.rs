@@ -5,7 +5,7 @@ use crate::element::{Beam, Damping, Law, ScalarForce};
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{Quantity, Role};
-use crate::system::structure::{Action, Drive, Element, Multi};
+use crate::system::structure::{Action, Drive, Element, NForce};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar;
 use admire_syntax::grammar::{Components, LawDef, StatementDef};
@@ -53,7 +53,7 @@ impl Compiler<'_> {
             }
             let i: Vec<usize> = n.i.iter().map(|m| m.0).collect();
             let pairs = i.iter().map(|&i| self.pair(i, n.j.0)).collect();
-            self.multis.push(Multi {
+            self.multis.push(NForce {
                 name: name("NFORCE", &n.header),
                 i,
                 j: n.j.0,

@@ -21,10 +21,11 @@ use super::carried::Carried;
 use super::catalogue::{Catalogue, Group, Quantity, Role};
 use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Algebraic, Body, Condition, Element, Joint, Multi, Rate, Start, StateEquation, System,
+    Body, Element, GconEquation, Joint, NForce, Rate, Start, StateEquation, System,
+    VariableEquation,
 };
 use super::surface::Friction;
-use super::{Driven, Grip, Name, Parameters, Scratch, State};
+use super::{Driven, Name, Parameters, Scratch, State, StictionState};
 use crate::function::Reference;
 use crate::mechanics::{Mat3, Pose, Vec3};
 use crate::model::{
@@ -79,11 +80,11 @@ struct Compiler<'a> {
     /// Of each floating marker the I marker of its force.
     floating: BTreeMap<usize, usize>,
     elements: Vec<Element>,
-    multis: Vec<Multi>,
+    multis: Vec<NForce>,
     joints: Vec<Joint>,
     frictions: Vec<Friction>,
-    conditions: Vec<Condition>,
-    variables: Vec<Algebraic>,
+    conditions: Vec<GconEquation>,
+    variables: Vec<VariableEquation>,
     states: Vec<StateEquation>,
     functions: Vec<CompiledFunction>,
     gravity: usize,
@@ -286,7 +287,7 @@ impl<'a> Compiler<'a> {
         for v in &self.model.variables {
             let of = name("VARIABLE", &v.header);
             let function = self.function(&v.function, &of, None, Dimension::NONE);
-            self.variables.push(Algebraic {
+            self.variables.push(VariableEquation {
                 name: of,
                 function,
                 active: v.header.active,
@@ -471,7 +472,7 @@ impl<'a> Compiler<'a> {
             accelerations: Vec::new(),
             state_rates: Vec::new(),
             driven: self.driven,
-            grips: vec![Grip::none(); self.frictions.len()],
+            grips: vec![StictionState::none(); self.frictions.len()],
             sensors: vec![0.0; model.sensors.len()],
             pieces: Vec::new(),
         };
@@ -517,7 +518,7 @@ impl<'a> Compiler<'a> {
             moving_unknowns,
             not_in_motion: Vec::new(),
             joint_of,
-            of_velocities,
+            is_nonholonomic: of_velocities,
             reference_mass: reference_mass(model),
             length,
             extent,

@@ -49,7 +49,7 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
         }
     }
     for condition in system.conditions.iter().filter(|c| c.active) {
-        let of_velocities = system.of_velocities[condition.equation];
+        let of_velocities = system.is_nonholonomic[condition.equation];
         if let Some(what) = unsteady(system, condition.function, of_velocities) {
             refuse(&condition.name, reading(&condition.name, what));
         } else if of_velocities

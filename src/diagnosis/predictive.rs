@@ -5,14 +5,14 @@ use nalgebra::{DMatrix, DVector};
 use admire_identify::tolerance::transposed;
 
 /// The covariance of foreseen rows, by what acts on them.
-pub(super) struct Foreseen {
+pub(super) struct PredictiveDistribution {
     /// Derivatives of the whitened rows by all that is uncertain.
     J: DMatrix<f64>,
     /// `J C` with the covariance `C` of that.
     JC: DMatrix<f64>,
 }
 
-impl Foreseen {
+impl PredictiveDistribution {
     /// Rows with these derivatives by unknowns of this covariance.
     pub(super) fn new(J: DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
         Self {
@@ -65,7 +65,7 @@ mod tests {
         let (C, D) = (&root * root.transpose(), &other * other.transpose());
         let S =
             &J * &C * J.transpose() + &R * &D * R.transpose() + DMatrix::<f64>::identity(40, 40);
-        let found = Foreseen::new(J, &C).with(&R, &D);
+        let found = PredictiveDistribution::new(J, &C).with(&R, &D);
         for k in 0..40 {
             assert!((found.variance(k) - S[(k, k)]).abs() < 1e-12 * S[(k, k)]);
         }

@@ -6,11 +6,12 @@ use super::progress::Progress;
 use admire_identify::Problem;
 use admire_identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
 use admire_identify::tolerance::{
-    Group, Layer, LayerOf, MarkBlock, Noise, Scale, Size, Sizes, Tails, Whitening, spread,
+    EffectGroup, LayerOf, MarkBlock, MarkNoise, NoiseScale, RandomEffects, Size, Tails,
+    VarianceComponents, Whitening, mad_sigma,
 };
 use admire_solver::mechanics::Vec3;
 use admire_study::settings::Loss;
-use admire_study::{Measurement, Stated, ToleranceSettings};
+use admire_study::{Measurement, PriorSetting, ToleranceSettings};
 use admire_syntax::Address;
 
 /// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
@@ -21,7 +22,7 @@ const FEW: f64 = 0.03;
 
 /// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
 #[derive(Clone, Debug)]
-pub struct Subject<'a> {
+pub struct DiagnosisProblem<'a> {
     /// The study's problem.
     pub problem: Problem<'a>,
     /// All cases, held out or not.
@@ -29,19 +30,19 @@ pub struct Subject<'a> {
     /// What one unit of a mark's row is: the declared standard deviation.
     pub sigma: f64,
     /// What the marks say of their noise.
-    pub noise: Noise,
+    pub noise: MarkNoise,
     /// Student's t, where the residuals of the fit ask for it.
     pub tails: Option<Tails>,
     /// The small errors of axle and rig.
-    pub layer: Arc<Layer>,
+    pub layer: Arc<RandomEffects>,
     /// Their sizes before anything was fitted.
-    pub sizes: Sizes,
+    pub sizes: VarianceComponents,
     /// Precision of each row in its own unit; zero where it is not used.
     pub precision: Vec<f64>,
     /// Directions of rows along which nothing is compared, as motions that nothing resists lead along them.
     free: Arc<Vec<Vec<(usize, f64)>>>,
     blocks: Vec<MarkBlock>,
-    single: Vec<(usize, Option<Scale>)>,
+    single: Vec<(usize, Option<NoiseScale>)>,
     /// What brings rows to independence, without the cases held out and of all, once it was asked for.
     whitenings: [OnceLock<Arc<Whitening>>; 2],
     held_out: Vec<bool>,
@@ -50,37 +51,38 @@ pub struct Subject<'a> {
     progress: Progress,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> DiagnosisProblem<'a> {
     /// With these cases held out of the fits that say what is gained.
     pub fn new(problem: &Problem<'a>, held_out: Vec<bool>) -> Self {
         let measurement = problem.measurement;
         let cases: Vec<usize> = (0..held_out.len()).collect();
         let observations = Observations::new(measurement, problem.model, &cases);
         let (rows, sigma) = (observations.rows, observations.sigma);
-        let noise = Noise::of(measurement);
-        let stated = matches!(problem.tolerances.load_repeatability, Stated::Size(s) if s > 0.0);
+        let noise = MarkNoise::of(measurement);
+        let stated =
+            matches!(problem.tolerances.load_repeatability, PriorSetting::Size(s) if s > 0.0);
         let layer = layer_of(problem, stated);
         let millimetre = 1e-3 / problem.model.units.length.si;
         let frame = problem.settings.frame_sd;
         let frames = [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
         let of_marks = (measurement.sigma_on_parts, frames);
-        let mut sizes = Sizes::new(problem.tolerances, of_marks, millimetre);
+        let mut sizes = VarianceComponents::new(problem.tolerances, of_marks, millimetre);
         let alignment = problem.tolerances.alignment;
-        if alignment != Stated::Estimate
+        if alignment != PriorSetting::Estimate
             && !measurement.parts.is_empty()
             && let Some((group, size)) = Size::of_alignment(alignment, millimetre)
         {
             sizes = sizes.with_group(group, size);
         }
         if noise.estimated.is_none() && !measurement.parts.is_empty() {
-            sizes.add_scale(Scale::Marks, !measurement.sigma_estimated);
+            sizes.add_scale(NoiseScale::Marks, !measurement.sigma_estimated);
         }
         if measurement.wheel.is_some() {
-            sizes.add_scale(Scale::WheelPosition, true);
-            sizes.add_scale(Scale::WheelAngles, true);
+            sizes.add_scale(NoiseScale::WheelPosition, true);
+            sizes.add_scale(NoiseScale::WheelAngles, true);
         }
         for (k, channel) in measurement.channels.iter().enumerate() {
-            sizes.add_scale(Scale::Channel(k), !channel.sigma_estimated);
+            sizes.add_scale(NoiseScale::Channel(k), !channel.sigma_estimated);
         }
         let mut new = Self {
             problem: problem.clone(),
@@ -101,19 +103,19 @@ impl<'a> Subject<'a> {
         };
         let seen = |case: usize, reading: usize| measurement.cases[case].marks[reading].x;
         (new.blocks, new.single) = placed(&new.rows, measurement, new.sigma, &seen);
-        new.weigh(None);
+        new.set_row_weights(None);
         new
     }
 
     /// The same with further groups of tolerances.
     #[must_use]
-    pub fn with_groups(&self, groups: impl IntoIterator<Item = (Group, Size)>) -> Self {
+    pub fn with_groups(&self, groups: impl IntoIterator<Item = (EffectGroup, Size)>) -> Self {
         let mut new = self.clone();
         for (group, size) in groups {
             new.sizes = new.sizes.with_group(group, size);
         }
-        let has_load_errors = new.sizes.group(Group::LoadRepeatability).is_some();
-        if has_load_errors != self.sizes.group(Group::LoadRepeatability).is_some() {
+        let has_load_errors = new.sizes.group(EffectGroup::LoadRepeatability).is_some();
+        if has_load_errors != self.sizes.group(EffectGroup::LoadRepeatability).is_some() {
             new.layer = Arc::new(layer_of(&new.problem, has_load_errors));
         }
         new.whitenings = Default::default();
@@ -122,11 +124,11 @@ impl<'a> Subject<'a> {
 
     /// True if the measuring frame has a place of its own in each case.
     pub fn has_frames(&self) -> bool {
-        self.sizes.group(Group::FrameShifts).is_some()
+        self.sizes.group(EffectGroup::FrameShifts).is_some()
     }
 
     /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
-    pub fn weigh(&mut self, misfit: Option<&DVector<f64>>) {
+    pub fn set_row_weights(&mut self, misfit: Option<&DVector<f64>>) {
         let least = if self.noise.has_tails() {
             Tails::BETTER
         } else {
@@ -143,7 +145,7 @@ impl<'a> Subject<'a> {
         let dropped = |row: &Row| match *row {
             Row::Mark { case, reading, .. } => {
                 let read = &measurement.cases[case].marks[reading];
-                self.noise.leaves_out(case, reading, read)
+                self.noise.is_excluded(case, reading, read)
             }
             _ => false,
         };
@@ -178,17 +180,17 @@ impl<'a> Subject<'a> {
     }
 
     /// Puts under suspicion what a fit shows to be wrong among three marks of a part, all it has or what outliers left; true if any are.
-    pub fn suspect_three(&mut self, misfit: &DVector<f64>) -> bool {
+    pub fn flag_three_mark_outliers(&mut self, misfit: &DVector<f64>) -> bool {
         let marks = self.rows.iter().zip(misfit.iter());
         let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
-        let usual = spread(marks.map(|(_, r)| r * self.sigma).collect());
+        let usual = mad_sigma(marks.map(|(_, r)| r * self.sigma).collect());
         let off = off(&self.rows, misfit, self.sigma);
         self.noise
             .suspect_three(self.problem.measurement, &off, usual)
     }
 
     /// Judges marks under suspicion by a fit that has not seen them; true if there were any.
-    pub fn judge_suspects(&mut self, misfit: &DVector<f64>) -> bool {
+    pub fn resolve_flagged(&mut self, misfit: &DVector<f64>) -> bool {
         if self.noise.suspects.is_empty() {
             return false;
         }
@@ -225,14 +227,14 @@ impl<'a> Subject<'a> {
     }
 
     /// True if the declared noise of marks is not that of the readings.
-    pub fn contradicts_noise(&self) -> bool {
+    pub fn declared_noise_rejected(&self) -> bool {
         let tailed = self.tails.is_some() || self.noise.has_tails();
         self.noise.contradicts(tailed)
     }
 
     /// What a mean square of whitened residuals of these rows is multiplied by to be one on average: weights of heavy tails make that of
     /// marks smaller.
-    pub fn normal(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
+    pub fn variance_factor(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
         let Some(tails) = self.tails else {
             return 1.0;
         };
@@ -352,7 +354,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Takes note of a fit that solved all cases so often.
-    pub fn spend(&self, sweeps: usize) {
+    pub fn count_sweeps(&self, sweeps: usize) {
         self.progress.spend(sweeps);
     }
 
@@ -362,7 +364,7 @@ impl<'a> Subject<'a> {
     }
 
     /// True if no further round begins.
-    pub fn is_spent(&self) -> bool {
+    pub fn budget_exhausted(&self) -> bool {
         self.progress.is_spent()
     }
 
@@ -372,7 +374,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Counts the sweeps there from now on.
-    pub fn watched_by(&mut self, progress: &Progress) {
+    pub fn with_progress(&mut self, progress: &Progress) {
         self.progress = progress.clone();
     }
 
@@ -439,12 +441,12 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
 }
 
 /// The small errors of a study's axle and rig.
-fn layer_of(problem: &Problem<'_>, load_errors: bool) -> Layer {
+fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     let is_sought = |address: &Address| {
         let mut unknowns = problem.unknowns.iter();
         unknowns.any(|u| u.address == *address || u.tied.contains(address))
     };
-    Layer::of(&LayerOf {
+    RandomEffects::of(&LayerOf {
         model: problem.model,
         programme: problem.programme,
         load_errors,
@@ -458,7 +460,7 @@ fn placed(
     measurement: &Measurement,
     unit: f64,
     seen: &dyn Fn(usize, usize) -> Vec3,
-) -> (Vec<MarkBlock>, Vec<(usize, Option<Scale>)>) {
+) -> (Vec<MarkBlock>, Vec<(usize, Option<NoiseScale>)>) {
     let mut blocks: Vec<((usize, usize), MarkBlock)> = Vec::new();
     let mut single = Vec::new();
     for (at, row) in rows.iter().enumerate() {
@@ -485,14 +487,14 @@ fn placed(
             Row::Mark { .. } => {}
             Row::Wheel { component, .. } => {
                 let scale = if component < 3 {
-                    Scale::WheelPosition
+                    NoiseScale::WheelPosition
                 } else {
-                    Scale::WheelAngles
+                    NoiseScale::WheelAngles
                 };
                 single.push((at, Some(scale)));
             }
             Row::Channel { channel, .. } => {
-                single.push((at, Some(Scale::Channel(channel))));
+                single.push((at, Some(NoiseScale::Channel(channel))));
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::system::{Rates, State, System};
 
 /// The largest values so far that errors are relative to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sizes {
+pub(super) struct ErrorScales {
     pub position: f64,
     velocity: f64,
     spin: f64,
@@ -13,7 +13,7 @@ pub(super) struct Sizes {
     multiplier: f64,
 }
 
-impl Sizes {
+impl ErrorScales {
     /// One of each unit, where nothing has moved yet.
     pub(crate) fn new(system: &System) -> Self {
         Self {

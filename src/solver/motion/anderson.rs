@@ -10,7 +10,7 @@ const NEW: f64 = 1e-8;
 
 /// What the iterations so far have shown.
 #[derive(Debug, Default)]
-pub(super) struct Mixing {
+pub(super) struct AndersonAcceleration {
     /// What one of each unknown counts.
     weights: Option<Unknowns>,
     /// (q, p).
@@ -19,7 +19,7 @@ pub(super) struct Mixing {
     last: Option<(Unknowns, Unknowns)>,
 }
 
-impl Mixing {
+impl AndersonAcceleration {
     /// Begins anew.
     pub(crate) fn begin(&mut self, weights: Unknowns) {
         self.weights = Some(weights);
@@ -74,7 +74,7 @@ mod tests {
         let K = [[-8.0, 1.0, 0.0], [0.0, 0.4, 0.3], [0.5, 0.0, 3.0]];
         let solution = [1.0, -2.0, 0.5];
         let mut x = [0.0; 3];
-        let mut mixing = Mixing::default();
+        let mut mixing = AndersonAcceleration::default();
         mixing.begin(one([1.0, 10.0, 0.1]));
         for _ in 0..4 {
             // b = (1 - K) solution.

@@ -3,22 +3,22 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::averaged::averaged;
+use super::averaged::model_averaged_parameters;
 use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
-use super::fit::Fitted;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::FittedModel;
 use super::settle::ENOUGH;
 use super::sought::as_it_is;
 use super::structure::structure;
-use super::subject::{Data, Subject};
 use super::visited::Visited;
 use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
-use admire_identify::{Fit, FitTest, NOT_CONVERGED, Problem, Status, StructureTest, Verdict};
+use admire_identify::{Fit, FitTest, LackOfFitTest, NOT_CONVERGED, Problem, Status, Verdict};
 
 /// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
 #[derive(Clone, Debug)]
-pub struct Tolerant {
+pub struct JointFit {
     /// The stiffnesses, their intervals with tolerances marginalised.
     pub parameters: Vec<Parameter>,
     /// Sizes of tolerances.
@@ -28,28 +28,28 @@ pub struct Tolerant {
     /// Chi-square of what is left at these sizes and its degrees of freedom.
     pub chi_square: (f64, f64),
     /// Tests of structure in what is left.
-    pub structure: Vec<StructureTest>,
+    pub structure: Vec<LackOfFitTest>,
     /// Equilibria it took.
     pub equilibria: usize,
     /// The fit behind it.
-    fitted: Arc<Fitted>,
+    fitted: Arc<FittedModel>,
 }
 
 /// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
-pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
+pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
-    let mut subject = Subject::new(problem, cases.map(|case| case.held_out).collect());
+    let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
     let found = as_it_is(&mut subject, None, Data::Fitted)?;
     let tests = structure(&subject, &found).into_iter();
     let structure = tests
-        .map(|test| StructureTest {
+        .map(|test| LackOfFitTest {
             what: test.what,
             p_value: test.p_value,
         })
         .collect();
     let posterior = &found.posterior;
     let chi_square = (
-        posterior.chi_square * subject.normal(0..subject.rows.len()),
+        posterior.chi_square * subject.variance_factor(0..subject.rows.len()),
         posterior.count - posterior.effective,
     );
     let sizes = tolerances(&subject, &found);
@@ -64,8 +64,8 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
         ln_posterior: 0.0,
         fitted: Some(Arc::clone(&found)),
     };
-    Some(Tolerant {
-        parameters: averaged(&subject, &[(only, 1.0)]),
+    Some(JointFit {
+        parameters: model_averaged_parameters(&subject, &[(only, 1.0)]),
         tolerances: sizes,
         noise,
         chi_square,
@@ -75,11 +75,11 @@ pub fn tolerant(problem: &Problem<'_>) -> Option<Tolerant> {
     })
 }
 
-impl Tolerant {
+impl JointFit {
     /// The first `sought` unknowns with all tolerances marginalised, at the sizes that were found.
     pub fn marginal(&self, sought: usize) -> Marginal {
         let fitted = &self.fitted;
-        let prior = |unknown: &admire_identify::tolerance::Unknown| Prior {
+        let prior = |unknown: &admire_identify::tolerance::Coefficient| Prior {
             mean: unknown.mean,
             sd: unknown.prior_sd(&fitted.sizes),
         };

@@ -84,7 +84,7 @@ impl Integrator<'_> {
     ) -> Result<bool, MotionError> {
         let mut end = after;
         for _ in 0..SOLUTIONS {
-            self.solve_again_to(end)?;
+            self.retry_step_to(end)?;
             let Some(found) = self.passage_at_end(watched) else {
                 return Ok(false);
             };

@@ -5,8 +5,8 @@ use admire_syntax::diagnostic::Code;
 use admire_syntax::text::Span;
 
 use super::answer_path::{Answer, AnswerPath};
-use super::complaints::Complaints;
-use super::kept::{At, Keep};
+use super::complaints::CollectedDiagnostics;
+use super::kept::{OutputSpec, Reduction};
 use super::plan_file::{self, PlanFile};
 use super::task::Task;
 
@@ -14,8 +14,8 @@ use super::task::Task;
 pub(super) fn keeps(
     file: &PlanFile,
     task: &Task,
-    out: &mut Complaints,
-) -> Vec<(Keep, Option<String>, Span)> {
+    out: &mut CollectedDiagnostics,
+) -> Vec<(OutputSpec, Option<String>, Span)> {
     if file.keep.is_empty() {
         let message = "nothing is kept: `[[keep]]` names columns, modes or characteristics";
         out.wrong(Code::MissingArgument, file.sampling.plan.span(), message);
@@ -28,9 +28,12 @@ pub(super) fn keeps(
         };
         let fits = matches!(
             (&found, task),
-            (Keep::Characteristic { .. }, Task::Tests(_))
-                | (Keep::Answer(_), Task::Study(..))
-                | (Keep::Column { .. } | Keep::Mode(_), Task::Commands(_))
+            (OutputSpec::Characteristic { .. }, Task::Tests(_))
+                | (OutputSpec::Answer(_), Task::Study(..))
+                | (
+                    OutputSpec::Column { .. } | OutputSpec::Mode(_),
+                    Task::Commands(_)
+                )
         );
         if !fits {
             let message = match task {
@@ -47,7 +50,7 @@ pub(super) fn keeps(
             out.wrong(Code::BadSetting, span, message);
             continue;
         }
-        if file.solver.is_some() && matches!(found, Keep::Mode(_)) {
+        if file.solver.is_some() && matches!(found, OutputSpec::Mode(_)) {
             let message = "of a program's run only columns are read";
             out.wrong(Code::BadSetting, span, message);
             continue;
@@ -61,8 +64,8 @@ pub(super) fn keeps(
 fn one(
     keep: &plan_file::Keep,
     span: &std::ops::Range<usize>,
-    out: &mut Complaints,
-) -> Option<Keep> {
+    out: &mut CollectedDiagnostics,
+) -> Option<OutputSpec> {
     let answers = [
         (Answer::Identification, &keep.identification),
         (Answer::Diagnosis, &keep.diagnosis),
@@ -84,33 +87,33 @@ fn one(
                 "a place in an answer is `fit_test.chi2` or `parameters[BUSHING/1.K.1].value`";
             out.wrong(Code::BadSetting, text.span(), message);
         }
-        return path.map(Keep::Answer);
+        return path.map(OutputSpec::Answer);
     }
     match (&keep.column, &keep.mode, &keep.characteristic) {
         (Some(pattern), None, None) if plain => {
             let at = match (&keep.at, &keep.step, &keep.time) {
-                (None, None, None) => At::Last,
+                (None, None, None) => Reduction::Last,
                 (Some(word), None, None) => {
-                    let Some(at) = At::of_word(word.get_ref()) else {
+                    let Some(at) = Reduction::of_word(word.get_ref()) else {
                         let message = "`at` is last, first, max, min, mean, range or rms; or say `step = 2` or `time = 0.5`";
                         out.wrong(Code::BadSetting, word.span(), message);
                         return None;
                     };
                     at
                 }
-                (None, Some(step), None) if *step.get_ref() > 0 => At::Step(*step.get_ref()),
+                (None, Some(step), None) if *step.get_ref() > 0 => Reduction::Step(*step.get_ref()),
                 (None, Some(step), None) => {
                     out.wrong(Code::OutOfRange, step.span(), "steps count from 1");
                     return None;
                 }
-                (None, None, Some(time)) => At::Time(*time.get_ref()),
+                (None, None, Some(time)) => Reduction::Time(*time.get_ref()),
                 _ => {
                     let message = "one of `at`, `step` and `time` says which step is meant";
                     out.wrong(Code::BadSetting, span.clone(), message);
                     return None;
                 }
             };
-            Some(Keep::Column {
+            Some(OutputSpec::Column {
                 pattern: pattern.get_ref().clone(),
                 at,
             })
@@ -120,7 +123,7 @@ fn one(
                 out.wrong(Code::OutOfRange, mode.span(), "modes count from 1");
                 return None;
             }
-            Some(Keep::Mode(*mode.get_ref()))
+            Some(OutputSpec::Mode(*mode.get_ref()))
         }
         (None, None, Some(path)) if plain => {
             let test = keep.test.as_ref();
@@ -134,7 +137,7 @@ fn one(
                 out.wrong(Code::BadSetting, test.span(), &message);
                 return None;
             }
-            Some(Keep::Characteristic {
+            Some(OutputSpec::Characteristic {
                 path: path.get_ref().clone(),
                 test: test.map(|t| t.get_ref().clone()),
             })

@@ -5,24 +5,24 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::fit::Fitted;
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::FittedModel;
 use super::folds::{Blind, HeldOutTest, compared};
 use super::hypothesis::Hypothesis;
-use super::jackknife::{Squares, fall};
+use super::jackknife::{Squares, rms_reduction};
 use super::progress::Progress;
 use super::rig_errors::RigErrors;
 use super::search::Search;
 use super::sought::{Begun, Sought};
-use super::subject::{Data, Subject};
 use admire_session::backend::BackendError;
 
 /// What models say of the cases held out that were fitted without them.
 #[derive(Clone, Debug)]
-pub struct Unseen {
+pub struct HoldOutSelection {
     /// The model without any cause.
-    none: Arc<Fitted>,
+    none: Arc<FittedModel>,
     /// The model that it chose.
-    pub chosen: Arc<Fitted>,
+    pub chosen: Arc<FittedModel>,
     /// The cases held out as the model was and as it was extended.
     pub tests: [HeldOutTest; 2],
     /// The predictions behind that.
@@ -32,7 +32,7 @@ pub struct Unseen {
     /// The search was asked to end before it did.
     cut_short: bool,
     /// All models that it fitted.
-    fits: Vec<Arc<Fitted>>,
+    fits: Vec<Arc<FittedModel>>,
     /// Errors of the rig that its search gave way to before its end.
     gave_way: Option<RigErrors>,
 }
@@ -63,7 +63,7 @@ pub struct HoldOut {
     pub p_value: f64,
 }
 
-impl Unseen {
+impl HoldOutSelection {
     /// Of a model fitted without the cases held out, its search giving way to errors of the rig in `open`; `None` where it may not begin.
     pub(super) fn new(begun: Begun<'_>, open: &[RigErrors], progress: &Progress) -> Option<Self> {
         if !progress.extend() {
@@ -85,14 +85,17 @@ impl Unseen {
     }
 
     /// Of models that were chosen with these cases, refitted without them in their linear models.
-    pub fn refitted_only(subject: &Subject<'_>, models: [Arc<Fitted>; 2]) -> Option<Self> {
+    pub fn refit_only(
+        subject: &DiagnosisProblem<'_>,
+        models: [Arc<FittedModel>; 2],
+    ) -> Option<Self> {
         Self::of(subject, models, (false, false))
     }
 
     /// Predictions of two models that have not seen the cases.
     fn of(
-        subject: &Subject<'_>,
-        models: [Arc<Fitted>; 2],
+        subject: &DiagnosisProblem<'_>,
+        models: [Arc<FittedModel>; 2],
         (searched, cut_short): (bool, bool),
     ) -> Option<Self> {
         let [before, after] = models.each_ref().map(|fitted| {
@@ -120,8 +123,8 @@ impl Unseen {
     /// As `refit` has them.
     pub fn refitted(
         &self,
-        subject: &Subject<'_>,
-        mut refit: impl FnMut(&Fitted) -> Result<Fitted, BackendError>,
+        subject: &DiagnosisProblem<'_>,
+        mut refit: impl FnMut(&FittedModel) -> Result<FittedModel, BackendError>,
     ) -> Result<Self, BackendError> {
         let models = [refit(&self.none)?.into(), refit(&self.chosen)?.into()];
         let found = Self::of(subject, models, (self.searched, self.cut_short));
@@ -129,12 +132,12 @@ impl Unseen {
     }
 
     /// The models without and with causes behind it.
-    pub fn models(&self) -> [&Arc<Fitted>; 2] {
+    pub fn models(&self) -> [&Arc<FittedModel>; 2] {
         [&self.none, &self.chosen]
     }
 
     /// All models that its search fitted.
-    pub(super) fn fits(&self) -> &[Arc<Fitted>] {
+    pub(super) fn fits(&self) -> &[Arc<FittedModel>] {
         &self.fits
     }
 
@@ -144,7 +147,7 @@ impl Unseen {
     }
 
     /// The model that was chosen and fitted without these cases; `None` if it was only refitted.
-    pub fn own_choice(&self) -> Option<&Arc<Fitted>> {
+    pub fn selected_without_held_out(&self) -> Option<&Arc<FittedModel>> {
         self.searched.then_some(&self.chosen)
     }
 
@@ -154,7 +157,7 @@ impl Unseen {
     }
 
     /// Rms over the cases held out; `None` where there is nothing to compare.
-    pub fn hold_out(&self, subject: &Subject<'_>) -> Option<HoldOut> {
+    pub fn hold_out(&self, subject: &DiagnosisProblem<'_>) -> Option<HoldOut> {
         let (of, unit) = subject.compared();
         let [before, after] = &self.predicted;
         let mut by_case: BTreeMap<usize, Squares> = BTreeMap::new();
@@ -165,7 +168,7 @@ impl Unseen {
             sums.count += 1.0;
         }
         let by_case: Vec<Squares> = by_case.into_values().collect();
-        let fall = fall(&by_case)?;
+        let fall = rms_reduction(&by_case)?;
         let cases = &subject.problem.measurement.cases;
         Some(HoldOut {
             searched: self.searched,
@@ -181,7 +184,7 @@ impl Unseen {
                 .filter(|channel| channel.held_out)
                 .map(|channel| channel.name.clone())
                 .collect(),
-            causes: Hypothesis::causes(&self.chosen.chosen)
+            causes: Hypothesis::causes(&self.chosen.effects)
                 .map(ToString::to_string)
                 .collect(),
             of,

@@ -27,7 +27,7 @@ struct History {
     /// Changes since the last output.
     count: usize,
     /// It changes too often: its piece is that of its arguments. The piece seen last, and since which step that is so.
-    loose: Option<(Option<i64>, usize)>,
+    suspended: Option<(Option<i64>, usize)>,
 }
 
 /// The regimes of a motion. Which they are stands in its state.
@@ -70,7 +70,10 @@ impl Regimes {
 
     /// Holds functions that were not held on the pieces of their arguments, and lets those go that are not evaluated.
     pub(super) fn hold(&mut self, system: &System, parameters: &Parameters, state: &mut State) {
-        if system.look(parameters, state, &mut self.scratch).is_err() {
+        if system
+            .evaluate(parameters, state, &mut self.scratch)
+            .is_err()
+        {
             return;
         }
         self.keep(state);
@@ -80,7 +83,7 @@ impl Regimes {
     fn keep(&self, state: &mut State) {
         let all = state.pieces.iter_mut().zip(&self.scratch.seen);
         for ((piece, seen), history) in all.zip(&self.switches) {
-            *piece = match (history.loose, seen.piece) {
+            *piece = match (history.suspended, seen.piece) {
                 (Some(_), _) | (_, None) => None,
                 (None, Some(natural)) => Some(piece.unwrap_or(natural)),
             };
@@ -90,11 +93,11 @@ impl Regimes {
     /// A step is done in which nothing changed: functions that were let go and are silent since long are held again.
     pub(super) fn step_done(&mut self, state: &mut State, steps: usize) {
         for (history, seen) in self.switches.iter_mut().zip(&self.scratch.seen) {
-            if let Some((piece, since)) = &mut history.loose {
+            if let Some((piece, since)) = &mut history.suspended {
                 if *piece != seen.piece {
                     (*piece, *since) = (seen.piece, steps);
                 } else if steps - *since >= STEPS {
-                    history.loose = None;
+                    history.suspended = None;
                 }
             }
         }
@@ -102,10 +105,10 @@ impl Regimes {
     }
 
     /// Takes functions that changed as their arguments have them, until they are silent; false if none did.
-    pub(super) fn let_go(&mut self, changed: &[Change], steps: usize) -> bool {
+    pub(super) fn suspend(&mut self, changed: &[Change], steps: usize) -> bool {
         for change in changed {
             if let Change::Switch(k, _) = change {
-                self.switches[*k].loose = Some((None, steps));
+                self.switches[*k].suspended = Some((None, steps));
             }
         }
         changed
@@ -114,7 +117,7 @@ impl Regimes {
     }
 
     /// Counts a change of a function.
-    pub(super) fn count(
+    pub(super) fn count_switches(
         &mut self,
         system: &System,
         k: usize,
@@ -145,7 +148,7 @@ impl Regimes {
         if history.recent.len() > MANY {
             let first = history.recent.pop_front().unwrap_or(0);
             if steps - first < STEPS {
-                history.loose = Some((None, steps));
+                history.suspended = Some((None, steps));
                 history.recent.clear();
             }
         }
@@ -158,7 +161,7 @@ impl Regimes {
             return String::new();
         };
         let name = owner(system, k);
-        if self.switches[k].loose.is_some() {
+        if self.switches[k].suspended.is_some() {
             format!("; the function of {name} switches over and over, last at time {time}")
         } else {
             format!("; the function of {name} switched at time {time}")

@@ -3,10 +3,10 @@
 //! Within a step every function with pieces (IMPACT, IF, ABS) stays on one, and every friction in one regime. The step ends where that ceases to be
 //! right, and the next one begins anew on the other side.
 
+use super::discrete_states::{Change, Regimes};
 use super::error::{MotionError, Reason};
+use super::event_location::Watched;
 use super::integrator::Integrator;
-use super::passage::Watched;
-use super::regimes::{Change, Regimes};
 use crate::function::between;
 use crate::mechanics::Vec3;
 use crate::system::{Parameters, State, System};
@@ -54,7 +54,7 @@ impl Watching<'_> {
         }
         // Where a function has no value nothing is seen; the iteration says so.
         if !system.switches.is_empty() {
-            let _ = system.look(parameters, state, scratch);
+            let _ = system.evaluate(parameters, state, scratch);
         }
     }
 
@@ -132,7 +132,7 @@ impl Integrator<'_> {
             }
             // What was right at the end of the step before is not right in this one: the same step in the other regime.
             let changes = self.beyond(&mut watching, from);
-            self.take_back();
+            self.undo_step();
             self.restart();
             let held = self.change(regimes, &changes)?;
             self.h = (to - from).min(self.h);
@@ -143,9 +143,9 @@ impl Integrator<'_> {
             changed.extend(changes);
         }
         // On neither side it is right: what holds it between them is for the error control to find.
-        if regimes.let_go(&changed, self.statistics.steps) {
+        if regimes.suspend(&changed, self.statistics.steps) {
             let (from, to) = (self.origin.time, self.state.time);
-            self.take_back();
+            self.undo_step();
             self.restart();
             regimes.hold(system, parameters, &mut self.state);
             self.h = self.first_step();
@@ -191,7 +191,7 @@ impl Integrator<'_> {
                     }
                     let at = (time, self.settings.output);
                     regimes
-                        .count(system, *k, at, steps)
+                        .count_switches(system, *k, at, steps)
                         .map_err(|reason| reason.at(time))?;
                 }
             }
@@ -226,7 +226,7 @@ impl Integrator<'_> {
             return false;
         };
         system
-            .look(parameters, &ahead, &mut regimes.scratch)
+            .evaluate(parameters, &ahead, &mut regimes.scratch)
             .is_ok()
             && regimes.scratch.seen[k].excess > 0.0
     }
