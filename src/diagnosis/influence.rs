@@ -201,7 +201,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
     })
 }
 
-/// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED`] is left do not count.
+/// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED_SHARE`] is left do not count.
 fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
     let k = s.len();
     let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_SHARE)?.inverse();

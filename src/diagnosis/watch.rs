@@ -29,7 +29,7 @@ pub struct ProgressSnapshot {
     pub most: Option<usize>,
 }
 
-/// A [`Watch`] that several threads share: one computes, another looks and may stop it.
+/// A [`ProgressObserver`] that several threads share: one computes, another looks and may stop it.
 #[derive(Clone, Debug, Default)]
 pub struct SharedProgress(Arc<Shared>);
 

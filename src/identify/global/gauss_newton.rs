@@ -270,7 +270,7 @@ fn normal_equations(
 /// Minimises from `start`. `scale` is the size of a natural step of each unknown; `held` unknowns stay where they are.
 ///
 /// Each step minimises the linear model within a box of natural units, so that what little the data say of one unknown does not
-/// hold back the others. Near the end the curvature of the residuals is learnt from the steps, see `Missing`. A step that leads
+/// hold back the others. Near the end the curvature of the residuals is learnt from the steps, see `SecantCorrection`. A step that leads
 /// uphill is followed a few times more before it is given up (the watchdog of Chamberlain, Powell and others, 1982): a long step
 /// along a narrow curved valley climbs its wall, the next one falls to its floor further on; a shorter first step would crawl. `None` only if the model has no answer at the start.
 pub fn minimise(

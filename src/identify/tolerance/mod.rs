@@ -1,14 +1,16 @@
 //! What every real axle and every real rig has beside the causes one looks for: noise and tolerances.
 //!
-//! [`Noise`] says how exact the readings are, from the readings alone. [`Layer`] holds the small errors of all hardpoints, loads, axes
-//! and marks as numbers of the deck with Gaussian priors, whose sizes [`Group`] describes. [`Whitening`] brings readings to independent
-//! rows; [`Linear`] holds the linearised problem as Gram matrices, one `Share` per class of rows; [`Further`] holds the products of
-//! columns that it does not have yet with its own; [`Linear::evidence`] gives the evidence, the posterior and the
-//! gradient by the sizes, and [`Linear::sized`] the sizes that the readings ask for. Knows neither fits nor causes.
+//! [`MarkNoise`] says how exact the readings are, from the readings alone. [`RandomEffects`] holds the small errors of all hardpoints,
+//! loads, axes and marks as numbers of the deck with Gaussian priors, whose sizes [`EffectGroup`] describes. [`Whitening`] brings readings
+//! to independent rows; [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` per class of rows;
+//! [`CrossProducts`] holds the products of columns that it does not have yet with its own. [`LinearModel::evidence`] gives the evidence,
+//! the posterior and the gradient by the sizes, and [`LinearModel::maximise_evidence`] the sizes that the readings ask for. Knows neither
+//! fits nor causes.
 //!
-//! To use it at a fit: take the Jacobian of all rows by the unknowns and by the members of a [`Layer`], [`Whitening::apply`] it to
-//! residual and Jacobian, build a [`Linear`] with one [`Unknown`] per column, and ask [`Linear::sized`]. Its `Posterior::covariance`
-//! holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due to them.
+//! To use it at a fit: take the Jacobian of all rows by the unknowns and by the effects of [`RandomEffects`], [`Whitening::apply`] it to
+//! residual and Jacobian, build a [`LinearModel`] with one [`Coefficient`] per column, and ask [`LinearModel::maximise_evidence`]. Its
+//! `Posterior::covariance` holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due
+//! to them.
 
 mod class;
 mod columns;

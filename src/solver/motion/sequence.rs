@@ -3,7 +3,7 @@
 //! In place of B, the inverse of the matrix A of the method, stands the inverse S of L, where A = L U and U has ones on its diagonal: a
 //! stage then depends on those before it alone, and its matrix is that of the statics with z = S_ii / h. Of a constraint nothing is left
 //! after three iterations; what swings falls by [`RATE`] or better in each. Next to a singular position a few errors grow: what the iterations
-//! before have shown of them takes them out ([`Mixing`]). (W. Hoffmann, J. J. B. de Swart, Approximating Runge-Kutta
+//! before have shown of them takes them out ([`AndersonAcceleration`]). (W. Hoffmann, J. J. B. de Swart, Approximating Runge-Kutta
 //! matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration methods,
 //! SIAM J. Sci. Comput. 18, 1997.) Near a singular position it settles where the derivatives of one stage do not serve all three,
 //! and costs a fraction of what [`super::coupled`] does.
