@@ -150,3 +150,53 @@ fn edited(dataset: &Dataset, edits: &[Edit]) -> Result<Checked<Dataset>, Error> 
         .edited(edits)
         .map_err(|conflict| usage(refused(&conflict)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shipped() -> Deck {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        Deck::open(folder.join("corpus/pseudo-mcpherson/model.adm")).unwrap()
+    }
+
+    #[test]
+    fn statements_come_and_go_and_faults_are_refused() {
+        let mut deck = shipped();
+        deck.add("MARKER/900, PART=4, QP=0, 0, 100").unwrap();
+        assert_eq!(deck.number("MARKER/900.QP.3").unwrap(), 100.0);
+        let before = deck.bytes().to_vec();
+        // A second time, and something that names what is not there.
+        assert!(deck.add("MARKER/900, PART=4").is_err());
+        assert!(deck.add("REQUEST/900, DISPLACEMENT, I=901, J=2").is_err());
+        assert!(deck.remove("PART/4").is_err());
+        assert!(deck.remove("MARKER/900.QP.3").is_err());
+        assert_eq!(deck.bytes(), before);
+        deck.remove("MARKER/900").unwrap();
+        assert!(deck.number("MARKER/900.QP.3").is_err());
+    }
+
+    #[test]
+    fn other_ids_and_units_are_the_same_model() {
+        let place = |deck: &Deck| {
+            let run = deck.solve().unwrap();
+            *run.column("KNUCKLE.X").unwrap().last().unwrap()
+        };
+        let mut deck = shipped();
+        let millimetres = place(&deck);
+        deck.renumber("MARKER", 1001, 1).unwrap();
+        assert!((place(&deck) - millimetres).abs() < 1e-9);
+        deck.convert_units("mks").unwrap();
+        assert_eq!(deck.number("SPRINGDAMPER/1.K").unwrap(), 60_000.0);
+        assert!((1e3 * place(&deck) - millimetres).abs() < 1e-5);
+        assert!(deck.convert_units("furlong").is_err());
+    }
+
+    #[test]
+    fn a_part_is_taken_out_with_what_holds_it() {
+        let part = shipped().extract(&["PART/6"]).unwrap();
+        assert!(part.get("PART/6").is_ok() && part.get("PART/3").is_err());
+        assert!(part.get("JOINT/5").is_ok());
+        assert!(shipped().extract(&["PART/1"]).is_err());
+    }
+}
