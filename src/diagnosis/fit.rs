@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::aim::Aim;
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
+pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
 use super::hypothesis::{Hypothesis, Parametrisation};
 use super::settle::{End, Settled, Sweep};
@@ -64,17 +65,6 @@ pub struct FittedModel {
     pub states: Vec<State>,
     /// Contacts that remember.
     pub memories: Vec<HysteresisState>,
-}
-
-/// A number's estimate and its standard error in the units of `diagnosis.json`.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Estimate {
-    /// Its name.
-    pub name: String,
-    /// Value.
-    pub value: f64,
-    /// Standard error.
-    pub std_error: f64,
 }
 
 impl FittedModel {
@@ -599,8 +589,6 @@ pub(super) fn refit(
 
 /// What is in a fit, with guesses that its own values replace.
 pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(Hypothesis, Vec<f64>)> {
-    let chosen = fitted.effects.iter();
-    chosen
-        .map(|h| (h.clone(), vec![0.0; h.numbers.len()]))
-        .collect()
+    let zeros = |h: &Hypothesis| (h.clone(), vec![0.0; h.numbers.len()]);
+    fitted.effects.iter().map(zeros).collect()
 }

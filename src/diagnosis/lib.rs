@@ -25,6 +25,7 @@ mod diagnose;
 mod diagnosis;
 mod diagnosis_problem;
 mod ends;
+mod estimate;
 mod extended_deck;
 mod extension;
 mod findings;
