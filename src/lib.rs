@@ -26,10 +26,10 @@
 //! [`Results`] reads results files of any size. A [`Study`] identifies stiffnesses and diagnoses:
 //!
 //! ```
-//! use admire::{Study, Watched};
+//! use admire::{SharedProgress, Study};
 //!
 //! # fn main() -> Result<(), admire::Error> {
-//! let answer = Study::open("corpus/pseudo-mcpherson")?.identify(false, &Watched::default())?;
+//! let answer = Study::open("corpus/pseudo-mcpherson")?.identify(false, &SharedProgress::default())?;
 //! let first = &answer.fit.parameters[0];
 //! assert_eq!(first.address, "BUSHING/1.K.1");
 //! // The true stiffness of the shipped study.
@@ -46,7 +46,7 @@
 //!                     |                                                                             v
 //!                     +-- edited bytes + .acf -> external ADAMS -> .res/.msg ------------> Equilibrium (same type)
 //! Measurement -> identify(theta) -> Edits (one-line diffs) -> new Dataset
-//! Fit + Measurement -> discrepancy -> Findings -> extended Dataset -> gain on held-out load cases
+//! Fit + Measurement -> diagnosis -> Findings -> extended Dataset -> gain on held-out load cases
 //! ```
 //!
 //! # Crates

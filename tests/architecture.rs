@@ -57,7 +57,7 @@ fn inside<'a>(crates: &[String], path: &'a str) -> Option<(String, &'a str)> {
     }))
 }
 
-/// Rooms of a crate from the bottom up, where it has several; `""` is what stands in none of those named.
+/// Folders of a crate from the bottom up, where it has several; `""` is the rest of the crate.
 const ROOMS: [(&str, &[&str]); 6] = [
     ("syntax", &["text", "units", "diagnostic", "grammar", ""]),
     (
@@ -150,7 +150,7 @@ fn imports_point_down_inside_of_crates() {
         for used in crate_modules(&without_comments(&text)) {
             if floor(&used).is_some_and(|other| other > mine) {
                 wrong.push(format!(
-                    "{path}: `{first}` uses `{used}`, which stands above it"
+                    "{path}: `{first}` uses `{used}`, which is above it"
                 ));
             }
         }
@@ -184,7 +184,7 @@ fn the_table_of_the_first_page_lists_the_crates_from_the_bottom_up() {
             let place = table.iter().position(|own| own == other);
             assert!(
                 place.is_some_and(|place| place < at),
-                "`{name}` stands below `{other}`, which it uses"
+                "`{name}` uses `{other}`, which is above it"
             );
         }
     }

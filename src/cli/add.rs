@@ -1,12 +1,12 @@
 use std::path::PathBuf;
 
-use crate::front::Before;
+use crate::front::{Before, no_statement, with_statements};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 use admire_syntax::{Dataset, NewStatement};
 
 use super::Outcome;
-use super::edited::{edited, refuse_faults};
+use super::edited::refuse_faults;
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
@@ -45,10 +45,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let read = NewStatement::read(&typed);
         shell.complain(&read.diagnostics);
         if read.value.is_empty() {
-            return Err(shell.fail(Diagnostic::error(
-                Code::SyntaxError,
-                format!("`{text}` is not a statement that can be added"),
-            )));
+            return Err(shell.fail(no_statement(text)));
         }
         new.extend(read.value);
     }
@@ -63,16 +60,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             return Err(shell.usage(Diagnostic::error(Code::SyntaxError, message).help(help)));
         }
     }
-    let mut deck = original.clone();
-    for statement in &new {
-        if deck.value.position(&statement.kind, statement.id).is_some() {
-            let id = statement.id.map_or_else(String::new, |id| id.to_string());
-            let message = format!("{}/{id} stands in the deck already", statement.kind);
-            return Err(shell.fail(Diagnostic::error(Code::DuplicateId, message)));
-        }
-        let edits = deck.value.add(statement);
-        deck = edited(&deck.value, &edits, shell)?;
-    }
+    let deck = with_statements(&original, &new).map_err(|refused| shell.fail(refused))?;
     shell.sources.add(deck.value.source().clone());
     refuse_faults(&Before::of(&original), &deck, arguments.force, shell)?;
     arguments

@@ -11,9 +11,9 @@ use super::shell::{Exit, Shell};
 /// Who is to solve a deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum SolverChoice {
-    /// ADAMS: what only the built-in solver lacks is not told, nor files that only graphics read.
+    /// ADAMS: limits of the built-in solver are not reported, nor files that only graphics read.
     Adams,
-    /// The built-in solver: what it does not solve is told, files that only graphics read are not.
+    /// The built-in solver: statements that it does not solve are reported, files that only graphics read are not.
     Admire,
 }
 

@@ -2,8 +2,7 @@
 
 use crate::front::Before;
 use admire_syntax::Dataset;
-use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
-
+use admire_syntax::diagnostic::{Checked, Diagnostic};
 use admire_syntax::text::Edit;
 
 use super::shell::{Exit, Shell};
@@ -14,8 +13,7 @@ pub(super) fn edited(
     edits: &[Edit],
     shell: &Shell,
 ) -> Result<Checked<Dataset>, Exit> {
-    deck.edited(edits)
-        .map_err(|conflict| shell.fail(Diagnostic::error(Code::CannotWrite, conflict.to_string())))
+    crate::front::edited(deck, edits).map_err(|refused| shell.fail(refused))
 }
 
 /// Gives up, having said why, if a deck has an error that it had not before; with `force` the errors are only told.

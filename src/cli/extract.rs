@@ -3,11 +3,11 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::front::Before;
+use crate::front::{Before, moving_parts};
 use admire_solver::model::{Model, extract};
-use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
+use admire_syntax::Dataset;
+use admire_syntax::diagnostic::Severity;
 use admire_syntax::text::printable;
-use admire_syntax::{Address, Dataset};
 
 use super::Outcome;
 use super::addresses::complete;
@@ -45,28 +45,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let dataset = &parsed.value;
     let mut bodies = BTreeSet::new();
     for text in &arguments.parts {
-        let mut found = 0;
-        let addresses = Address::matching(text, dataset).map_err(|mut refused| {
-            refused.labels.clear();
-            refused.message = format!("`{text}`: {}", refused.message);
-            shell.fail(refused)
-        })?;
-        for address in addresses {
-            let statement = dataset
-                .find(&address)
-                .filter(|s| s.is_body() && !s.has("GROUND"));
-            if let Some(object) = statement.and_then(admire_syntax::Statement::object) {
-                bodies.insert(object);
-                found += 1;
-            }
-        }
-        if found == 0 {
-            let message = format!("`{text}` is no part that moves");
-            return Err(shell.fail(
-                Diagnostic::error(Code::UnknownTarget, message)
-                    .help("name parts, such as PART/7 or their view names"),
-            ));
-        }
+        let parts = moving_parts(dataset, text).map_err(|refused| shell.fail(refused))?;
+        bodies.extend(parts);
     }
     let files = shell.read_files(dataset);
     let model = Model::lower_with(dataset, &files.value);

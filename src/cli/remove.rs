@@ -3,8 +3,8 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::front::Before;
-use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
+use crate::front::{Before, removal};
+use admire_syntax::diagnostic::Checked;
 use admire_syntax::{Address, Dataset};
 
 use super::Outcome;
@@ -62,13 +62,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
                 whole.extend(original.value.position(&address.kind, address.id));
                 continue;
             }
-            let edits = if address.index.is_some() {
-                let message = format!("`{text}` is one value of a list");
-                Err(Diagnostic::error(Code::WrongType, message)
-                    .help("statements and arguments can be removed"))
-            } else {
-                deck.value.remove(&address)
-            };
+            let edits = removal(&deck.value, &address, text);
             let edits = edits.map_err(|refused| shell.fail(refused))?;
             deck = edited(&deck.value, &edits, shell)?;
             shell.sources.add(deck.value.source().clone());

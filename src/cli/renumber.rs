@@ -2,8 +2,8 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
+use crate::front::kind_with_ids;
 use admire_syntax::diagnostic::{Code, Diagnostic};
-use admire_syntax::grammar::{Lookup, Role, find_statement};
 use admire_syntax::renumber::{Renumbering, in_order, renumber};
 use admire_syntax::text::{Edit, Source, apply_edits};
 use admire_syntax::{CommandFile, Dataset};
@@ -113,12 +113,8 @@ fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit
     };
     let (first, step) = (number(first)?, number(step)?);
     let what = what.trim();
-    // `MARKER_3` is a name, not a longer spelling of the keyword.
-    if let Lookup::Found(def) = find_statement(what.as_bytes(), Role::Dataset)
-        && def.id.is_some()
-        && what.len() <= def.name.len()
-    {
-        let found = in_order(dataset, def.name, first, step);
+    if let Some(kind) = kind_with_ids(what) {
+        let found = in_order(dataset, kind, first, step);
         let too_many = found.len() as u64 * u64::from(step) + u64::from(first);
         if too_many > u64::from(u32::MAX) {
             return Err(wrong(format!("`{text}`: the ids become too large")));

@@ -1,8 +1,9 @@
 //! Design of experiments: what to measure next.
 //!
-//! [`plan`](fn@plan) ranks load cases, repeats, marks and channels by what each would add to stiffnesses, to the curves of the wheel, and to the choice
-//! between causes. [`propose`] adds to a diagnosis the measurement that tells a finding from its rival. Everything is linear at the fit:
-//! nothing is fitted again. From the bottom up: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <- `next_measurement`, `plan`.
+//! [`plan`](fn@plan) ranks load cases, repeats, marks and channels by what each would add to stiffnesses, to the curves of the wheel, and
+//! to the choice between causes. [`propose`] adds to a diagnosis the measurement that tells a finding from its rival. Everything is linear
+//! at the fit: nothing is fitted again. From the bottom up: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <-
+//! `next_measurement`, `plan`.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -162,7 +162,7 @@ fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Ve
     dataset.bytes().to_vec()
 }
 
-/// Turns the points ZP and XP of the markers that a cause turns about their origins. A marker that has one of them only gets the other.
+/// Rotates ZP and XP about QP in the markers that an effect rotates. A marker with one of the two points gets the other.
 fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Parameters, &Parameters)) {
     for (k, marker) in model.markers.iter().enumerate() {
         let (Some(old), Some(new)) = [before, after]
@@ -182,12 +182,16 @@ fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Paramete
         };
         let place = |name: &str| {
             let component = |k| {
-                dataset.value_at(&Address {
+                dataset.number_at(&Address {
                     index: Some(k),
                     ..address(name)
                 })
             };
-            Some(Vec3::new(component(1)?, component(2)?, component(3)?))
+            Some(Vec3::new(
+                component(1)?.value,
+                component(2)?.value,
+                component(3)?.value,
+            ))
         };
         let origin = place("QP").unwrap_or_default();
         let points = ["ZP", "XP"].map(place);

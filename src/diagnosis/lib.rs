@@ -1,13 +1,14 @@
 //! Diagnosis: what a model gets wrong after its best fit.
 //!
-//! [`diagnose`](fn@diagnose) searches the causes that the readings ask for and returns an [`Outcome`]: the [`Diagnosis`] with probabilities, and the fits behind
-//! it. The extended model is checked on load cases that no fit saw. Each cause is one file in `causes`. [`tolerant`](fn@tolerant) is the fit of a sound model
-//! among tolerances, [`study_fit`] the identification of a study by its own method. Knows no files, and not the laws by which the virtual rig
-//! plants effects.
+//! [`diagnose`](fn@diagnose) selects the causes that are probable given the readings. Its [`Outcome`] holds the [`Diagnosis`] with
+//! probabilities, and the fits behind it. The extended model is checked on load cases that no fit used. Each cause is one file in `causes`.
+//! [`fit_with_random_effects`] fits a model without causes, [`study_fit`] identifies a study by its own method. The crate reads no files, and
+//! does not contain the laws by which the virtual rig plants effects.
 //!
-//! One direction: `subject` (what was read, and its tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <- `fit` <- `survey` <-
-//! `causes`, `columns` <- `scan` <- `search` (`stand_in` adds forces of unknown laws to it; `rig_errors` may end it) <- `sought`, `foreseen` <- `folds` <- `unseen` <- `cross_validation`,
-//! `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `searched` <- `diagnose`, and what shows its outcome.
+//! Imports in one direction: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <-
+//! `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <- `sought`,
+//! `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <-
+//! `searched` <- `diagnose`, and what reports its outcome.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

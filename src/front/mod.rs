@@ -5,7 +5,7 @@
 mod assignment;
 mod axle;
 mod deck;
-mod edits;
+mod deck_edits;
 mod error;
 pub(crate) mod fit_view;
 mod foreign;
@@ -28,6 +28,9 @@ pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
 pub(crate) use assignment::{Before, edits, new_errors, outline};
 pub use axle::{AxleTests, Beside};
 pub use deck::{Deck, Setting};
+pub(crate) use deck_edits::{
+    edited, kind_with_ids, moving_parts, no_statement, removal, with_statements,
+};
 pub use error::{Complaint, Error, ErrorKind, Place};
 pub(crate) use foreign::foreign_parts;
 pub(crate) use kc_measured::measured;

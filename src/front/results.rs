@@ -16,7 +16,7 @@ use admire_diagnosis::ProgressObserver;
 /// The bushing force that a lateral load changes most:
 ///
 /// ```
-/// use admire::{Deck, Results, StepFilter, StepKind, Watched};
+/// use admire::{Deck, Results, SharedProgress, StepFilter, StepKind};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// # let folder = tempfile::tempdir()?;
@@ -27,7 +27,7 @@ use admire_diagnosis::ProgressObserver;
 ///
 /// let equilibria = StepFilter { kinds: vec![StepKind::Static], ..StepFilter::default() };
 /// let patterns = ["BUSHING/*.F?"];
-/// let rows = Results::open(&file)?.select(&patterns, &equilibria, &Watched::default())?;
+/// let rows = Results::open(&file)?.select(&patterns, &equilibria, &SharedProgress::default())?;
 /// let mut steps = rows.values.chunks(rows.columns.len());
 /// let (vertical, lateral) = (steps.next().ok_or("no step")?, steps.next().ok_or("one step")?);
 /// let change = |k: &usize| (lateral[*k] - vertical[*k]).abs();

@@ -274,11 +274,11 @@ impl Study {
     /// With `force` also of a study that cannot be meant.
     ///
     /// ```
-    /// use admire::{Aim, Study, Watched};
+    /// use admire::{Aim, SharedProgress, Study};
     ///
     /// # fn main() -> Result<(), admire::Error> {
     /// let study = Study::open("corpus/pseudo-mcpherson")?;
-    /// let found = study.plan(Aim::Stiffnesses, 5, false, &Watched::default())?.plan;
+    /// let found = study.plan(Aim::Stiffnesses, 5, false, &SharedProgress::default())?.plan;
     /// // The best candidate makes the worst-known combination of stiffnesses better known.
     /// assert!(found.candidates[0].sd_log[0] < found.combinations[0].sd_log);
     /// # Ok(())

@@ -1,9 +1,9 @@
 //! Identification: numbers of a deck from what was measured on the rig.
 //!
-//! [`LoadedStudy`] is a study with its model, [`Problem`] what is sought in it, [`Fit`] the answer: what `identification.json` holds. Three
-//! methods share these: [`regression`] is the loop of the paper, [`direct`] a solution without iteration over equilibria, [`global`] a fit of
-//! everything that was read. [`tolerance`] is the error model: noise of readings, tolerances of axle and rig, and their evidence. Knows no
-//! effect that a model may lack: that is `admire-diagnosis`.
+//! [`LoadedStudy`] is a study with its model, [`Problem`] the numbers to identify, [`Fit`] the result as in `identification.json`. Three methods
+//! share these: [`regression`] is the loop of the paper, [`direct`] a solution without iteration over equilibria, [`global`] a fit of all
+//! readings. [`tolerance`] is the error model: noise of the readings, tolerances of axle and rig, and their evidence. Effects that a model
+//! lacks are the subject of `admire-diagnosis`.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -1,10 +1,10 @@
 //! Kinematics and compliance (K&C) of an axle: what suspension engineers measure.
 //!
-//! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]; [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`] have the characteristics, one
-//! function a definition. They come from the places of the wheels, and from the exact compliance matrix of their centres that the tangent at
-//! equilibrium gives. Definitions, signs and their sources are in the guide, page `kc`. Vectors are in the axes of Adams/Car: X rearward, Y to
-//! the right, Z up; [`Frame`] brings those of a deck there. Lengths and forces are in the units of the deck, angles in radians. Knows nothing of
-//! measurements.
+//! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]; [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`] have
+//! the characteristics, one function a definition. They come from the places of the wheels, and from the exact compliance matrix of their
+//! centres that the tangent at equilibrium gives. Definitions, signs and their sources are in the guide, page `kc`. Vectors are in the axes
+//! of Adams/Car: X rearward, Y to the right, Z up; [`Frame`] brings those of a deck there. Lengths and forces are in the units of the deck,
+//! angles in radians. Knows nothing of measurements.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

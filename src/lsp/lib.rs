@@ -1,7 +1,7 @@
 //! The language server: the toolkit over the Language Server Protocol, on standard input and output.
 //!
-//! What is said of files comes from `admire-syntax` and the checks of `admire-session`. Knows no editor. One thread answers, a second one checks whole
-//! files.
+//! What is said of files comes from `admire-syntax` and the checks of `admire-session`. Knows no editor. One thread answers, a second one
+//! checks whole files.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -1,8 +1,8 @@
 //! Self-contained HTML pages with tables and SVG pictures.
 //!
-//! [`Page`] is put together from [`Table`]s and [`Figure`]s; [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are whole pages,
-//! [`scene`] the view of a model in three dimensions. Knows results and how a person reads them; neither solvers nor files. Every text that comes from
-//! a study is escaped.
+//! [`Page`] is put together from [`Table`]s and [`Figure`]s; [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are whole
+//! pages, [`scene`] the view of a model in three dimensions. Knows results and how a person reads them; neither solvers nor files. Every
+//! text that comes from a study is escaped.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -2,8 +2,8 @@
 //!
 //! [`XrfReader`] reads a results file of any size step by step, [`XrfWriter`] writes one; [`open_any`] opens each kind by its content. A
 //! [`Catalogue`] names the columns, and a [`Selection`] picks some of them by patterns such as `*/front_arm.X`. Layouts are those of the guide,
-//! page `formats`, sections 6 and 12, measured on files that ADAMS wrote. This crate knows no models and no solvers: a writer is told names,
-//! units and values, and a reader gives them back. The id of a component is the 1-based position of its value in every step.
+//! page `formats`, sections 6 and 12, measured on files that ADAMS wrote. The crate contains neither models nor solvers: a writer takes names,
+//! units and values, and a reader returns them. The id of a component is the 1-based position of its value in every step.
 //!
 //! ```
 //! use admire_results::{

@@ -2,8 +2,8 @@
 //!
 //! [`Study`] is `study.toml` with its tables, [`settings`] its sections with their defaults. A [`Measurement`] holds the readings with names
 //! resolved in the model: marks on parts, the wheel, scalar sensors, curves and numbers taken from them. [`orientation`] finds where a part is
-//! from its marks, [`deflection`](mod@deflection) what a bushing does between two parts. [`solver`] makes the backend a study asks for, [`permission`] says
-//! which programs it may start. Knows nothing of what is inferred from the readings.
+//! from its marks, [`deflection`](mod@deflection) the deflection of a bushing. [`solver`] makes the backend of a study, [`permission`] decides
+//! which programs it may start. Inference from the readings is the subject of `admire-identify`.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -1,9 +1,9 @@
 //! Thousands of variants of a deck: what varies, which cases, running them anywhere, one table of answers.
 //!
-//! A [`SweepPlan`] says what varies, [`Cases`] which cases there are; a [`Row`] is the answer of one, and [`merge`](fn@merge) joins the tables of shards.
-//! Every case is solved cold from the text of its own deck, and its numbers are functions of seed, name and case alone. So the order, the
-//! threads and the shards of a run change no bit of the answer. [`uncertainty`] repeats identifications in the same way: bootstrap and sampled
-//! posterior. Knows nothing about terminals; the command submits shards.
+//! A [`SweepPlan`] says what varies, [`Cases`] which cases there are; a [`Row`] is the answer of one, and [`merge`](fn@merge) joins the
+//! tables of shards. Every case is solved cold from the text of its own deck, and its numbers are functions of seed, name and case alone.
+//! So the order, the threads and the shards of a run change no bit of the answer. [`uncertainty`] repeats identifications in the same way:
+//! bootstrap and sampled posterior. Knows nothing about terminals; the command submits shards.
 #![warn(unreachable_pub)]
 // Modules that are private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -125,7 +125,7 @@ impl Marginal {
     }
 
     /// How many numbers are sought.
-    #[expect(clippy::len_without_is_empty, reason = "something is sought")]
+    #[expect(clippy::len_without_is_empty, reason = "a fit has unknowns")]
     pub fn len(&self) -> usize {
         self.joint.sought
     }

@@ -49,7 +49,7 @@ pub struct NativePredictor<'a> {
     memories: Vec<HysteresisState>,
     /// Weights of parts that spin.
     weights: Vec<HeldWeight>,
-    /// True if the deck has motions that nothing resists.
+    /// True if the deck has free motions.
     has_free_motions: bool,
     sweeps: usize,
     runs: usize,
@@ -87,7 +87,7 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// With motions that nothing resists; the weights of parts that spin act on what carries these.
+    /// With the free motions of the deck. The weight of a part that spins acts on the parts that carry it.
     #[must_use]
     pub(crate) fn with_free_motions(mut self, free: &FreeMotions) -> Self {
         self.weights = free.held_weights(self.system);
@@ -134,8 +134,8 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
-    /// Moves an equilibrium along the motions that nothing resists to where it meets the readings of its case best; these motions there, one
-    /// column each, and the tangent if it was made.
+    /// Moves an equilibrium along its free motions to the best fit of the marks of its case. Gives the free motions there, one column each,
+    /// and the tangent if it was made.
     fn settle_free(
         &mut self,
         case: usize,
@@ -143,8 +143,8 @@ impl<'a> NativePredictor<'a> {
         state: &mut State,
     ) -> (DMatrix<f64>, Option<Tangent>) {
         let (mut motions, mut last) = (Vec::new(), None);
-        for _ in 0..=STEPS {
-            // Factors of the last iteration, not quite in equilibrium, may not show them.
+        for taken in 0..=STEPS {
+            // The factors of the last iteration are not those of the equilibrium, and may show no free motion.
             if !(self.has_free_motions || self.sweeper.solver().has_free_motions()) {
                 break;
             }
@@ -160,9 +160,12 @@ impl<'a> NativePredictor<'a> {
                 .map(|motion| observed.clone().map(|part| twist(motion, part)).collect())
                 .collect();
             let pose = |part: usize| state.poses[self.observed.parts[part].0];
-            let Some(amounts) = step(marks, &pose, &twists) else {
+            let amounts = step(marks, &pose, &twists).filter(|_| taken < STEPS);
+            let Some(amounts) = amounts else {
+                last = Some(tangent);
                 break;
             };
+            self.sweeper.solver().give_back(tangent);
             let mut moved = state.clone();
             for (motion, amount) in motions.iter().zip(&amounts) {
                 displace(self.system, &mut moved, motion, *amount);
@@ -171,9 +174,6 @@ impl<'a> NativePredictor<'a> {
                 break;
             };
             *state = found;
-            if let Some(tangent) = last.take() {
-                self.sweeper.solver().give_back(tangent);
-            }
         }
         let n = self.system.unknowns();
         let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());

@@ -36,8 +36,8 @@ const ROUNDS: [(usize, usize); 3] = [(usize::MAX, 3), (12, 4), (4, 20)];
 const LEAST_GAIN: f64 = 0.1;
 /// Where it does not, that tells little; of bushings so many are tried.
 const BUSHINGS: usize = 8;
-/// Equilibria that the search solves at most beside the fit of the study as it stands; the slips that promise least are left out then.
-const MOST_EQUILIBRIA: usize = 6_000;
+/// Effort limit of the search: equilibria solved after the fit of the study itself. Beyond it no further candidate is fitted.
+const MAX_EQUILIBRIA: usize = 6_000;
 /// Residuals beyond tolerances up to this times their noise, rms, are explained: no slip is looked for.
 const EXPLAINED: f64 = 1.1;
 /// Up to this, a wrong statement of the noise explains them.
@@ -83,7 +83,7 @@ pub fn search(loaded: &LoadedStudy) -> Search {
 fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip> {
     let candidates = promising(bench, now, before).into_iter();
     let mut tried: Vec<(Option<Trial>, Candidate)> = candidates.map(|c| (None, c)).collect();
-    let most_solved = bench.solved() + MOST_EQUILIBRIA;
+    let most_solved = bench.solved() + MAX_EQUILIBRIA;
     for (most, steps) in ROUNDS {
         tried.truncate(most);
         let go_on = |(known, candidate): (Option<Trial>, Candidate)| {

@@ -4,7 +4,7 @@
 //! loads, axes and marks as numbers of the deck with Gaussian priors, whose sizes [`EffectGroup`] describes. [`Whitening`] brings readings
 //! to independent rows; [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` per class of rows;
 //! [`CrossProducts`] holds the products of columns that it does not have yet with its own. [`LinearModel::evidence`] gives the evidence,
-//! the posterior and the gradient by the sizes, and [`LinearModel::maximise_evidence`] the sizes that the readings ask for. Knows neither
+//! the posterior and the gradient by the sizes, and [`LinearModel::maximise_evidence`] the sizes of maximum evidence. It contains neither
 //! fits nor causes.
 //!
 //! To use it at a fit: take the Jacobian of all rows by the unknowns and by the effects of [`RandomEffects`], [`Whitening::apply`] it to

@@ -13,9 +13,9 @@ use admire_syntax::text::{Source, Span};
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Solver {
-    /// ADAMS: what only the built-in solver lacks is not told, nor files that only graphics read.
+    /// ADAMS: limits of the built-in solver are not reported, nor files that only graphics read.
     Adams,
-    /// The built-in solver: what it does not solve is told, files that only graphics read are not.
+    /// The built-in solver: statements that it does not solve are reported, files that only graphics read are not.
     Admire,
 }
 

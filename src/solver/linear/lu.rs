@@ -39,8 +39,10 @@ pub(crate) struct Lu<T = f64> {
     pub(crate) orders: usize,
     /// What may stand below a small pivot.
     growth: f64,
-    /// A pivot below this is none.
+    /// A pivot below this is none, after rows and columns are scaled to one.
     rank_tolerance: f64,
+    /// False if every matrix gets an order of its own, because a repeated order does not look for pivots that have vanished.
+    repeats: bool,
 }
 
 impl Lu {
@@ -79,12 +81,14 @@ impl<T: Scalar> Lu<T> {
             orders: 0,
             growth,
             rank_tolerance: RANK_TOLERANCE,
+            repeats: true,
         }
     }
 
-    /// From here on a pivot below this, after rows and columns are scaled to one, is none. Orders are then chosen anew for each matrix.
+    /// Sets the scaled size below which a pivot is none. Each matrix then gets an order of its own.
     pub(crate) fn set_rank_tolerance(&mut self, tolerance: f64) {
         self.rank_tolerance = tolerance;
+        self.repeats = false;
     }
 
     /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own. Both
@@ -113,8 +117,7 @@ impl<T: Scalar> Lu<T> {
         order: impl FnOnce(&Entries<'_, T>) -> Vec<u32>,
     ) {
         let known = self.orders > 0 && self.fingerprint == matrix.fingerprint;
-        let is_usual = self.rank_tolerance == RANK_TOLERANCE;
-        if !(known && is_usual && self.free.is_empty() && self.repeat(matrix)) {
+        if !(known && self.repeats && self.free.is_empty() && self.repeat(matrix)) {
             self.eliminate(matrix, order);
         }
     }

@@ -10,8 +10,8 @@ use crate::system::{Parameters, Rows, Scratch, State, System};
 const CLOSED: f64 = 1e-12;
 /// Beyond so much they do not.
 const OPEN: f64 = 1e-8;
-/// A removed equation may be violated by so much of the model's length, and its rate by so much of the largest speed: it agreed with the others
-/// to seven digits where it was taken out, and a mechanism that moves far adds to that.
+/// Bound on the violation of a removed equation, per length of the model, and on its rate, per largest speed. The equation agreed with the
+/// others within 1e-6 where it was removed; a large motion adds to that.
 pub(super) const REMOVED: f64 = 1e-4;
 /// Where the matrix is singular, an equation of a variable or a state may be left open by this share.
 const UNDETERMINED: f64 = 1e-9;

@@ -9,6 +9,7 @@ mod first_solution;
 mod freedoms;
 mod krylov;
 mod measures;
+mod minimum_norm;
 mod multipliers;
 mod newton;
 #[cfg(test)]
@@ -19,7 +20,6 @@ mod report;
 mod sensitivity;
 mod settings;
 mod settle;
-mod shortest;
 mod stability;
 mod tangent;
 

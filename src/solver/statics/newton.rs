@@ -4,9 +4,9 @@ use super::balance::Sum;
 use super::measures::{
     balanced, far, force_imbalance, largest, limit, motion_norm, relative_correction,
 };
+use super::minimum_norm::FreeMotionSpace;
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::shortest::Unresisted;
 use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
@@ -26,8 +26,9 @@ const NEAR: f64 = 1e-3;
 const NOISE: f64 = 1e-9;
 /// Relative error of the numbers of a deck, which have ten digits or so.
 const WRITTEN: f64 = 1e-9;
-/// A free motion that is known may be resisted by this share of the stiffnesses beside it: round-off of large forces, not friction's hold.
-const RESISTED: f64 = 1e-8;
+/// Rank tolerance of a model that is known to have free motions, against scaled pivots of 1. Near an equilibrium, round-off of large forces and
+/// what is left of the imbalance resist a free motion a little.
+const FREE_MOTION_RANK_TOLERANCE: f64 = 1e-8;
 /// A removed constraint equation may be violated by so much of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
@@ -265,9 +266,9 @@ impl Solver {
         self.matrix.deficiency() > 0
     }
 
-    /// Says that the model has motions that nothing resists. What resists a motion by less than any friction does then resists none.
+    /// Declares that the model has free motions: a scaled pivot below 1e-8 then counts as none.
     pub fn expect_free_motions(&mut self) {
-        self.matrix.set_rank_tolerance(RESISTED);
+        self.matrix.set_rank_tolerance(FREE_MOTION_RANK_TOLERANCE);
     }
 
     /// The linearised equations at an equilibrium.
@@ -427,7 +428,7 @@ impl Solver {
                 *dx = -g;
             }
             self.matrix.solve(&mut self.dx);
-            Unresisted::of(system, &self.matrix).take_off(&mut self.dx);
+            FreeMotionSpace::of(system, &self.matrix).take_off(&mut self.dx);
             let mut correction = relative_correction(system, state, &self.dx);
             if iteration == 0
                 && correction > NEAR
@@ -584,7 +585,7 @@ impl Solver {
             *dx = -g;
         }
         self.matrix.solve(&mut self.dx_bar);
-        Unresisted::of(system, &self.matrix).take_off(&mut self.dx_bar);
+        FreeMotionSpace::of(system, &self.matrix).take_off(&mut self.dx_bar);
         motion_norm(system, &self.dx_bar) <= (1.0 - 0.25 * step) * motion_norm(system, &self.dx)
     }
 }

@@ -1,6 +1,6 @@
 use super::SolveError;
+use super::minimum_norm::FreeMotionSpace;
 use super::rank::{UNDETERMINED, motion_of};
-use super::shortest::Unresisted;
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
@@ -17,7 +17,7 @@ const ONLY_SHIFTS: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Tangent {
     factors: Lu,
-    unresisted: Unresisted,
+    free_space: FreeMotionSpace,
     scratch: Scratch,
     residual: Vec<f64>,
 }
@@ -42,7 +42,7 @@ impl Tangent {
     pub(super) fn with(system: &System, factors: Lu) -> Self {
         Self {
             factors,
-            unresisted: Unresisted::default(),
+            free_space: FreeMotionSpace::default(),
             scratch: Scratch::new(system),
             residual: vec![0.0; system.unknowns()],
         }
@@ -64,7 +64,7 @@ impl Tangent {
         system.assemble(parameters, state, scratch, g, matrix)?;
         matrix.finish();
         self.factors.factor(matrix);
-        self.unresisted = Unresisted::of(system, &self.factors);
+        self.free_space = FreeMotionSpace::of(system, &self.factors);
         Ok(())
     }
 
@@ -80,13 +80,13 @@ impl Tangent {
         each.filter_map(|z| motion_of_parts(system, z)).collect()
     }
 
-    /// The change of the unknowns under a change `dg` of the residual, the shortest there is: replaces `dg` by `-J^-1 dg`.
+    /// The change of the unknowns under a change `dg` of the residual, of minimum norm where there are free motions: replaces `dg` by `-J^-1 dg`.
     pub fn respond(&mut self, dg: &mut [f64]) {
         for value in dg.iter_mut() {
             *value = -*value;
         }
         self.factors.solve(dg);
-        self.unresisted.take_off(dg);
+        self.free_space.take_off(dg);
     }
 
     /// The same for many changes that follow one another.
@@ -96,13 +96,13 @@ impl Tangent {
         }
         self.factors.solve_many(changes);
         for change in changes.chunks_mut(self.residual.len()) {
-            self.unresisted.take_off(change);
+            self.free_space.take_off(change);
         }
     }
 
     /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
     pub(crate) fn adjoint(&mut self, weights: &mut [f64]) {
-        self.unresisted.ignore(weights);
+        self.free_space.ignore(weights);
         for value in weights.iter_mut() {
             *value = -*value;
         }

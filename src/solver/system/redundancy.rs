@@ -8,8 +8,8 @@ use super::System;
 use crate::constraint::Constraint as _;
 use crate::linear::{Matrix, Sink as _, dependent_columns};
 
-/// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant.
-/// Decks write angles and places with some seven digits: what is redundant but for them is so.
+/// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant. Decks give angles
+/// and places with about seven digits: equations that agree within their rounding are dependent.
 const REDUNDANT: f64 = 1e-6;
 
 /// A distance that keeps less than this holds what other equations hold better: a rotation by a short lever.

@@ -1,6 +1,6 @@
 //! How well numbers are known, by doing it again: fits of readings drawn anew, and draws from the posterior itself.
 //!
-//! Both work on the sought numbers with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)) and run in the
+//! Both work on the unknowns with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)) and run in the
 //! harness of the sweeps: numbers from a counter, a journal, a table. So threads and interruptions change no bit.
 //!
 //! Bootstrap: readings are the predictions of the fit plus its whitened residuals, drawn with replacement. Residuals are drawn, not load

@@ -1,22 +1,24 @@
-//! The shortest of the changes that solve the linear equations of a model with free motions.
+//! Minimum-norm solutions of the linear equations of a model with free motions.
 
 use super::measures::largest;
 use super::rank::UNDETERMINED;
 use crate::linear::Lu;
 use crate::system::System;
 
-/// The motions that nothing resists. Solutions of the linear equations are unique but for a share of each; without that share they are the
-/// shortest, with rotations times the model's length. They then depend neither on which unknowns the factors left free nor on their axes.
+/// The free motions of a model: the null space of its tangent.
+///
+/// A solution of the linear equations is unique but for a combination of free motions. Without that combination it has minimum norm, with
+/// rotations multiplied by the model's length. It then does not depend on the unknowns that the factors left free, nor on the part frames.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Unresisted {
+pub(super) struct FreeMotionSpace {
     /// Orthonormal in the product of [`weights`](Self::weights).
     motions: Vec<Vec<f64>>,
-    /// Of each unknown: one for a shift, the square of the model's length for a rotation, none for what is no motion.
+    /// Of each unknown: 1 for a translation, the square of the model's length for a rotation, 0 for a reaction or a variable.
     weights: Vec<f64>,
 }
 
-impl Unresisted {
-    /// Those that factors found.
+impl FreeMotionSpace {
+    /// Those of factors.
     pub(super) fn of(system: &System, factors: &Lu) -> Self {
         let mut new = Self::default();
         if factors.deficiency() == 0 {
@@ -33,7 +35,7 @@ impl Unresisted {
             let mut z = factors.null_vector(m);
             new.take_off(&mut z);
             let norm = new.product(&z, &z).sqrt();
-            // Where no part moves, reactions are what nothing determines.
+            // A null vector in which no part moves is one of undetermined reactions.
             if norm > UNDETERMINED * largest(&z[system.first_equation..]) {
                 for value in &mut z {
                     *value /= norm;
@@ -44,7 +46,7 @@ impl Unresisted {
         new
     }
 
-    /// Makes a solution the shortest.
+    /// Projects a solution onto the one of minimum norm.
     pub(super) fn take_off(&self, dx: &mut [f64]) {
         for motion in &self.motions {
             let share = self.product(dx, motion);
@@ -54,7 +56,8 @@ impl Unresisted {
         }
     }
 
-    /// Makes weights of the unknowns those that see of every solution what they saw of its shortest.
+    /// The transpose of [`take_off`](Self::take_off): replaces weights `w` by those with the product that `w` has with the solution of minimum
+    /// norm.
     pub(super) fn ignore(&self, weights: &mut [f64]) {
         for motion in self.motions.iter().rev() {
             let seen: f64 = weights.iter().zip(motion).map(|(w, z)| w * z).sum();
