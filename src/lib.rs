@@ -97,9 +97,9 @@ pub use admire_study::settings::Method;
 pub use admire_syntax::diagnostic::{Code, Severity};
 pub use admire_syntax::diff::{Change, Difference, Tolerance};
 pub use front::{
-    AxleTests, Beside, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind, Identification, Place,
-    PlanAnswer, ProgressObserver, ProgressSnapshot, Results, Rows, Run, SensitivityRow,
-    SensitivityTable, Setting, SharedProgress, Study,
+    AxleTests, Beside, Command, Commands, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind,
+    Identification, Place, PlanAnswer, ProgressObserver, ProgressSnapshot, Results, Rows, Run,
+    SensitivityRow, SensitivityTable, Setting, SharedProgress, Study,
 };
 
 /// What an [`Identification`] holds: the types of `identification.json`.

@@ -8,7 +8,7 @@ use admire_diagnosis::{
     held_out,
 };
 use admire_identify::{LoadedStudy, estimate_noise};
-use admire_report::{DiagnosisReport, fit_in_words, sizes};
+use admire_report::{DiagnosisReport, diagnosis_sentences, fit_in_words, sizes};
 use admire_study::settings::BackendChoice;
 use admire_study::{permission::NamedProgram, solver};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -193,7 +193,7 @@ fn words(loaded: &LoadedStudy, outcome: &Diagnosed<'_>) -> String {
     for finding in &diagnosis.findings {
         text += &line(finding, loaded);
     }
-    for sentence in outcome.sentences() {
+    for sentence in diagnosis_sentences(outcome) {
         text += &format!("{sentence}\n");
     }
     text

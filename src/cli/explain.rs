@@ -1,7 +1,7 @@
 use clap_complete::{ArgValueCompleter, CompletionCandidate};
 
 use admire_guide::glossary::{self, Entry};
-use admire_study::schema;
+use admire_study::{CausePriors, Constant, schema};
 use admire_syntax::describe::{self, minimal};
 use admire_syntax::diagnostic::Code;
 use admire_syntax::grammar::{
@@ -29,6 +29,7 @@ const EXAMPLES: &str = "Examples:
   admire explain BUSHING
   admire explain marks.sigma
   admire explain link-compliance
+  admire explain priors
   admire explain --schema > study.schema.json";
 
 /// Prints the page of a word.
@@ -110,6 +111,9 @@ fn entry(out: &mut String, word: &str, meaning: &str) {
 
 /// The page of a word, or what to say when there is none.
 fn page(word: &str) -> Result<String, String> {
+    if word.eq_ignore_ascii_case("priors") {
+        return Ok(priors());
+    }
     let mut out = String::new();
     if let Some(code) = Code::ALL
         .iter()
@@ -164,6 +168,29 @@ fn page(word: &str) -> Result<String, String> {
         Some((_, name)) => format!("nothing is called `{word}`; did you mean `{name}`?\n"),
         None => format!("nothing is called `{word}`; `admire explain` lists all there is\n"),
     })
+}
+
+/// Priors and settings of identification, diagnosis and design, with their values.
+fn priors() -> String {
+    let sections: [(&str, &[Constant]); 1] = [(
+        "Causes of a diagnosis, settable in `[priors]` of study.toml",
+        CausePriors::TABLE,
+    )];
+    let mut out = String::new();
+    for (k, (heading, table)) in sections.into_iter().enumerate() {
+        line(
+            &mut out,
+            &format!("{}{heading}:", if k == 0 { "" } else { "\n" }),
+        );
+        for constant in table {
+            let value = format!("{} {}", constant.value, constant.unit);
+            out.push_str(&hanging(
+                &format!("  {:32} {:14} ", constant.name, value.trim()),
+                constant.meaning.trim(),
+            ));
+        }
+    }
+    out
 }
 
 /// A row of the guide: the word, what each column says of it, and where more stands.

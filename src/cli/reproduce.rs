@@ -3,8 +3,7 @@ use std::path::PathBuf;
 use comfy_table::{Table, presets};
 
 use admire_diagnosis::ProgressObserver;
-use admire_identify::reproduction::{Comparison, ReproductionError, STAGES, Section, reproduce};
-use admire_report::ReproductionReport;
+use admire_report::{Comparison, ReproducedSection as Section, ReproductionReport};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::Outcome;
@@ -13,6 +12,10 @@ use super::output_folder::{Replacing, refuse_replacing, write_folder};
 use super::progress::Progress;
 use super::shell::{Exit, Shell};
 use super::width::{hanging, table_text};
+use reproduction::{ReproductionError, STAGES, reproduce};
+
+#[path = "../../corpus/rust/reproduce_paper/mod.rs"]
+mod reproduction;
 
 /// Run the paper's three validations again and print its tables beside ours.
 ///

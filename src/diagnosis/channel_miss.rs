@@ -1,4 +1,6 @@
-use admire_syntax::text::Decimals;
+use super::diagnose::Outcome;
+use super::fit::FittedModel;
+use admire_identify::global::Row;
 
 /// How far the model misses a channel, rms over all its readings.
 #[derive(Clone, PartialEq, Debug)]
@@ -15,16 +17,29 @@ pub struct ChannelMiss {
     pub noise: f64,
 }
 
-impl ChannelMiss {
-    /// The same in words.
-    pub fn sentence(&self) -> String {
-        let decimals = Decimals::of_error(self.noise);
-        let [before, after, noise] =
-            [self.before, self.after, self.noise].map(|x| decimals.told(x));
-        format!(
-            "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
-            self.name,
-            unit = self.behind
-        )
+impl Outcome<'_> {
+    /// How far each channel is missed.
+    pub fn channels(&self) -> Vec<ChannelMiss> {
+        let measurement = self.subject.problem.measurement;
+        let mut out = Vec::new();
+        for (channel, info) in measurement.channels.iter().enumerate() {
+            let rows = self.subject.rows.iter().enumerate().filter(
+                |(_, row)| matches!(row, Row::Channel { channel: of, .. } if *of == channel),
+            );
+            let of = |fitted: &FittedModel| {
+                let squares = rows.clone().map(|(k, _)| fitted.residual[k].powi(2));
+                (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
+            };
+            if rows.clone().next().is_some() {
+                out.push(ChannelMiss {
+                    name: info.name.clone(),
+                    behind: info.behind(),
+                    before: of(&self.baseline),
+                    after: of(&self.extended),
+                    noise: info.sigma,
+                });
+            }
+        }
+        out
     }
 }

@@ -55,6 +55,13 @@ pub struct Outcome<'a> {
     pub cut_short: bool,
 }
 
+impl Outcome<'_> {
+    /// True where the search was stopped, and not ended by its budget.
+    pub fn is_stopped(&self) -> bool {
+        self.subject.progress().is_stopped()
+    }
+}
+
 /// A model that explains the readings with another cause in place of a finding.
 #[derive(Debug)]
 pub struct Rival {

@@ -75,7 +75,7 @@ pub struct Gain {
 }
 
 /// Among the `parameters` of a finding: the force by which its law differs from the one that was fitted, root mean square over the cases.
-pub(super) const LAW_MISFIT: &str = "law_misfit";
+pub const LAW_MISFIT: &str = "law_misfit";
 
 /// One thing that is wrong.
 #[derive(Clone, PartialEq, Debug, Serialize)]

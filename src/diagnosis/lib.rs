@@ -57,7 +57,6 @@ mod stiffness;
 mod structure;
 pub mod study_fit;
 mod survey;
-mod tolerance_words;
 mod trend;
 mod tried;
 mod unknowns;
@@ -65,7 +64,6 @@ mod visited;
 /// Progress of long computations, and how they are stopped.
 pub mod watch;
 mod wheel_run;
-mod words;
 
 pub use cause::Cause;
 pub use channel_miss::ChannelMiss;
@@ -73,7 +71,7 @@ pub use cross_validation::{CrossValidation, GroupGain};
 pub use diagnose::{Outcome, Rival, diagnose, diagnose_watched, held_out};
 pub use diagnosis::{
     BaselineFit, CauseLimit, DetectionLimit, Diagnosis, Evidence, Finding, Gain, Indistinguishable,
-    NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
+    LAW_MISFIT, NextMeasurement, NoiseFound, Parameter, ToleranceFound, Unexplained, Verdict,
 };
 pub use diagnosis_problem::{Data, DiagnosisProblem};
 pub use fit::with_zero_guesses;

@@ -8,8 +8,6 @@ use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
 use super::scan::{Catalogue, first_member};
 use admire_identify::tolerance::EffectGroup;
 
-/// Millimetres a point may well be off, as the hypothesis has it.
-const SD: f64 = 3.0;
 /// Limits beyond so many millimetres are none,
 const FAR: f64 = 50.0;
 /// and of other causes those beyond so many times the size they may well have.
@@ -24,10 +22,10 @@ pub fn detection_limits(
         return Vec::new();
     };
     let millimetre = subject.millimetre();
-    let slab = SD * millimetre;
+    let slab = subject.problem.priors.hardpoint_mm * millimetre;
     let points = &subject.layer.points;
     // Each point in all directions and along each one alone.
-    let odds = super::causes::CLASS_PRIOR_PROBABILITY / (4 * points.len()) as f64;
+    let odds = subject.problem.priors.class_probability / (4 * points.len()) as f64;
     let mut out = Vec::new();
     for point in points {
         let name = |marker: &admire_solver::model::MarkerIx| {

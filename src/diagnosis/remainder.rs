@@ -12,7 +12,6 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::cause::Cause;
-use super::causes::CLASS_PRIOR_PROBABILITY;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::folds::{compared, unseen};
@@ -29,11 +28,6 @@ use admire_study::orientation::chi_square_p_value;
 const FAR: f64 = 0.8;
 /// A place stands out from so many nats on, the number of places tried taken off.
 const STANDS_OUT: f64 = 5.0;
-/// The law of a cause leaves something with this probability: rubber and friction follow no formula exactly,
-const LEAVES: f64 = 0.5;
-/// and that is at most this part of a usual force there.
-const LEFT: f64 = 0.3;
-
 /// What the force is a function of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -256,7 +250,7 @@ pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> V
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
     let mut out: Vec<Unnamed> = Vec::new();
-    for unnamed in found.map(|best| as_hypothesis(fitted, best)) {
+    for unnamed in found.map(|best| as_hypothesis(subject, fitted, best)) {
         if !out
             .iter()
             .any(|other| other.hypothesis.same_form(&unnamed.hypothesis))
@@ -276,13 +270,14 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
         parts.any(Hypothesis::is_left_by_law)
     };
     let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
+    let priors = subject.problem.priors;
     let left = |h: &Hypothesis| {
         let best = most_spoken_for(subject, fitted, &usual, Some(&h.address))?;
-        let mut left = as_hypothesis(fitted, best);
+        let mut left = as_hypothesis(subject, fitted, best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
         left.hypothesis.part = LEFT_BY_LAW;
-        left.hypothesis.ln_prior += libm::log(LEAVES / CLASS_PRIOR_PROBABILITY);
+        left.hypothesis.ln_prior += libm::log(priors.law_misfit / priors.class_probability);
         Some(left)
     };
     let open = Hypothesis::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
@@ -320,7 +315,7 @@ fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     columns.column_iter().enumerate().map(number).collect()
 }
 
-fn as_hypothesis(fitted: &FittedModel, found: Best) -> Unnamed {
+fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Best) -> Unnamed {
     let form = match found.process.over {
         Over::Deflection => "over deflection",
         Over::Load => "over a load",
@@ -340,7 +335,7 @@ fn as_hypothesis(fitted: &FittedModel, found: Best) -> Unnamed {
         numbers(&found.effect, &root),
     );
     let laws = found.tried * LAWS;
-    hypothesis.ln_prior = libm::log(CLASS_PRIOR_PROBABILITY / laws as f64);
+    hypothesis.ln_prior = libm::log(subject.problem.priors.class_probability / laws as f64);
     let step = &found.posterior.step - &found.taken_up * mean;
     let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
     let moved = x.map(|((x, step), prior)| match prior.group {
@@ -369,7 +364,7 @@ fn most_spoken_for(
     let reach = if let Some(address) = only {
         places.retain(|place| place.address == address);
         for place in &mut places {
-            place.force *= LEFT;
+            place.force *= survey.priors().law_misfit_size;
         }
         Reach::Short
     } else {

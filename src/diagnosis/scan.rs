@@ -60,7 +60,7 @@ impl Catalogue {
                 && h.cause == Cause::DryFriction
                 && !is_closed
             {
-                causes::dry_friction::further_slider(h, count);
+                causes::dry_friction::further_slider(&survey, h, count);
                 return true;
             }
             count == 0

@@ -7,7 +7,7 @@ use admire_session::backend::Load;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::system::{Reading, Scratch};
-use admire_study::Measurement;
+use admire_study::{CausePriors, Measurement};
 use admire_syntax::{Address, NewStatement};
 
 /// Where a part is held.
@@ -73,6 +73,11 @@ impl<'a> Survey<'a> {
             fitted,
             readings,
         }
+    }
+
+    /// `[priors]` of the study.
+    pub(super) fn priors(&self) -> &CausePriors {
+        self.subject.problem.priors
     }
 
     /// How many load cases there are.

@@ -4,6 +4,7 @@
 
 mod assignment;
 mod axle;
+mod commands;
 mod deck;
 mod deck_edits;
 mod error;
@@ -27,6 +28,7 @@ mod writing;
 pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
 pub(crate) use assignment::{Before, edits, new_errors, outline};
 pub use axle::{AxleTests, Beside};
+pub use commands::{Command, Commands};
 pub use deck::{Deck, Setting};
 pub(crate) use deck_edits::{
     edited, kind_with_ids, moving_parts, no_statement, removal, with_statements,

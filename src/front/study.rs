@@ -261,7 +261,7 @@ impl Study {
             .html()
             .map_err(|error| self.no_fit(&error.to_string()))?;
         Ok(DiagnosisAnswer {
-            sentences: outcome.sentences(),
+            sentences: admire_report::diagnosis_sentences(&outcome),
             commands: outcome.extended_commands(),
             deck,
             html,

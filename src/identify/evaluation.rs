@@ -21,7 +21,7 @@ pub struct ReadingMisfit {
 }
 
 /// A marker's frame in ground.
-pub(super) fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
+pub fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     let local = Pose {
         p: frame.qp,

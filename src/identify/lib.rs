@@ -21,13 +21,12 @@ mod noise;
 mod problem;
 pub mod regression;
 mod repeated;
-pub mod reproduction;
 pub mod slips;
 pub mod structure;
 pub mod tolerance;
 mod unknowns;
 
-pub use evaluation::written;
+pub use evaluation::{marker_pose, written};
 pub use evaluation::{ReadingMisfit, compare};
 pub use fit::{
     CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,

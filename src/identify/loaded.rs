@@ -129,6 +129,7 @@ impl LoadedStudy {
             settings: &self.study.identify,
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
+            priors: &self.study.priors,
             free: &self.free,
             unknowns: self.unknowns.clone(),
         }

@@ -7,7 +7,7 @@ use admire_session::backend::{
 };
 use admire_solver::model::Model;
 use admire_study::settings::{IdentifySettings, RegressionSettings};
-use admire_study::{Measurement, ToleranceSettings};
+use admire_study::{CausePriors, Measurement, ToleranceSettings};
 use admire_syntax::{Address, Dataset};
 
 /// All an identification works with.
@@ -27,6 +27,8 @@ pub struct Problem<'a> {
     pub regression: &'a RegressionSettings,
     /// `[tolerances]`.
     pub tolerances: &'a ToleranceSettings,
+    /// `[priors]`.
+    pub priors: &'a CausePriors,
     /// Motions of the deck that nothing resists.
     pub free: &'a FreeMotions,
     /// What is sought.

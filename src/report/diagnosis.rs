@@ -6,6 +6,7 @@ use admire_identify::global::{Row, UNIDENTIFIABLE};
 use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
+use super::diagnosis_text::{channel_sentence, diagnosis_sentences};
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
 use super::interval::IntervalScale;
 use super::limits;
@@ -194,10 +195,10 @@ impl DiagnosisReport<'_> {
         ]);
         page.paragraph(&format!("{lead} {}", fit_in_words(self.outcome)));
         let channels = self.outcome.channels();
-        let mut sentences = self.outcome.sentences();
+        let mut sentences = diagnosis_sentences(self.outcome);
         if channels.len() > 1 {
             // Many alike read better as a table.
-            sentences.retain(|text| channels.iter().all(|miss| miss.sentence() != *text));
+            sentences.retain(|text| channels.iter().all(|miss| channel_sentence(miss) != *text));
             page.table(&missed(&channels));
         }
         page.list(

@@ -15,6 +15,7 @@ mod chart;
 mod check;
 mod convergence;
 mod diagnosis;
+mod diagnosis_text;
 mod diagnosis_view;
 mod escape;
 mod figure;
@@ -39,6 +40,7 @@ mod slips;
 mod study_figures;
 mod study_view;
 mod table;
+mod tolerance_text;
 mod topology_graph;
 
 pub use bars::Bars;
@@ -47,6 +49,7 @@ pub use chart::Mark;
 pub use chart::Series;
 pub use check::Verdict;
 pub use diagnosis::DiagnosisReport;
+pub use diagnosis_text::diagnosis_sentences;
 pub use diagnosis_view::fit_in_words;
 pub use escape::escape;
 pub use figure::Figure;
@@ -59,7 +62,9 @@ pub use number::number;
 pub use page::Page;
 pub use plausibility::Plausibility;
 pub use ranking::sizes;
-pub use reproduction::ReproductionReport;
+pub use reproduction::{
+    Comparison, Curve, ReproducedCurves, ReproducedSection, ReproductionReport,
+};
 pub use scene::Scene;
 pub use study_view::Positions;
 pub(crate) use study_view::study_scene;

@@ -1,14 +1,87 @@
 //! The page of the paper's validations run again.
 
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
-use admire_identify::reproduction::Section;
 use admire_results::Timestamp;
+use serde::Serialize;
+
+/// A table of texts: a head, and rows as long as the head.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct Comparison {
+    /// What it shows.
+    pub title: String,
+    /// Column heads.
+    pub head: Vec<String>,
+    /// Rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Curves over one load.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct ReproducedCurves {
+    /// What it shows.
+    pub title: String,
+    /// The load, with its unit.
+    pub x: String,
+    /// The angle, with its unit.
+    pub y: String,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// One of the paper's validations.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct ReproducedSection {
+    /// `4.2 pseudo McPherson, no noise`.
+    pub title: String,
+    /// Tables.
+    pub tables: Vec<Comparison>,
+    /// Curves.
+    pub figures: Vec<ReproducedCurves>,
+    /// What the tables say, one sentence each.
+    pub findings: Vec<String>,
+    /// What cannot be compared, and why.
+    pub limits: Vec<String>,
+}
+
+/// An angle over a load.
+#[derive(Clone, PartialEq, Debug, Default, Serialize)]
+pub struct Curve {
+    /// Whose.
+    pub name: String,
+    /// (load, angle in degrees), in the order of application.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Curve {
+    /// The same as a change from where `load` is zero, or from its first point.
+    pub fn since_zero(mut self) -> Self {
+        let zero = self.points.iter().find(|(load, _)| *load == 0.0);
+        let zero = zero
+            .or(self.points.first())
+            .map_or(0.0, |(_, angle)| *angle);
+        for (_, angle) in &mut self.points {
+            *angle -= zero;
+        }
+        self
+    }
+
+    /// Rms difference of two curves over the same loads.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let squares: f64 = self
+            .points
+            .iter()
+            .zip(&other.points)
+            .map(|((_, a), (_, b))| (a - b).powi(2))
+            .sum();
+        (squares / self.points.len().min(other.points.len()).max(1) as f64).sqrt()
+    }
+}
 
 /// What the page shows.
 #[derive(Clone, Debug)]
 pub struct ReproductionReport<'a> {
     /// The validations.
-    pub sections: &'a [Section],
+    pub sections: &'a [ReproducedSection],
 }
 
 impl ReproductionReport<'_> {
@@ -30,7 +103,7 @@ impl ReproductionReport<'_> {
             ("Date", format!("{} UTC", Timestamp::now().date_time())),
             ("Made by", format!("admire {}, built-in solver", super::VERSION)),
         ]);
-        let answer = |section: &Section| {
+        let answer = |section: &ReproducedSection| {
             let finding = section.findings.last()?;
             Some(format!("{}: {finding}", section.title))
         };

@@ -10,6 +10,7 @@
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 mod check;
+mod constant;
 pub mod deflection;
 /// A digest of files.
 pub mod digest;
@@ -24,6 +25,7 @@ mod missing;
 pub mod noise;
 pub mod orientation;
 pub mod permission;
+mod priors;
 pub mod resolve;
 mod rigidity;
 mod rows;
@@ -45,6 +47,7 @@ mod tests;
 pub mod wheel;
 mod wheel_readings;
 
+pub use constant::Constant;
 pub use digest::digest;
 pub use frame_place::FramePlace;
 pub use kc_curves::Curve;
@@ -55,6 +58,7 @@ pub use measurement::{Case, Channel, Measurement, Reference, Wheel};
 pub use missing::missing;
 pub use noise::Noise;
 pub use permission::NamedProgram;
+pub use priors::CausePriors;
 pub use resolve::part;
 pub use rigidity::ForeignMarks;
 pub use rigidity::foreign_marks;

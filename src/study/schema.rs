@@ -107,6 +107,7 @@ fn holds(what: &ValueType) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CausePriors;
 
     #[test]
     fn every_key_the_reader_knows_is_explained_in_the_guide() {
@@ -120,6 +121,22 @@ mod tests {
             "no row of the guide explains {lacking:?}"
         );
         assert!(study_keys().len() > 50);
+    }
+
+    #[test]
+    fn priors_of_the_guide_are_those_of_the_program() {
+        for prior in CausePriors::TABLE {
+            let term = format!("priors.{}", prior.name);
+            let row = glossary::entries().find(|entry| entry.term == term);
+            let cells = row.expect("a row of the guide").cells;
+            let said: Vec<&str> = cells.iter().map(|(_, text)| *text).collect();
+            let meaning = prior.meaning.trim().trim_end_matches('.');
+            assert_eq!(
+                said[said.len() - 2..],
+                [&format!("`{}`", prior.value), meaning]
+            );
+            assert!(prior.unit.is_empty() || said[0] == prior.unit, "{term}");
+        }
     }
 
     /// And the guide explains no key that is none.

@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
 use super::kc_curves::KcSettings;
+use super::priors::CausePriors;
 use super::section::{Key, SchemaRecorder, Section, SpannedText};
 use super::settings::{
     ChannelSettings, IdentifySettings, RegressionSettings, SolverSettings, WheelSettings,
@@ -60,6 +61,8 @@ pub struct Study {
     pub regression: RegressionSettings,
     /// `[tolerances]`.
     pub tolerances: ToleranceSettings,
+    /// `[priors]`.
+    pub priors: CausePriors,
     /// `[validate] hold_out`, if given.
     pub hold_out: Option<Vec<SpannedText>>,
     /// `[reference] deck`: for reports only.
@@ -333,6 +336,10 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     let tolerances = ToleranceSettings::read(&mut section, out);
     section.finish(out);
 
+    let mut section = root.section("priors", out);
+    let priors = CausePriors::read(&mut section, out);
+    section.finish(out);
+
     let mut section = root.section("validate", out);
     let hold_out = section.texts("hold_out", out);
     section.finish(out);
@@ -359,6 +366,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
         identify,
         regression,
         tolerances,
+        priors,
         hold_out,
         reference: reference.map(|(source, _)| source),
     })

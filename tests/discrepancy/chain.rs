@@ -1,5 +1,6 @@
 //! Springs in series, marks on the last body: places that no reading tells apart, and effects that a refit would take up whole.
 
+use admire_report::diagnosis_sentences;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -86,7 +87,7 @@ fn diagnosed(part: f64, progress: &Progress) -> (Diagnosis, Vec<String>) {
     let held = held_out(&loaded.study, &loaded.measurement);
     let problem = loaded.problem();
     let found = diagnose_watched(&problem, held, GainCheck::default(), progress).unwrap();
-    let sentences = found.sentences();
+    let sentences = diagnosis_sentences(&found);
     (found.diagnosis, sentences)
 }
 

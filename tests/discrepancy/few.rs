@@ -1,5 +1,6 @@
 //! Readings that tell little of themselves: six load cases whose marks scatter widely, three marks of which one is wrong, the wheel alone.
 
+use admire_report::diagnosis_sentences;
 use std::path::Path;
 
 use admire_diagnosis::{
@@ -47,7 +48,7 @@ fn told(change: impl Fn(&Path), options: &RigOptions) -> (Diagnosis, Vec<String>
     let problem = loaded.problem();
     let found = diagnose_watched(&problem, held, GainCheck::Quick, &Progress::default());
     let outcome = found.unwrap();
-    let sentences = outcome.sentences();
+    let sentences = diagnosis_sentences(&outcome);
     (outcome.diagnosis, sentences)
 }
 

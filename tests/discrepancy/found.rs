@@ -1,6 +1,7 @@
 use super::plant::{Plant, study};
 use admire_diagnosis::{Outcome, diagnose, held_out};
 use admire_identify::LoadedStudy;
+use admire_report::diagnosis_sentences;
 
 /// Table 2 of the paper: up and down, so that hysteresis shows.
 pub const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal
@@ -46,7 +47,7 @@ pub fn named(
         started.elapsed().as_secs_f64(),
         diagnosis.to_json()
     );
-    println!("{}", outcome.sentences().join("\n"));
+    println!("{}", diagnosis_sentences(&outcome).join("\n"));
     let first = diagnosis.findings.first();
     let named = first.map_or(("", ""), |f| (f.cause.as_str(), f.address.as_str()));
     let among = first.is_some_and(|f| {

@@ -1,5 +1,6 @@
 //! The shipped study of K&C curves: toe, camber, caster and displacements of one wheel in loops, nothing else.
 
+use admire_report::diagnosis_sentences;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,7 +13,7 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     let loaded = LoadedStudy::read(&root.join("kc-curves")).value.unwrap();
     let problem = loaded.problem();
     let outcome = diagnose(&problem, held_out(&loaded.study, &loaded.measurement)).unwrap();
-    println!("{}", outcome.sentences().join("\n"));
+    println!("{}", diagnosis_sentences(&outcome).join("\n"));
     let diagnosis = &outcome.diagnosis;
     assert_eq!(diagnosis.verdict, Verdict::Discrepancy);
     let truth = std::fs::read_to_string(root.join("rigs/kc-curves/effects.txt")).unwrap();

@@ -1,5 +1,6 @@
 //! The shipped K&C experiment from its folder to the loop of figure 11; only then its sealed truth.
 
+use admire_report::diagnosis_sentences;
 use std::path::Path;
 
 use admire_diagnosis::{Finding, Outcome, Verdict, diagnose, held_out};
@@ -37,7 +38,7 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
     let diagnosis = &outcome.diagnosis;
     println!(
         "{}\n{}",
-        outcome.sentences().join("\n"),
+        diagnosis_sentences(&outcome).join("\n"),
         diagnosis.to_json()
     );
     // Hypotheses are tried side by side; how many at a time changes not one digit.

@@ -1,6 +1,10 @@
 //! `admire reproduce`: what the paper printed beside what the same methods give on our axles.
 
-use admire_identify::reproduction::{STAGES, Section, reproduce};
+use admire_report::ReproducedSection as Section;
+use reproduction::{STAGES, reproduce};
+
+#[path = "../../corpus/rust/reproduce_paper/mod.rs"]
+mod reproduction;
 
 fn cell<'a>(section: &'a Section, table: &str, row: &str, column: &str) -> &'a str {
     let table = section

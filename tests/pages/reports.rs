@@ -1,8 +1,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use admire_identify::reproduction::{self, Comparison, Section};
-use admire_report::ReproductionReport;
+use admire_report::{Comparison, Curve, ReproducedCurves, ReproducedSection, ReproductionReport};
 
 use super::browser::{Seen, chromium, sound};
 
@@ -81,7 +80,7 @@ fn the_report_of_a_diagnosis_is_whole() {
 fn the_page_of_the_papers_validations_is_whole() {
     let Some(chromium) = chromium() else { return };
     let texts = |words: &[&str]| words.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let section = Section {
+    let section = ReproducedSection {
         title: "4.3 multilink, all stiffnesses".to_string(),
         tables: vec![Comparison {
             title: "identification of all stiffnesses".to_string(),
@@ -112,11 +111,11 @@ fn the_page_of_the_papers_validations_is_whole() {
                 ]),
             ],
         }],
-        figures: vec![reproduction::Figure {
+        figures: vec![ReproducedCurves {
             title: "figure 9, steer".to_string(),
             x: "lateral force, newton".to_string(),
             y: "steer, degrees".to_string(),
-            curves: vec![reproduction::Curve {
+            curves: vec![Curve {
                 name: "loop without noise".to_string(),
                 points: (-4..=4)
                     .map(|k| (1000.0 * f64::from(k), 0.1 * f64::from(k)))

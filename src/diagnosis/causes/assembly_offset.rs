@@ -9,9 +9,6 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Millimetres and degrees a bushing may well be off.
-const SD: (f64, f64) = (0.5, 0.5);
-
 /// Every bushing, out of centre and askew.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
@@ -27,7 +24,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 address.clone(),
                 "shift",
                 members,
-                SD.0 * survey.millimetre(),
+                survey.priors().bushing_offset_mm * survey.millimetre(),
             ));
         }
         let stiffnesses = survey.stiffnesses(k);
@@ -39,7 +36,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 column,
                 ..EffectParameter::new(
                     SIX[axis],
-                    SD.1.to_radians(),
+                    survey.priors().bushing_offset_deg.to_radians(),
                     Parametrisation::Offset { stiffness, preload },
                 )
             }

@@ -9,9 +9,6 @@ use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
 use super::super::survey::Survey;
 
-/// Millimetres per newton a bracket that holds a joint may well yield, and the seat of a spring, which often is rubber.
-const SD: (f64, f64) = (1e-4, 5e-4);
-
 /// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
 pub(super) const IN_LINE: &str = "holds a link";
 
@@ -81,7 +78,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             format!("JOINT/{}", joint.header.id),
             (joint.i, joint.j),
             forces,
-            SD.0,
+            survey.priors().body_compliance_mm_per_n,
         );
     }
     for spring in model.springdampers.iter().filter(|s| s.header.active) {
@@ -91,7 +88,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             format!("SPRINGDAMPER/{}", spring.header.id),
             (spring.i, spring.j),
             forces,
-            SD.1,
+            survey.priors().spring_seat_compliance_mm_per_n,
         );
     }
 }

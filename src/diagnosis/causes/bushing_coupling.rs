@@ -28,9 +28,6 @@ const PAIRS: [(usize, usize, &str); 15] = [
     (4, 5, "ry-rz"),
 ];
 
-/// A coupling grows with the deflection with this probability.
-const GROWS: f64 = 0.3;
-
 /// Every pair of components of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (at, bushing) in survey.model.bushings.iter().enumerate() {
@@ -88,7 +85,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
                     ..EffectParameter::new(
                         form,
-                        0.1 * size,
+                        survey.priors().bushing_coupling * size,
                         Parametrisation::Extended(vec![entry(a, b), entry(b, a)]),
                     )
                 }],
@@ -175,6 +172,6 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
     );
     growth.changes = changes.into_iter().map(Change::Add).collect();
     growth.part = 1;
-    growth.ln_prior = libm::log(GROWS);
+    growth.ln_prior = libm::log(survey.priors().growing_coupling);
     Some(growth)
 }

@@ -5,9 +5,6 @@ use super::super::hypothesis::{Hypothesis, SIX};
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Radians a bushing may well be turned.
-const SD: f64 = 0.17;
-
 /// Every bushing, about each of its axes alone and about all of them.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
@@ -27,7 +24,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 address.clone(),
                 name,
                 angles,
-                SD,
+                survey.priors().bushing_orientation_deg.to_radians(),
             ));
         };
         for (angle, axis) in angles.iter().zip(SIX) {

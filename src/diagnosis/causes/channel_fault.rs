@@ -50,7 +50,11 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .map(|(at, reading)| (*at, reading + survey.misfit(*at)));
         let gain = EffectParameter {
             column: Sensitivity::Rows(predicted.collect()),
-            ..EffectParameter::new("gain", 0.1, Parametrisation::Gain(readings))
+            ..EffectParameter::new(
+                "gain",
+                survey.priors().channel_gain,
+                Parametrisation::Gain(readings),
+            )
         };
         put("gain", gain);
         let zero = read.iter().map(|(at, _, _)| (*at, -1.0 / info.sigma));

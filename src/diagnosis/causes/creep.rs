@@ -14,9 +14,6 @@ use super::super::survey::{Survey, statement};
 /// the reading: near one it would be a force by the last step, which equal steps cannot tell from friction.
 const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.5, "fast")];
 
-/// The part of a stiffness that may well belong to rubber that flows, and how far the rate may be from where it starts.
-const SD: (f64, f64) = (0.3, 0.15);
-
 /// Every component of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let bushings = survey.model.bushings.iter().enumerate();
@@ -40,7 +37,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     column: Sensitivity::Wrench(pair, forces.collect()),
                     ..EffectParameter::new(
                         "stiffness",
-                        SD.0 * stiffness[axis],
+                        survey.priors().creep_share * stiffness[axis],
                         Parametrisation::Extended(vec![(
                             number("GFORCE", force, FORCES[axis], Some(1)),
                             1.0,
@@ -51,7 +48,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     mean: rate,
                     ..EffectParameter::new(
                         "rate",
-                        SD.1,
+                        survey.priors().creep_rate,
                         Parametrisation::Extended(vec![(literal(flow), 1.0)]),
                     )
                 };

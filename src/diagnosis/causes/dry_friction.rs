@@ -15,10 +15,6 @@ use super::super::survey::Survey;
 
 use super::super::survey::statement;
 
-/// Newtons of friction that are nothing unusual.
-const SD: f64 = 300.0;
-/// The usual slip length as a part of the range of the displacement, and how far off that may be by the logarithm.
-const LENGTH: (f64, f64) = (0.06, 1.5);
 /// Where the search begins: slip lengths as parts of the range, and the force in the first case as a part of the limit.
 const FORMS: [(f64, f64, &str); 9] = [
     (0.01, 0.0, "short, free at first"),
@@ -32,23 +28,15 @@ const FORMS: [(f64, f64, &str); 9] = [
     (0.3, -1.0, "long, pulled at first"),
 ];
 
-/// The limit of a friction is reached by degrees with this probability.
-const GRADUAL: f64 = 0.3;
-
 /// Sliders of one friction at most.
 pub(crate) const SLIDERS: usize = 3;
 
 /// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
 /// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub(crate) fn further_slider(h: &mut Hypothesis, part: usize) {
+pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, part: usize) {
     h.part = part;
-    h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
+    h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
-
-/// The limit of a friction differs by direction with this probability,
-const DIFFERS: f64 = 0.1;
-/// and usually by this part of it, up and down.
-const BY: f64 = 0.3;
 
 /// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
 /// whose spring starts elsewhere and whose limits are this force apart from the mean.
@@ -72,7 +60,7 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
             column: Sensitivity::Wrench(*pair, against),
             ..EffectParameter::new(
                 "asymmetry",
-                BY * force,
+                survey.priors().friction_asymmetry_size * force,
                 Parametrisation::Extended(vec![(
                     number("GFORCE", gforce, FORCES[axis], Some(1)),
                     1.0,
@@ -82,7 +70,7 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
         let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
         out.changes = changes.into_iter().map(Change::Add).collect();
         out.part = BY_DIRECTION;
-        out.ln_prior = libm::log(DIFFERS);
+        out.ln_prior = libm::log(survey.priors().friction_asymmetry);
         (force > 0.0).then_some(out)
     };
     chosen.iter().enumerate().filter_map(of).collect()
@@ -192,7 +180,7 @@ fn put(
                     column: Sensitivity::Wrench(pair, wrench),
                     ..EffectParameter::new(
                         "force",
-                        SD * survey.newton() * lever,
+                        survey.priors().friction_n * survey.newton() * lever,
                         Parametrisation::Extended(vec![(literal(1), 1.0)]),
                     )
                 },
@@ -200,11 +188,11 @@ fn put(
                     column: unfelt.clone(),
                     ..EffectParameter::new(
                         "stiffness",
-                        LENGTH.1,
+                        survey.priors().slip_length_ln_sd,
                         Parametrisation::SlipLength {
                             address: literal(last),
                             start: length,
-                            usual: LENGTH.0 * range,
+                            usual: survey.priors().slip_length * range,
                         },
                     )
                 },

@@ -6,17 +6,13 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
-/// Parts of themselves by which numbers may well be wrong: rates of springs, their preloads, and rubber, of which data sheets often
-/// give the dynamic stiffness, which is half as large again.
-const SD: (f64, f64, f64) = (0.1, 0.05, 0.4);
-
 /// Rates and preloads of springs, and stiffnesses of bushings that are not identified.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
-            EffectGroup::Preloads => SD.1,
-            EffectGroup::SpringRates => SD.0,
-            _ => SD.2,
+            EffectGroup::Preloads => survey.priors().spring_preload,
+            EffectGroup::SpringRates => survey.priors().spring_rate,
+            _ => survey.priors().rubber_stiffness,
         };
         let mut hypothesis = Hypothesis::outstanding(
             Cause::ElementParameter,
@@ -52,7 +48,7 @@ fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             column: Sensitivity::Always(vec![(length.clone(), 1.0)]),
             ..EffectParameter::new(
                 "change",
-                SD.1 * force / spring.stiffness,
+                survey.priors().spring_preload * force / spring.stiffness,
                 Parametrisation::Extended(vec![(length.clone(), 1.0)]),
             )
         };

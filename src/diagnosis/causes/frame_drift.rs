@@ -7,9 +7,6 @@ use super::super::frame::by_frame;
 use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity};
 use super::super::survey::Survey;
 
-/// Millimetres and degrees a frame may well move.
-const SD: (f64, f64) = (0.2, 0.03);
-
 /// Every load case with marks: a shift and a turn about the centroid of its marks.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
@@ -22,9 +19,9 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let columns = by_frame(survey.rows(), case, &places, (survey.sigma(), 1.0));
         let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
             let sd = if k < 3 {
-                SD.0 * survey.millimetre()
+                survey.priors().frame_shift_mm * survey.millimetre()
             } else {
-                SD.1.to_radians()
+                survey.priors().frame_turn_deg.to_radians()
             };
             EffectParameter::linear(SIX[k], sd, Sensitivity::Rows(rows))
         });

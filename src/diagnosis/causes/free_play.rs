@@ -9,22 +9,13 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use super::link_compliance::link_ends;
 
-/// Millimetres of play that are nothing unusual in a joint that is worn.
-const SD: f64 = 0.2;
-/// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
-const HELD: f64 = 0.02;
-/// Sd of the logarithm of the stiffness within the play.
-const SPREAD: f64 = 1.5;
-/// Newtons per millimetre of the contact of a ball joint, and sd of its logarithm.
-const CONTACT: (f64, f64) = (1e5, 1.0);
-
 /// Every movable part with exactly two attachments, at both ends.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
-    let sd = SD * survey.millimetre();
+    let sd = survey.priors().free_play_mm * survey.millimetre();
     for end in link_ends(survey) {
         let most = end.tension.iter().fold(0.0_f64, |m, n| m.max(n.abs()));
-        let held = HELD * most;
+        let held = survey.priors().free_play_held * most;
         if !(held > 0.0) {
             continue;
         }
@@ -32,7 +23,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let within = held / (0.5 * sd);
         let (bushing, pair, mut changes) = end.split(survey, within);
         let measure = format!("DZ({},{},{})", pair[0], pair[1], pair[1]);
-        let contact = CONTACT.0 * per_length;
+        let contact = survey.priors().contact_stiffness_n_per_mm * per_length;
         let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
         let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
@@ -55,7 +46,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 },
                 EffectParameter::new(
                     "stiffness",
-                    SPREAD,
+                    survey.priors().free_play_stiffness_ln_sd,
                     Parametrisation::Rate {
                         address: number("BUSHING", bushing, "K", Some(3)),
                         usual: within,
@@ -63,7 +54,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 ),
                 EffectParameter::new(
                     "contact",
-                    CONTACT.1,
+                    survey.priors().contact_stiffness_ln_sd,
                     Parametrisation::Rate {
                         address: number("GFORCE", force, "FZ", Some(1)),
                         usual: contact,

@@ -10,9 +10,6 @@ use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
-/// Millimetres a point may well be off, and a part made wrong.
-const SD: (f64, f64) = (3.0, 1.5);
-
 /// Every point, in all directions and along each one alone; and every end of a joint, primitive or spring.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
@@ -25,7 +22,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let members = survey.members(EffectGroup::Hardpoints, &names[0]);
         let mut put = |form, members: Vec<(usize, String)>| {
             if !members.is_empty() {
-                let sd = SD.0 * survey.millimetre();
+                let sd = survey.priors().hardpoint_mm * survey.millimetre();
                 out.push(Hypothesis {
                     members: names.clone(),
                     side: "point",
@@ -70,7 +67,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     .filter(|c| unit[*c] != 0.0)
                     .map(|c| (number("MARKER", id, "QP", Some(c + 1)), unit[c]))
                     .collect();
-                let sd = SD.1 * survey.millimetre();
+                let sd = survey.priors().part_end_mm * survey.millimetre();
                 EffectParameter::linear(SIX[k], sd, Sensitivity::Always(column))
             });
             out.push(Hypothesis {

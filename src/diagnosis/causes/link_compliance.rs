@@ -11,9 +11,6 @@ use super::super::hypothesis::{
 };
 use super::super::survey::Survey;
 
-/// Millimetres per newton a link may well yield.
-const SD: f64 = 1e-4;
-
 /// One end of a movable part with exactly two attachments.
 pub(super) struct LinkEnd {
     /// Id of the part.
@@ -115,7 +112,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 column: Sensitivity::PerCase(end.moved(|n| n)),
                 ..EffectParameter::new(
                     "compliance",
-                    SD / per_length,
+                    survey.priors().link_compliance_mm_per_n / per_length,
                     Parametrisation::Compliance(vec![number("BUSHING", bushing, "K", Some(3))]),
                 )
             }],

@@ -6,9 +6,6 @@ use super::super::survey::Survey;
 use super::load_gain::growing;
 use admire_identify::tolerance::EffectGroup;
 
-/// Rigs keep cross-talk to a few percent.
-const SD: f64 = 0.02;
-
 /// Every ordered pair of loads.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let loads = survey.loads();
@@ -21,10 +18,16 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     address.clone(),
                     "",
                     [(member, "fraction".to_string())],
-                    SD,
+                    survey.priors().load_crosstalk,
                 ));
                 let pair = (&to.target, &from.target);
-                out.push(growing(survey, Cause::LoadCrosstalk, &address, pair, SD));
+                out.push(growing(
+                    survey,
+                    Cause::LoadCrosstalk,
+                    &address,
+                    pair,
+                    survey.priors().load_crosstalk,
+                ));
             }
         }
     }

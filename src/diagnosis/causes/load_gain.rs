@@ -6,9 +6,6 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
-/// A load cell may well be wrong by so much.
-const SD: f64 = 0.03;
-
 /// Every load of the study.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for load in survey.loads() {
@@ -19,14 +16,14 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 address.clone(),
                 "",
                 [(member, "gain".to_string())],
-                SD,
+                survey.priors().load_gain,
             ));
             out.push(growing(
                 survey,
                 Cause::LoadGain,
                 &address,
                 (&load.target, &load.target),
-                SD,
+                survey.priors().load_gain,
             ));
         }
     }

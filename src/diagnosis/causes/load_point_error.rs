@@ -5,15 +5,12 @@ use super::super::hypothesis::Hypothesis;
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Millimetres a contact patch may well be off.
-const SD: f64 = 10.0;
-
 /// The point of every driven force, once.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);
         let members = survey.members(EffectGroup::LoadPoints, &address);
-        let sd = SD * survey.millimetre();
+        let sd = survey.priors().load_point_mm * survey.millimetre();
         for (axis, form) in ["along x", "along y", "along z"].into_iter().enumerate() {
             if let Some(member) = members.get(axis) {
                 out.push(Hypothesis::outstanding(

@@ -24,9 +24,6 @@ use super::cause::Cause;
 use super::hypothesis::Hypothesis;
 use super::survey::Survey;
 
-/// Each class of causes is there with this probability, divided equally among its places and forms.
-pub(super) const CLASS_PRIOR_PROBABILITY: f64 = 0.05;
-
 /// Every hypothesis at every place of the deck, in a fixed order.
 pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let mut out = Vec::new();
@@ -61,13 +58,13 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     }
     for h in &mut out {
         let count = counts.iter().find(|(of, _)| *of == class(h));
-        h.ln_prior = libm::log(CLASS_PRIOR_PROBABILITY / count.map_or(1.0, |(_, count)| *count));
+        h.ln_prior =
+            libm::log(survey.priors().class_probability / count.map_or(1.0, |(_, count)| *count));
         if h.form == body_compliance::IN_LINE {
-            h.ln_prior -= std::f64::consts::LN_2;
+            h.ln_prior += libm::log(survey.priors().in_line_odds);
         }
-        // Rubber flows in hours; the cases of most measurements follow one another faster.
         if h.cause == Cause::Creep {
-            h.ln_prior -= libm::log(5f64);
+            h.ln_prior += libm::log(survey.priors().creep_odds);
         }
     }
     out

@@ -63,7 +63,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         column: Sensitivity::Wrench((bushing.i, bushing.j), wrench),
                         ..EffectParameter::new(
                             ["", "", "quadratic", "cubic", "", "quintic"][power as usize],
-                            0.5 * stiffness[axis] * largest / rise(largest),
+                            survey.priors().progressive_stiffness * stiffness[axis] * largest
+                                / rise(largest),
                             Parametrisation::Extended(vec![(address, 1.0)]),
                         )
                     }

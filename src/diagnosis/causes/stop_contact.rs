@@ -18,9 +18,6 @@ const GRID: [(f64, &str, &str); 4] = [
     (0.85, "above 0.85", "below 0.85"),
 ];
 
-/// Newtons per millimetre of a buffer that is nothing unusual.
-const SD: f64 = 2000.0;
-
 /// Joints that slide, and springs along their length, at both ends of their travel.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
@@ -186,7 +183,7 @@ fn stops(
                     column: wrench(1),
                     ..EffectParameter::new(
                         "stiffness",
-                        SD * per_length,
+                        survey.priors().stop_stiffness_n_per_mm * per_length,
                         Parametrisation::Extended(vec![(slot(1), 1.0)]),
                     )
                 },
@@ -194,13 +191,14 @@ fn stops(
                     column: wrench(3),
                     ..EffectParameter::new(
                         "hardening",
-                        SD * per_length / (0.3 * range).powi(2),
+                        survey.priors().stop_stiffness_n_per_mm * per_length
+                            / (survey.priors().stop_hardening * range).powi(2),
                         Parametrisation::Extended(vec![(slot(second + 1), 1.0)]),
                     )
                 },
                 EffectParameter::new(
                     "clearance_shift",
-                    0.2 * range,
+                    survey.priors().stop_clearance * range,
                     Parametrisation::Extended(clearances),
                 ),
             ],

@@ -2,10 +2,10 @@
 
 use super::curves::{Wheel, by_fit, by_loop, ramp, read_reference, wheel_curves};
 use super::{
-    Comparison, Curve, Figure, ReproductionError, Section, iterations, median_error, range, ratios,
-    texts, truth, unidentified,
+    Comparison, Curve, ReproducedCurves, ReproductionError, Section, iterations, median_error,
+    range, ratios, texts, truth, unidentified,
 };
-use crate::{Fit, LoadedStudy};
+use admire_identify::{Fit, LoadedStudy};
 use admire_study::settings::{Slope, Weights};
 
 /// What the paper prints: iterations to a step test of 0.05, and how many of how many kept their start.
@@ -116,7 +116,7 @@ pub(super) fn section(
                 .map(|(what, values)| (format!("{who} {what}"), values)),
         );
     }
-    let mut figures = [("a", "camber"), ("b", "steer")].map(|(letter, angle)| Figure {
+    let mut figures = [("a", "camber"), ("b", "steer")].map(|(letter, angle)| ReproducedCurves {
         title: format!("figure 9-{letter}: {angle} under cornering force"),
         x: "lateral force, N".to_string(),
         y: format!("change of {angle}, degrees"),
@@ -138,7 +138,7 @@ pub(super) fn section(
             .enumerate()
             .filter(|(k, _)| *k != 1)
             .map(|(k, curve)| {
-                let of = |figure: &Figure| {
+                let of = |figure: &ReproducedCurves| {
                     format!("{:.4}", figure.curves[k].distance(&figure.curves[1]))
                 };
                 vec![curve.name.clone(), of(&figures[0]), of(&figures[1])]
@@ -196,7 +196,7 @@ fn ordering(curves: &[Curve], angle: &str) -> String {
         (false, false) => "not the paper's order",
     };
     format!(
-        "Figure 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
+        "ReproducedCurves 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
         names.join(", ")
     )
 }

@@ -9,51 +9,9 @@ mod multilink;
 
 use std::path::Path;
 
-use serde::Serialize;
-
-use super::{Fit, IdentifyError, LoadedStudy, ParameterFit, Status};
+use admire_identify::{Fit, IdentifyError, LoadedStudy, ParameterFit, Status};
+use admire_report::{Comparison, Curve, ReproducedCurves, ReproducedSection as Section};
 use admire_syntax::diagnostic::Diagnostic;
-
-pub use curves::Curve;
-
-/// A table of texts: a head, and rows as long as the head.
-#[derive(Clone, PartialEq, Debug, Default, Serialize)]
-pub struct Comparison {
-    /// What it shows.
-    pub title: String,
-    /// Column heads.
-    pub head: Vec<String>,
-    /// Rows.
-    pub rows: Vec<Vec<String>>,
-}
-
-/// Curves over one load.
-#[derive(Clone, PartialEq, Debug, Default, Serialize)]
-pub struct Figure {
-    /// What it shows.
-    pub title: String,
-    /// The load, with its unit.
-    pub x: String,
-    /// The angle, with its unit.
-    pub y: String,
-    /// The curves.
-    pub curves: Vec<Curve>,
-}
-
-/// One of the paper's validations.
-#[derive(Clone, PartialEq, Debug, Default, Serialize)]
-pub struct Section {
-    /// `4.2 pseudo McPherson, no noise`.
-    pub title: String,
-    /// Tables.
-    pub tables: Vec<Comparison>,
-    /// Curves.
-    pub figures: Vec<Figure>,
-    /// What the tables say, one sentence each.
-    pub findings: Vec<String>,
-    /// What cannot be compared, and why.
-    pub limits: Vec<String>,
-}
 
 /// Why a section could not be made.
 #[derive(Debug, thiserror::Error)]

@@ -1,11 +1,9 @@
 use std::ops::ControlFlow;
 
-use serde::Serialize;
-
-use super::ReproductionError;
-use crate::evaluation::marker_pose;
-use crate::global::{GlobalFit, Options, Prepared, fit_study};
-use crate::{Fit, IdentifyError, LoadedStudy, regression};
+use super::{Curve, ReproductionError};
+use admire_identify::marker_pose;
+use admire_identify::global::{GlobalFit, Options, Prepared, fit_study};
+use admire_identify::{Fit, IdentifyError, LoadedStudy, regression};
 use admire_session::backend::{
     Backend, BackendError, LoadCase, LoadProgramme, NativeBackend, Sweep, SweepRequest,
 };
@@ -14,40 +12,6 @@ use admire_solver::model::{MarkerIx, Model};
 use admire_study::noise::Noise;
 use admire_study::settings::SpinAxis;
 use admire_study::wheel::SpinDirection;
-
-/// An angle over a load.
-#[derive(Clone, PartialEq, Debug, Default, Serialize)]
-pub struct Curve {
-    /// Whose.
-    pub name: String,
-    /// (load, angle in degrees), in the order of application.
-    pub points: Vec<(f64, f64)>,
-}
-
-impl Curve {
-    /// The same as a change from where `load` is zero, or from its first point.
-    pub(super) fn since_zero(mut self) -> Self {
-        let zero = self.points.iter().find(|(load, _)| *load == 0.0);
-        let zero = zero
-            .or(self.points.first())
-            .map_or(0.0, |(_, angle)| *angle);
-        for (_, angle) in &mut self.points {
-            *angle -= zero;
-        }
-        self
-    }
-
-    /// Rms difference of two curves over the same loads.
-    pub(super) fn distance(&self, other: &Self) -> f64 {
-        let squares: f64 = self
-            .points
-            .iter()
-            .zip(&other.points)
-            .map(|((_, a), (_, b))| (a - b).powi(2))
-            .sum();
-        (squares / self.points.len().min(other.points.len()).max(1) as f64).sqrt()
-    }
-}
 
 /// Replaces the readings of the marks by what the reference deck does, with normal noise.
 pub(super) fn read_reference(

@@ -1,8 +1,11 @@
 //! Section 4.4: the pseudo McPherson on a rig whose bushings have friction and whose tie rod yields.
 
-use super::curves::{Curve, Wheel, by_fit, by_loop, wheel_curves};
-use super::{Comparison, Figure, ReproductionError, Section, iterations, texts, unidentified};
-use crate::{Fit, LoadedStudy, Status};
+use super::curves::{Wheel, by_fit, by_loop, wheel_curves};
+use super::{
+    Comparison, Curve, ReproducedCurves, ReproductionError, Section, iterations, texts,
+    unidentified,
+};
+use admire_identify::{Fit, LoadedStudy, Status};
 use admire_session::backend::LoadProgramme;
 use admire_study::settings::{Slope, Weights};
 
@@ -111,7 +114,7 @@ pub(super) fn section(
                 .collect(),
         );
         findings.push(finding(letter, &apart, width));
-        figures.push(Figure {
+        figures.push(ReproducedCurves {
             title: format!("figure 11-{letter}: steer under {name}, loading and unloading"),
             x: format!("{load} force, N"),
             y: "change of steer, degrees".to_string(),
@@ -128,7 +131,7 @@ pub(super) fn section(
             "The paper measured a real axle; ours is a virtual rig whose bushing has dry friction and whose tie rod yields, the two \
              effects the paper names. How much of each its axle had is not printed."
                 .to_string(),
-            "Figure 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
+            "ReproducedCurves 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
              be compared."
                 .to_string(),
         ],
@@ -226,7 +229,7 @@ fn finding(letter: &str, apart: &[f64], width: f64) -> String {
         }
     };
     format!(
-        "Figure 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
+        "ReproducedCurves 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
          fit's is {} ({by_fit:.4}); the rig's hysteresis of {width:.4} degrees no model has, as in the paper.",
         nearer(by_loop),
         nearer(by_fit)

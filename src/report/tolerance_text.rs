@@ -1,27 +1,33 @@
-//! What a diagnosis says of tolerances, in sentences.
+//! The sentences of a diagnosis on tolerances and marks.
 
-use super::diagnose::Outcome;
-use super::diagnosis::ToleranceFound;
+use super::diagnosis_text::Text;
+use admire_identify::ToleranceFound;
 use admire_identify::tolerance::{EffectGroup, Misplaced, Size};
 use admire_solver::mechanics::Vec3;
 
-/// A size whose logarithm moves by less says nothing.
-const SEEN: f64 = 0.05;
+/// Least change of the logarithm of a size that gets a sentence.
+const SEEN_LN: f64 = 0.05;
 
-impl Outcome<'_> {
+impl Text<'_> {
     /// Sizes of tolerances that the readings tell.
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
         // Where the readings do not see points their size stays where it was.
         let usual = Size::HARDPOINTS;
-        let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
-        if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
+        let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN_LN;
+        if let Some(points) = self
+            .outcome
+            .diagnosis
+            .tolerances
+            .get("hardpoints")
+            .filter(seen)
+        {
             let word = match points.sd / usual {
                 ratio if ratio < 2.0 => "usual for a production axle",
                 ratio if ratio < 4.0 => "much for a production axle",
                 _ => "more than a production axle has",
             };
-            let stated = if libm::log(points.usual / usual).abs() < SEEN {
+            let stated = if libm::log(points.usual / usual).abs() < SEEN_LN {
                 String::new()
             } else {
                 format!("; the study states {:.2}", points.usual)
@@ -31,18 +37,18 @@ impl Outcome<'_> {
                 points.sd, points.unit
             ));
         }
-        let sizes = &self.extended.sizes;
+        let sizes = &self.outcome.extended.sizes;
         let groups = sizes.groups.iter().map(|(group, _)| group.as_str());
         let names = groups.chain(sizes.scales.iter().map(|(scale, _)| scale.as_str()));
         for ((name, size), ln) in names.zip(sizes.each()).zip(&sizes.ln) {
-            if *ln >= size.bounds.1 && self.diagnosis.tolerances.contains_key(name) {
+            if *ln >= size.bounds.1 && self.outcome.diagnosis.tolerances.contains_key(name) {
                 out.push(format!(
                     "Errors of the group {name} are as large as they may be, and may have taken up what is none of them."
                 ));
             }
         }
-        if let Some(pose) = self.diagnosis.tolerances.get("pose-noise") {
-            let sigma = self.subject.mark_sigma() / self.subject.millimetre();
+        if let Some(pose) = self.outcome.diagnosis.tolerances.get("pose-noise") {
+            let sigma = self.outcome.subject.mark_sigma() / self.outcome.subject.millimetre();
             if pose.sd > sigma {
                 out.push(format!(
                     "Whole parts are read {:.3} {} off in each case, {:.1} times the noise of a mark.",
@@ -53,21 +59,21 @@ impl Outcome<'_> {
             }
         }
         let loads = EffectGroup::LoadRepeatability.as_str();
-        if let Some(loads) = self.diagnosis.tolerances.get(loads) {
+        if let Some(loads) = self.outcome.diagnosis.tolerances.get(loads) {
             out.push(format!(
                 "Loads scatter from case to case, by {:.2} percent of the largest value of each. The loads that acted are not quite those of the table.",
                 100.0 * loads.sd
             ));
         }
-        let of = |group: EffectGroup| self.diagnosis.tolerances.get(group.as_str());
+        let of = |group: EffectGroup| self.outcome.diagnosis.tolerances.get(group.as_str());
         if let Some(found) = of(EffectGroup::FrameAlignment)
-            && let Some(own) = &self.extended.layout.motions
+            && let Some(own) = &self.outcome.extended.layout.motions
         {
-            let six = &self.extended.x[own.first..own.first + 6];
+            let six = &self.outcome.extended.x[own.first..own.first + 6];
             let [shift, turn] = [0, 3].map(|k| Vec3::from_column_slice(&six[k..k + 3]).norm());
             out.push(format!(
                 "The measuring frame seems to sit {:.2} {} from the deck's, turned by {:.3} deg, the same in all cases.",
-                shift / self.subject.millimetre(),
+                shift / self.outcome.subject.millimetre(),
                 found.unit,
                 (own.turn * turn).to_degrees()
             ));
@@ -97,7 +103,7 @@ impl Outcome<'_> {
 
     /// Marks that do not sit where they are listed.
     pub(super) fn misplaced_in_words(&self) -> Vec<String> {
-        let measurement = self.subject.problem.measurement;
+        let measurement = self.outcome.subject.problem.measurement;
         let decimals = self.decimals().finer();
         let of = |misplaced: &Misplaced| {
             let part = &measurement.parts[misplaced.part];
@@ -117,6 +123,12 @@ impl Outcome<'_> {
                 part.name
             )
         };
-        self.subject.noise.misplaced.iter().map(of).collect()
+        self.outcome
+            .subject
+            .noise
+            .misplaced
+            .iter()
+            .map(of)
+            .collect()
     }
 }

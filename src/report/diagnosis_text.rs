@@ -1,37 +1,41 @@
-//! What a diagnosis means, in sentences.
+//! The sentences of a diagnosis.
 
-use super::channel_miss::ChannelMiss;
-use super::diagnose::Outcome;
-use super::diagnosis::LAW_MISFIT;
-use super::fit::FittedModel;
-use super::folds::Blind;
-use super::hypothesis::Hypothesis;
-use super::remainder::{Over, RemainderPoint};
+use admire_diagnosis::{
+    Blind, ChannelMiss, Hypothesis, LAW_MISFIT, Outcome, Over, RemainderPoint, SolverDifference,
+};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
-/// A bias is worth a sentence from so many of its standard errors on.
-const NOTABLE: f64 = 2.0;
+/// Bias of a stiffness, in standard errors, from which it gets a sentence.
+const NOTABLE_BIAS: f64 = 2.0;
+/// Largest gap in nats at which the second-best place of what remains is named.
+const RIVAL_PLACE_NATS: f64 = 5.0;
+/// Number of failing tests of structure that are listed.
+const LISTED_TESTS: usize = 6;
 
-/// A place for what remains is named as a rival when it is so few nats behind.
-const RIVAL_PLACE: f64 = 5.0;
-/// So many failing tests are listed.
-const LISTED: usize = 6;
+/// The sentences of a diagnosis: what the model misses and where, which causes explain it, what is gained on held-out cases, how the wrong
+/// model biased the stiffnesses, and what remains.
+pub fn diagnosis_sentences(outcome: &Outcome<'_>) -> Vec<String> {
+    Text { outcome }.sentences()
+}
 
-impl Outcome<'_> {
-    /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
-    /// what the wrong model did to the stiffnesses, what remains.
-    pub fn sentences(&self) -> Vec<String> {
+/// Writer of the sentences of one diagnosis.
+pub(super) struct Text<'a> {
+    pub(super) outcome: &'a Outcome<'a>,
+}
+
+impl Text<'_> {
+    fn sentences(&self) -> Vec<String> {
         let mut out = Vec::new();
         let (sigma, unit) = (
-            self.subject.mark_sigma(),
-            self.subject.problem.model.units.length.word,
+            self.outcome.subject.mark_sigma(),
+            self.outcome.subject.problem.model.units.length.word,
         );
-        let solver = self.diagnosis.solver.iter();
-        out.extend(solver.map(|solver| solver.sentence(sigma, unit)));
+        let solver = self.outcome.diagnosis.solver.iter();
+        out.extend(solver.map(|solver| solver_sentence(solver, sigma, unit)));
         out.extend(self.worst_mark());
         out.extend(self.worst_angle());
-        out.extend(self.channels().iter().map(ChannelMiss::sentence));
+        out.extend(self.outcome.channels().iter().map(channel_sentence));
         out.extend(self.turned_part());
         out.extend(self.exactness());
         out.extend(self.probabilities());
@@ -39,7 +43,7 @@ impl Outcome<'_> {
         out.extend(self.gained());
         out.extend(self.cross_validated());
         out.extend(self.biases());
-        if let Some(next) = &self.diagnosis.next_measurement {
+        if let Some(next) = &self.outcome.diagnosis.next_measurement {
             let loads = next
                 .case
                 .iter()
@@ -50,19 +54,19 @@ impl Outcome<'_> {
                 next.why
             ));
         }
-        let places = &self.diagnosis.unexplained.places;
-        for place in places.iter().take(LISTED) {
+        let places = &self.outcome.diagnosis.unexplained.places;
+        for place in places.iter().take(LISTED_TESTS) {
             out.push(format!("What remains without a cause: {place}."));
         }
-        if places.len() > LISTED {
-            let more = places.len() - LISTED;
+        if places.len() > LISTED_TESTS {
+            let more = places.len() - LISTED_TESTS;
             out.push(format!("{more} more tests of structure fail."));
         }
         out.extend(self.remains());
-        if self.is_stopped() {
+        if self.outcome.is_stopped() {
             out.push("The search was interrupted. Further causes, and rivals of those found, were not looked for.".to_string());
-        } else if self.cut_short {
-            let sweeps = self.subject.sweeps();
+        } else if self.outcome.cut_short {
+            let sweeps = self.outcome.subject.sweeps();
             out.push(format!(
                 "The search was ended by its budget: all load cases had been solved {sweeps} times. Further causes, and rivals of those found, were not looked for."
             ));
@@ -72,7 +76,7 @@ impl Outcome<'_> {
 
     /// `vertical = 4500, longitudinal = -4000`; loads of zero are left out.
     fn case_text(&self, case: usize) -> String {
-        let programme = self.subject.problem.programme;
+        let programme = self.outcome.subject.problem.programme;
         let of = &programme.cases[case];
         let loads = programme.loads.iter().map(|load| load.name.as_str());
         let loads = loads_text(loads.zip(of.values.iter().copied()));
@@ -81,30 +85,25 @@ impl Outcome<'_> {
 
     /// Of places of marks.
     pub(super) fn decimals(&self) -> Decimals {
-        Decimals::of_error(self.subject.mark_sigma())
+        Decimals::of_error(self.outcome.subject.mark_sigma())
     }
 
     /// Of what is compared over cases held out.
     fn compared_decimals(&self) -> Decimals {
-        match self.subject.compared() {
+        match self.outcome.subject.compared() {
             ("mark", _) => self.decimals().finer(),
             (_, unit) => Decimals::of_error(unit).finer(),
         }
     }
 
-    /// True where the search was stopped, and not ended by its budget.
-    pub fn is_stopped(&self) -> bool {
-        self.subject.progress().is_stopped()
-    }
-
     fn findings_matter(&self) -> bool {
-        let diagnosis = &self.diagnosis;
+        let diagnosis = &self.outcome.diagnosis;
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
     }
 
     /// Laws that follow no formula of the catalogue, and by how much.
     fn left_by_laws(&self) -> Vec<String> {
-        let findings = self.diagnosis.findings.iter();
+        let findings = self.outcome.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
             let force = finding.parameters.get(LAW_MISFIT)?;
             Some(format!(
@@ -117,14 +116,14 @@ impl Outcome<'_> {
 
     /// Rms of what is left of the marks, and the worst of them.
     fn worst_mark(&self) -> Option<String> {
-        let measurement = self.subject.problem.measurement;
-        let residual = &self.baseline.residual;
+        let measurement = self.outcome.subject.problem.measurement;
+        let residual = &self.outcome.baseline.residual;
         let (mut sum, mut count, mut worst) = (0.0, 0.0, (0.0, 0));
-        for (k, row) in self.subject.rows.iter().enumerate() {
+        for (k, row) in self.outcome.subject.rows.iter().enumerate() {
             let Row::Mark { axis, .. } = *row else {
                 continue;
             };
-            if self.subject.precision[k] == 0.0 {
+            if self.outcome.subject.precision[k] == 0.0 {
                 continue;
             }
             sum += residual[k].powi(2);
@@ -137,8 +136,8 @@ impl Outcome<'_> {
         if count == 0.0 {
             return None;
         }
-        let unit = self.subject.sigma;
-        let sigma = self.subject.mark_sigma();
+        let unit = self.outcome.subject.sigma;
+        let sigma = self.outcome.subject.mark_sigma();
         let rms = (sum / count).sqrt() * unit;
         let decimals = self.decimals();
         let mut text = format!(
@@ -147,7 +146,7 @@ impl Outcome<'_> {
             decimals.told(sigma)
         );
         if let (true, Row::Mark { case, reading, .. }) =
-            (self.findings_matter(), self.subject.rows[worst.1])
+            (self.findings_matter(), self.outcome.subject.rows[worst.1])
         {
             let read = measurement.cases[case].marks[reading];
             let part = &measurement.parts[read.part];
@@ -164,7 +163,7 @@ impl Outcome<'_> {
 
     /// The worst angle of the wheel, as far as it is beyond its noise.
     fn worst_angle(&self) -> Vec<String> {
-        let measurement = self.subject.problem.measurement;
+        let measurement = self.outcome.subject.problem.measurement;
         let Some(wheel) = &measurement.wheel else {
             return Vec::new();
         };
@@ -173,12 +172,12 @@ impl Outcome<'_> {
             (4, "turns the wheel", "too much", "too little"),
             (3, "leans the wheel", "too much", "too little"),
         ] {
-            let rows = self.subject.rows.iter().enumerate();
+            let rows = self.outcome.subject.rows.iter().enumerate();
             let worst = rows
                 .filter(
                     |(_, row)| matches!(row, Row::Wheel { component: of, .. } if *of == component),
                 )
-                .map(|(k, row)| (self.baseline.residual[k], row.case()))
+                .map(|(k, row)| (self.outcome.baseline.residual[k], row.case()))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
             let Some((residual, case)) = worst.filter(|(r, _)| r.abs() > 3.0) else {
                 continue;
@@ -198,45 +197,21 @@ impl Outcome<'_> {
         out
     }
 
-    /// How far each channel is missed.
-    pub fn channels(&self) -> Vec<ChannelMiss> {
-        let measurement = self.subject.problem.measurement;
-        let mut out = Vec::new();
-        for (channel, info) in measurement.channels.iter().enumerate() {
-            let rows = self.subject.rows.iter().enumerate().filter(
-                |(_, row)| matches!(row, Row::Channel { channel: of, .. } if *of == channel),
-            );
-            let of = |fitted: &FittedModel| {
-                let squares = rows.clone().map(|(k, _)| fitted.residual[k].powi(2));
-                (squares.sum::<f64>() / rows.clone().count().max(1) as f64).sqrt() * info.sigma
-            };
-            if rows.clone().next().is_some() {
-                out.push(ChannelMiss {
-                    name: info.name.clone(),
-                    behind: info.behind(),
-                    before: of(&self.baseline),
-                    after: of(&self.extended),
-                    noise: info.sigma,
-                });
-            }
-        }
-        out
-    }
-
     /// The part that the extended model turns most otherwise.
     fn turned_part(&self) -> Option<String> {
-        if !self.findings_matter() || self.subject.problem.measurement.wheel.is_some() {
+        if !self.findings_matter() || self.outcome.subject.problem.measurement.wheel.is_some() {
             return None;
         }
         let mut worst = (0.0, 0, 0);
         for (case, (before, after)) in self
+            .outcome
             .baseline
             .states
             .iter()
-            .zip(&self.extended.states)
+            .zip(&self.outcome.extended.states)
             .enumerate()
         {
-            for part in &self.subject.problem.measurement.parts {
+            for part in &self.outcome.subject.problem.measurement.parts {
                 let k = part.part.0;
                 let turn = after.poses[k].R * before.poses[k].R.transpose();
                 let angle = admire_solver::mechanics::log(&turn).norm().to_degrees();
@@ -247,7 +222,7 @@ impl Outcome<'_> {
         }
         let (angle, case, part) = worst;
         (angle > 1e-3).then(|| {
-            let header = &self.subject.problem.model.parts[part].header;
+            let header = &self.outcome.subject.problem.model.parts[part].header;
             let name = if header.name.is_empty() {
                 format!("PART/{}", header.id)
             } else {
@@ -262,7 +237,7 @@ impl Outcome<'_> {
 
     /// How sure each cause is, and what else could be there.
     fn probabilities(&self) -> Vec<String> {
-        let findings = self.diagnosis.findings.iter();
+        let findings = self.outcome.diagnosis.findings.iter();
         let acting = findings.filter(|f| !f.cause.is_told_by_marks());
         let mut out: Vec<String> = acting
             .map(|f| {
@@ -297,7 +272,7 @@ impl Outcome<'_> {
         }
         out.push(format!(
             "The probability that no cause of the catalogue acts is {}.",
-            percent(self.diagnosis.none_of_these)
+            percent(self.outcome.diagnosis.none_of_these)
         ));
         out
     }
@@ -305,9 +280,9 @@ impl Outcome<'_> {
     /// Noise and tolerances, as the readings show them.
     fn exactness(&self) -> Vec<String> {
         let mut out = Vec::new();
-        let noise = &self.diagnosis.noise;
+        let noise = &self.outcome.diagnosis.noise;
         if let (true, Some(declared), Some(estimated)) = (
-            self.subject.declared_noise_rejected(),
+            self.outcome.subject.declared_noise_rejected(),
             noise.declared,
             noise.estimated,
         ) {
@@ -324,7 +299,7 @@ impl Outcome<'_> {
             ));
         }
         out.extend(self.misplaced_in_words());
-        let count = self.subject.noise.outliers.len();
+        let count = self.outcome.subject.noise.outliers.len();
         if count > 0 {
             out.push(format!(
                 "{count} readings of marks are plainly wrong and are left out."
@@ -335,15 +310,15 @@ impl Outcome<'_> {
     }
 
     fn gained(&self) -> Option<String> {
-        if self.diagnosis.findings.is_empty() {
+        if self.outcome.diagnosis.findings.is_empty() {
             return None;
         }
-        let unseen = self.unseen.as_ref()?;
+        let unseen = self.outcome.unseen.as_ref()?;
         let [before, after] = &unseen.tests;
         let decimals = self.decimals().finer();
         let mut parts = Vec::new();
         if let (Some(a), Some(b)) = (before.marks_rms, after.marks_rms) {
-            let by = match &self.diagnosis.hold_out {
+            let by = match &self.outcome.diagnosis.hold_out {
                 Some(found) => format!(
                     " ({})",
                     fallen_by(decimals, found.gain, found.gain_std_error)
@@ -363,7 +338,7 @@ impl Outcome<'_> {
                 "camber from {camber:.4} to {camber_after:.4} deg, steer from {steer:.4} to {steer_after:.4} deg"
             ));
         }
-        let held = match self.subject.cases_held_out().next() {
+        let held = match self.outcome.subject.cases_held_out().next() {
             Some(_) => "cases",
             None => "curves",
         };
@@ -388,7 +363,7 @@ impl Outcome<'_> {
 
     /// The extra force that what is left looks most like.
     fn remains(&self) -> Option<String> {
-        let found = self.diagnosis.unexplained.remainder.as_ref()?;
+        let found = self.outcome.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
             (Some(load), _) => format!("{load} changes"),
             (None, Over::Order) => "the cases follow each other".to_string(),
@@ -404,7 +379,7 @@ impl Outcome<'_> {
             )
         };
         let rival = match &found.next {
-            Some((address, behind)) if *behind < RIVAL_PLACE => {
+            Some((address, behind)) if *behind < RIVAL_PLACE_NATS => {
                 format!("; {address} does nearly as well")
             }
             _ => String::new(),
@@ -435,7 +410,7 @@ impl Outcome<'_> {
 
     /// What groups of cases say that are predicted from the others.
     fn cross_validated(&self) -> Vec<String> {
-        let Some(found) = &self.diagnosis.cross_validation else {
+        let Some(found) = &self.outcome.diagnosis.cross_validation else {
             return Vec::new();
         };
         let what = match found.of {
@@ -473,18 +448,24 @@ impl Outcome<'_> {
 
     /// Rms of each channel in the cases held out.
     fn channels_gained(&self) -> Vec<String> {
-        let Some(unseen) = &self.unseen else {
+        let Some(unseen) = &self.outcome.unseen else {
             return Vec::new();
         };
         let [before, after] = &unseen.predicted;
-        let channels = self.subject.problem.measurement.channels.iter();
+        let channels = self.outcome.subject.problem.measurement.channels.iter();
         channels
             .enumerate()
             .filter_map(|(channel, info)| {
-                let rows = self.subject.rows.iter().enumerate().filter(|(_, row)| {
-                    matches!(row, Row::Channel { channel: of, .. } if *of == channel)
-                        && self.subject.is_held_out_row(row)
-                });
+                let rows = self
+                    .outcome
+                    .subject
+                    .rows
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, row)| {
+                        matches!(row, Row::Channel { channel: of, .. } if *of == channel)
+                            && self.outcome.subject.is_held_out_row(row)
+                    });
                 let count = rows.clone().count();
                 let rms = |blind: &Blind| {
                     let squares = rows.clone().map(|(k, _)| blind.misfit[k].powi(2));
@@ -507,11 +488,13 @@ impl Outcome<'_> {
     /// Stiffnesses that the wrong model had wrong beyond doubt, the worst first.
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
+            .outcome
             .stiffnesses
             .iter()
             .filter(|s| {
                 s.is_identified()
-                    && (s.before.0 - s.after.0).abs() > NOTABLE * libm::hypot(s.before.1, s.after.1)
+                    && (s.before.0 - s.after.0).abs()
+                        > NOTABLE_BIAS * libm::hypot(s.before.1, s.after.1)
             })
             .collect();
         biased.sort_by(|a, b| b.bias().abs().total_cmp(&a.bias().abs()));
@@ -584,4 +567,58 @@ fn percent(probability: f64) -> String {
         p if p < 1.0 => "below 1 percent".to_string(),
         p => format!("{p:.0} percent"),
     }
+}
+
+/// The sentence on the residuals of one channel.
+pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
+    let decimals = Decimals::of_error(miss.noise);
+    let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.told(x));
+    format!(
+        "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
+        miss.name,
+        unit = miss.behind
+    )
+}
+
+/// The sentence on the difference between the study's solver and the built-in one. `sigma` is the noise of a mark in `unit`.
+fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
+    let mut text = format!(
+        "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",
+        solver.solver, solver.rms
+    );
+    if let Some(case) = &solver.case {
+        text += &format!(", at most by {:.2e} in case {case}", solver.most);
+    }
+    text += if solver.is_negligible(sigma) {
+        ", which is small against the noise."
+    } else {
+        ": what is found below may be a difference of the solvers."
+    };
+    let told = |rms: f64| Decimals::of_error(sigma).finer().told(rms);
+    if let Some(both) = solver.residual_rms {
+        let [own, other] = both.map(told);
+        text += &format!(
+            " Tolerances left out, the marks are missed by {own} by the built-in solver and by {other} by the other"
+        );
+        text += &match solver.held_out_rms {
+            Some(both) => {
+                let [own, other] = both.map(told);
+                format!(", by {own} and {other} in the cases held out.")
+            }
+            None => ".".to_string(),
+        };
+    }
+    if let Some(rms) = solver.refitted_rms {
+        text += &format!(
+            " The numbers below, the extended deck and the gain are fitted to the other solver, which then misses the marks by {}.",
+            told(rms)
+        );
+    }
+    if !solver.unsolved.is_empty() {
+        text += &format!(
+            " Only one of them solved case {}.",
+            solver.unsolved.join(", ")
+        );
+    }
+    text
 }

@@ -4,10 +4,10 @@ use super::curves::{by_fit, by_loop, read_reference};
 use super::{
     Comparison, ReproductionError, Section, iterations, range, texts, truth, unidentified,
 };
-use crate::LoadedStudy;
+use admire_identify::LoadedStudy;
 use admire_study::settings::{Slope, Weights};
 
-/// Figure 7: K identified over K reference of bushing A; its Krx was kept at the start.
+/// ReproducedCurves 7: K identified over K reference of bushing A; its Krx was kept at the start.
 const PAPER_A: [f64; 6] = [1.01, 0.89, 0.86, 0.91, 0.84, 0.89];
 const PAPER_ITERATIONS: usize = 24;
 
