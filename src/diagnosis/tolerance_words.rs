@@ -1,18 +1,18 @@
-//! What a diagnosis says of tolerances, in sentences.
+//! Estimated tolerances in sentences.
 
 use super::diagnose::Outcome;
 use super::diagnosis::ToleranceFound;
 use admire_identify::tolerance::{EffectGroup, Misplaced, Size};
 use admire_solver::mechanics::Vec3;
 
-/// A size whose logarithm moves by less says nothing.
+/// Smallest change of the logarithm of a tolerance that counts as information from the readings.
 const SEEN: f64 = 0.05;
 
 impl Outcome<'_> {
-    /// Sizes of tolerances that the readings tell.
+    /// Returns sentences on the tolerances that the readings determine.
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
-        // Where the readings do not see points their size stays where it was.
+        // Where the readings are insensitive to hardpoints, their tolerance keeps its median.
         let usual = Size::HARDPOINTS;
         let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN;
         if let Some(points) = self.diagnosis.tolerances.get("hardpoints").filter(seen) {
@@ -95,7 +95,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// Marks that do not sit where they are listed.
+    /// Returns sentences on marks that are misplaced or loose on their parts.
     pub(super) fn misplaced_in_words(&self) -> Vec<String> {
         let measurement = self.subject.problem.measurement;
         let decimals = self.decimals().finer();

@@ -1,4 +1,4 @@
-//! What a diagnosis means, in sentences.
+//! Diagnosis in sentences.
 
 use super::channel_miss::ChannelMiss;
 use super::diagnose::Outcome;
@@ -10,17 +10,17 @@ use super::remainder::{Over, RemainderPoint};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
-/// A bias is worth a sentence from so many of its standard errors on.
+/// Significance of a stiffness bias, in combined standard errors, from which the report states it.
 const NOTABLE: f64 = 2.0;
 
-/// A place for what remains is named as a rival when it is so few nats behind.
+/// Deficit in nats within which the second-best site of the remainder is named as a rival.
 const RIVAL_PLACE: f64 = 5.0;
-/// So many failing tests are listed.
+/// Maximum number of failing tests listed.
 const LISTED: usize = 6;
 
 impl Outcome<'_> {
-    /// The answer in sentences: what the model misses and where, what of it sits in which cause, what is gained on cases no fit saw,
-    /// what the wrong model did to the stiffnesses, what remains.
+    /// Returns the diagnosis in sentences: errors of the model, causes and their probabilities, gain on cases that no fit used, bias of the
+    /// stiffnesses, and remaining structure.
     pub fn sentences(&self) -> Vec<String> {
         let mut out = Vec::new();
         let (sigma, unit) = (
@@ -70,7 +70,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// `vertical = 4500, longitudinal = -4000`; loads of zero are left out.
+    /// Names a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
     fn case_text(&self, case: usize) -> String {
         let programme = self.subject.problem.programme;
         let of = &programme.cases[case];
@@ -79,12 +79,12 @@ impl Outcome<'_> {
         format!("case {} ({loads})", of.label)
     }
 
-    /// Of places of marks.
+    /// Returns the number format for positions of marks.
     pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.subject.mark_sigma())
     }
 
-    /// Of what is compared over cases held out.
+    /// Returns the number format for errors over the held-out cases.
     fn compared_decimals(&self) -> Decimals {
         match self.subject.compared() {
             ("mark", _) => self.decimals().finer(),
@@ -92,7 +92,7 @@ impl Outcome<'_> {
         }
     }
 
-    /// True where the search was stopped, and not ended by its budget.
+    /// Returns true where the search was stopped by request, rather than ended by its budget.
     pub fn is_stopped(&self) -> bool {
         self.subject.progress().is_stopped()
     }
@@ -102,7 +102,7 @@ impl Outcome<'_> {
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
     }
 
-    /// Laws that follow no formula of the catalogue, and by how much.
+    /// Returns sentences on fitted laws that differ in detail from the true law, with the rms force difference.
     fn left_by_laws(&self) -> Vec<String> {
         let findings = self.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
@@ -115,7 +115,7 @@ impl Outcome<'_> {
         left.collect()
     }
 
-    /// Rms of what is left of the marks, and the worst of them.
+    /// Returns a sentence on the rms error of the marks, and on the worst mark if findings matter.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.subject.problem.measurement;
         let residual = &self.baseline.residual;
@@ -162,7 +162,7 @@ impl Outcome<'_> {
         Some(text + ".")
     }
 
-    /// The worst angle of the wheel, as far as it is beyond its noise.
+    /// Returns sentences on the worst steer and camber error of the wheel, if above three standard deviations.
     fn worst_angle(&self) -> Vec<String> {
         let measurement = self.subject.problem.measurement;
         let Some(wheel) = &measurement.wheel else {
@@ -198,7 +198,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// How far each channel is missed.
+    /// Returns the rms error of each channel.
     pub fn channels(&self) -> Vec<ChannelMiss> {
         let measurement = self.subject.problem.measurement;
         let mut out = Vec::new();
@@ -223,7 +223,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// The part that the extended model turns most otherwise.
+    /// Returns a sentence on the part and case with the largest rotation between the original and the extended model.
     fn turned_part(&self) -> Option<String> {
         if !self.findings_matter() || self.subject.problem.measurement.wheel.is_some() {
             return None;
@@ -260,7 +260,7 @@ impl Outcome<'_> {
         })
     }
 
-    /// How sure each cause is, and what else could be there.
+    /// Returns sentences on the probability of each cause and of its rivals.
     fn probabilities(&self) -> Vec<String> {
         let findings = self.diagnosis.findings.iter();
         let acting = findings.filter(|f| !f.cause.is_told_by_marks());
@@ -302,7 +302,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// Noise and tolerances, as the readings show them.
+    /// Returns sentences on noise and tolerances as estimated from the readings.
     fn exactness(&self) -> Vec<String> {
         let mut out = Vec::new();
         let noise = &self.diagnosis.noise;
@@ -386,7 +386,7 @@ impl Outcome<'_> {
         ))
     }
 
-    /// The extra force that what is left looks most like.
+    /// Returns a sentence on the extra force that best describes the remaining structure.
     fn remains(&self) -> Option<String> {
         let found = self.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
@@ -433,7 +433,7 @@ impl Outcome<'_> {
         ))
     }
 
-    /// What groups of cases say that are predicted from the others.
+    /// Returns sentences on the prediction of groups of cases from the others.
     fn cross_validated(&self) -> Vec<String> {
         let Some(found) = &self.diagnosis.cross_validation else {
             return Vec::new();
@@ -471,7 +471,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// Rms of each channel in the cases held out.
+    /// Returns the change of the rms error of each channel in the held-out cases.
     fn channels_gained(&self) -> Vec<String> {
         let Some(unseen) = &self.unseen else {
             return Vec::new();
@@ -504,7 +504,7 @@ impl Outcome<'_> {
             .collect()
     }
 
-    /// Stiffnesses that the wrong model had wrong beyond doubt, the worst first.
+    /// Returns a sentence on the three largest significant biases of stiffnesses in the original model.
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
             .stiffnesses
@@ -531,7 +531,7 @@ impl Outcome<'_> {
     }
 }
 
-/// A gain with its standard error, which a single case does not have.
+/// Formats a gain with its standard error, which does not exist for a single case.
 fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     let gain = decimals.told(gain);
     if std_error.is_finite() {
@@ -541,7 +541,7 @@ fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     }
 }
 
-/// Causes by name and place.
+/// Lists causes by name and site.
 fn chosen(causes: &[Hypothesis]) -> String {
     let names: Vec<String> = Hypothesis::causes(causes)
         .map(ToString::to_string)
@@ -553,7 +553,7 @@ fn chosen(causes: &[Hypothesis]) -> String {
     }
 }
 
-/// `case 7`, `cases 1 to 8` of the first and last, `cases 1, 4, 9`.
+/// Formats case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
 fn labels(cases: &[String]) -> String {
     match cases {
         [one] => format!("case {one}"),
@@ -564,7 +564,7 @@ fn labels(cases: &[String]) -> String {
     }
 }
 
-/// Loads as a person would say them.
+/// Lists the non-zero loads as text.
 fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
     let listed: Vec<String> = loads
         .filter(|(_, value)| *value != 0.0)
@@ -577,7 +577,7 @@ fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
     }
 }
 
-/// A probability as a person would say it.
+/// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
 fn percent(probability: f64) -> String {
     match 100.0 * probability {
         p if p > 99.0 => "above 99 percent".to_string(),

@@ -1,6 +1,7 @@
-//! `assembly-offset`: the two sides of a bushing sit displaced from where the deck says, in every load case.
+//! `assembly-offset`: the two sides of a bushing are displaced from each other, relative to the deck, in every load case.
 //!
-//! Out of centre is a small error that every bushing has, and a finding when it stands out; askew is a cause of its own.
+//! A translational offset is a random effect of every bushing, and a finding if it exceeds its tolerance group. A rotational offset is a
+//! separate effect.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
@@ -9,10 +10,10 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Millimetres and degrees a bushing may well be off.
+/// Prior standard deviations of an offset: translation in mm, rotation in degrees.
 const SD: (f64, f64) = (0.5, 0.5);
 
-/// Every bushing, out of centre and askew.
+/// Adds a translational and a rotational offset of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {

@@ -1,6 +1,6 @@
 //! `body-compliance`: the ground-side attachment of a joint or spring yields.
 //!
-//! For a bushing it is part of the identified stiffness.
+//! For a bushing, this compliance is part of the identified stiffness.
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
@@ -9,13 +9,14 @@ use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
 use super::super::survey::Survey;
 
-/// Millimetres per newton a bracket that holds a joint may well yield, and the seat of a spring, which often is rubber.
+/// Prior standard deviations of a compliance, in mm/N: bracket of a joint, and seat of a spring, which often is rubber.
 const SD: (f64, f64) = (1e-4, 5e-4);
 
-/// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
+/// Form of an attachment that holds a link, which is a part with two ends. Along the link it is indistinguishable from compliance of the
+/// link.
 pub(super) const IN_LINE: &str = "holds a link";
 
-/// Every joint, primitive and spring with one side on ground: the same compliance in all directions.
+/// Adds the compliance of every joint and spring with one side on ground, equal in all directions.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     let Some(ground) = model.ground() else {

@@ -1,14 +1,14 @@
-//! `bushing-orientation`: the bushing is mounted turned about an axis, both sides together, so that nothing is preloaded.
+//! `bushing-orientation`: the bushing is mounted with a rotation of both sides together, so that no preload arises.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{Hypothesis, SIX};
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Radians a bushing may well be turned.
+/// Prior standard deviation of the rotation, in radians.
 const SD: f64 = 0.17;
 
-/// Every bushing, about each of its axes alone and about all of them.
+/// Adds the rotation of every bushing about each of its axes alone, and about all of them.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active {

@@ -1,7 +1,7 @@
-//! `dry-friction`: rate-independent hysteresis, so that the answer depends on the order of the loads.
+//! `dry-friction`: rate-independent hysteresis, so that the response depends on the order of the loads.
 //!
-//! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
-//! slider stands before the first case is unknown; from then on each case leaves it to the next.
+//! Elasto-slip law: a spring in series with a slider, which moves once the spring is stretched by more than its slip length `F / k`. The
+//! position of the slider before the first case is unknown. Each case then passes its slider position on to the next.
 
 use admire_identify::global::Evolution;
 use admire_solver::model::{JointKind, MarkerIx};
@@ -15,11 +15,11 @@ use super::super::survey::Survey;
 
 use super::super::survey::statement;
 
-/// Newtons of friction that are nothing unusual.
+/// Prior standard deviation of the friction force, in N.
 const SD: f64 = 300.0;
-/// The usual slip length as a part of the range of the displacement, and how far off that may be by the logarithm.
+/// Prior of the slip length: median as a fraction of the displacement range, and standard deviation of its logarithm.
 const LENGTH: (f64, f64) = (0.06, 1.5);
-/// Where the search begins: slip lengths as parts of the range, and the force in the first case as a part of the limit.
+/// First guesses: slip length as a fraction of the displacement range, and force in the first case as a fraction of the limit.
 const FORMS: [(f64, f64, &str); 9] = [
     (0.01, 0.0, "short, free at first"),
     (0.01, 1.0, "short, pushed at first"),
@@ -32,26 +32,26 @@ const FORMS: [(f64, f64, &str); 9] = [
     (0.3, -1.0, "long, pulled at first"),
 ];
 
-/// The limit of a friction is reached by degrees with this probability.
+/// Prior probability that a friction reaches its limit gradually.
 const GRADUAL: f64 = 0.3;
 
-/// Sliders of one friction at most.
+/// Maximum number of sliders of one friction.
 pub(crate) const SLIDERS: usize = 3;
 
-/// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
-/// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
+/// Turns a slider into a further term of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
+/// limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
 pub(crate) fn further_slider(h: &mut Hypothesis, part: usize) {
     h.part = part;
     h.ln_prior = libm::log(GRADUAL / FORMS.len() as f64);
 }
 
-/// The limit of a friction differs by direction with this probability,
+/// Prior probability that a friction limit differs by direction.
 const DIFFERS: f64 = 0.1;
-/// and usually by this part of it, up and down.
+/// Prior standard deviation of the direction dependence: the deviation of each limit from the mean of the two, as a fraction of the mean.
 const BY: f64 = 0.3;
 
-/// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
-/// whose spring starts elsewhere and whose limits are this force apart from the mean.
+/// Returns terms that make the limit of each friction in the model larger in one direction and smaller in the other. A constant force
+/// parallel to a slider is equivalent to a slider with another anchor, whose limits differ from their mean by that force.
 pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &Hypothesis)| {
@@ -88,7 +88,8 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
     chosen.iter().enumerate().filter_map(of).collect()
 }
 
-/// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
+/// Returns the force in each case as a fraction of the limit, for given displacements. The spring has slip length `length` and starts at
+/// `anchor`.
 fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
     u.iter()
         .map(|&u| {
@@ -99,7 +100,7 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Every component of every bushing, and the free motions of joints.
+/// Adds friction in every component of every bushing, and in the free motions of joints.
 pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -137,7 +138,7 @@ pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// A GFORCE `F max(-1, min(1, (anchor - u) / L))`; its anchor is a VARIABLE that each case leaves to the next.
+/// Adds a friction as the GFORCE `F max(-1, min(1, (anchor - u) / L))`. The anchor is a VARIABLE that each case passes on to the next.
 fn put(
     survey: &Survey<'_>,
     address: &str,
@@ -169,12 +170,12 @@ fn put(
         .map(Change::Add)
         .collect();
     let literal = |k: usize| number("GFORCE", force, FORCES[axis], Some(k));
-    // Ids of markers are literals too; the length is the last of all.
+    // Marker ids are literals too; the slip length is the last literal.
     let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
     let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
     for (share, first, form) in FORMS {
         let length = share * range;
-        // The force on I is against the stretch.
+        // The force on I opposes the stretch.
         let start = u[0] - first * length;
         let wrench = pattern(u, length, start)
             .into_iter()

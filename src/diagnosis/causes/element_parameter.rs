@@ -1,4 +1,4 @@
-//! `element-parameter`: a number of the deck taken as known is wrong.
+//! `element-parameter`: a deck parameter that the study takes as known is wrong.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
@@ -6,11 +6,11 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
-/// Parts of themselves by which numbers may well be wrong: rates of springs, their preloads, and rubber, of which data sheets often
-/// give the dynamic stiffness, which is half as large again.
+/// Prior standard deviations of the relative error: spring rates, spring preloads, rubber stiffnesses. Data sheets of rubber often give the
+/// dynamic stiffness, which is about half as large again.
 const SD: (f64, f64, f64) = (0.1, 0.05, 0.4);
 
-/// Rates and preloads of springs, and stiffnesses of bushings that are not identified.
+/// Adds rates and preloads of springs, and stiffnesses of bushings that are not identified.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
@@ -31,7 +31,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     free_lengths(survey, out);
 }
 
-/// A free length shifts the force of its spring by a constant, as a preload does.
+/// Adds the free lengths of preloaded springs. A wrong free length shifts the force by a constant, as a preload does.
 fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (_, address, group, force) in survey.numbers_of_the_deck() {
         if group != EffectGroup::Preloads {

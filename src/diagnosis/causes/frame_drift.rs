@@ -7,14 +7,14 @@ use super::super::frame::by_frame;
 use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity};
 use super::super::survey::Survey;
 
-/// Millimetres and degrees a frame may well move.
+/// Prior standard deviations of the motion of the frame: translation in mm, rotation in degrees.
 const SD: (f64, f64) = (0.2, 0.03);
 
-/// Every load case with marks: a shift and a turn about the centroid of its marks.
+/// Adds for every load case with marks a shift of the frame and a rotation about the centroid of the marks.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {
-        // Three marks leave no freedom beyond the six.
+        // Three marks are too few to test a rigid motion in six parameters.
         if read.marks.len() < 4 {
             continue;
         }

@@ -1,6 +1,6 @@
-//! `free-play`: a joint of a part with two joints has play along their line.
+//! `free-play`: a joint of a part with two joints has play along the line through them.
 //!
-//! The part is split at one of its ends. Between both ends of the play little holds it, beyond them a contact.
+//! The part is split at one of its ends. Within the play a weak spring holds it, beyond the play a stiff contact.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
@@ -9,16 +9,17 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use super::link_compliance::link_ends;
 
-/// Millimetres of play that are nothing unusual in a joint that is worn.
+/// Prior standard deviation of the play of a worn joint, in mm.
 const SD: f64 = 0.2;
-/// The part of the largest force that uses up a play of this size: grease and friction hold what would rest anywhere.
+/// Fraction of the largest force that closes a play of one standard deviation. It represents grease and friction, without which the part
+/// could rest anywhere in the play.
 const HELD: f64 = 0.02;
-/// Sd of the logarithm of the stiffness within the play.
+/// Prior standard deviation of the logarithm of the stiffness within the play.
 const SPREAD: f64 = 1.5;
-/// Newtons per millimetre of the contact of a ball joint, and sd of its logarithm.
+/// Prior of the contact stiffness of a ball joint: median in N/mm, and standard deviation of its logarithm.
 const CONTACT: (f64, f64) = (1e5, 1.0);
 
-/// Every movable part with exactly two attachments, at both ends.
+/// Adds free play at both ends of every movable part with exactly two attachments.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     let sd = SD * survey.millimetre();
@@ -37,7 +38,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
         let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
         changes.extend(added.into_iter().map(Change::Add));
-        // The first literal is the stiffness of the contact, the last of both terms is half of the play.
+        // The first literal is the contact stiffness. The last literal of each of the two terms is half of the play.
         let first = admire_syntax::Expression::parse_str(&format!("{half})"));
         let first = first.map_or(0, |e| e.literals.len());
         let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);

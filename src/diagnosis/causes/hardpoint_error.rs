@@ -1,7 +1,7 @@
-//! `hardpoint-error`: a connection point is not where the deck puts it.
+//! `hardpoint-error`: the location of a connection point differs from the deck.
 //!
-//! Either a point of the car, where all parts that meet there go along and nothing is strained, or one side of it: a part made wrong,
-//! assembled under strain. For a bushing the second is `assembly-offset`.
+//! Either a point of the car is displaced: all parts that meet there move together, and nothing is strained. Or one side of it is displaced:
+//! a part made wrong, assembled under strain. For a bushing the second is `assembly-offset`.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity, number};
@@ -10,10 +10,10 @@ use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
-/// Millimetres a point may well be off, and a part made wrong.
+/// Prior standard deviations in mm: displacement of a point of the car, and error of a single part.
 const SD: (f64, f64) = (3.0, 1.5);
 
-/// Every point, in all directions and along each one alone; and every end of a joint, primitive or spring.
+/// Adds the displacement of every point, in all directions and along each one alone, and of every end of a joint, primitive or spring.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     for point in survey.points() {
@@ -53,7 +53,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let mut seen = Vec::new();
     for (header, i, j) in joints.chain(primitives).chain(springs) {
         for marker in [i, j] {
-            // Where nothing else meets it is the point itself.
+            // Where no other marker coincides, the end is the point itself.
             let alone = survey
                 .points()
                 .iter()

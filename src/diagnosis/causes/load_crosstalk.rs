@@ -1,4 +1,4 @@
-//! `load-crosstalk`: the rig applies part of one load along another.
+//! `load-crosstalk`: the rig applies a fraction of one load along another.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;
@@ -6,10 +6,10 @@ use super::super::survey::Survey;
 use super::load_gain::growing;
 use admire_identify::tolerance::EffectGroup;
 
-/// Rigs keep cross-talk to a few percent.
+/// Prior standard deviation of the fraction. Rigs keep cross-talk to a few percent.
 const SD: f64 = 0.02;
 
-/// Every ordered pair of loads.
+/// Adds constant and growing cross-talk for every ordered pair of loads.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let loads = survey.loads();
     for to in loads {

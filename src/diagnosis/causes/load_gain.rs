@@ -1,4 +1,4 @@
-//! `load-gain`: the rig's load is wrong by a factor.
+//! `load-gain`: a load of the rig is wrong by a factor.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Sensitivity};
@@ -6,10 +6,10 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
-/// A load cell may well be wrong by so much.
+/// Prior standard deviation of the relative error of a load.
 const SD: f64 = 0.03;
 
-/// Every load of the study.
+/// Adds a constant and a growing gain error of every load of the study.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for load in survey.loads() {
         let address = load.target.to_string();
@@ -32,7 +32,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// An error along `to` that grows with the square of the load `from`; its number is the part of the largest load.
+/// Returns an error along `to` that grows with the square of the load `from`. Its parameter is the error at the largest load, as a fraction
+/// of it.
 pub(super) fn growing(
     survey: &Survey<'_>,
     cause: Cause,

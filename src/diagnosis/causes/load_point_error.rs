@@ -1,14 +1,14 @@
-//! `load-point-error`: a load acts elsewhere than at its marker.
+//! `load-point-error`: a load acts at a point other than its marker.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Millimetres a contact patch may well be off.
+/// Prior standard deviation of the position of a contact patch, in mm.
 const SD: f64 = 10.0;
 
-/// The point of every driven force, once.
+/// Adds the displacement of every point where a load acts, along each axis alone and in all directions.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);

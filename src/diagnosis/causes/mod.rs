@@ -1,6 +1,6 @@
-//! One file per cause: where in this deck it can occur, what it does to first order, and how the deck is extended by it.
+//! Catalogue of causes, one file per cause: its possible sites in the deck, its first-order effect, and its extension of the deck.
 //!
-//! Knows the deck, the measurement and the state of every load case at the fit; not how hypotheses are compared.
+//! Depends on the deck, the measurement and the state of every load case at the fit. Independent of the comparison of hypotheses.
 
 mod assembly_offset;
 mod body_compliance;
@@ -24,10 +24,10 @@ use super::cause::Cause;
 use super::hypothesis::Hypothesis;
 use super::survey::Survey;
 
-/// Each class of causes is there with this probability, divided equally among its places and forms.
+/// Prior probability that a class of causes acts, divided equally among its sites and forms.
 pub(super) const CLASS_PRIOR_PROBABILITY: f64 = 0.05;
 
-/// Every hypothesis at every place of the deck, in a fixed order.
+/// Returns all candidate effects at all sites of the deck, in a fixed order.
 pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
@@ -48,7 +48,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     frame_drift::hypotheses(survey, &mut out);
     channel_fault::hypotheses(survey, &mut out);
     let class = |h: &Hypothesis| match h.cause {
-        // A link that yields and what it is fixed to are one class: often they are the same in the data.
+        // A compliant link and its compliant attachments form one class, because the data often cannot tell them apart.
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };
@@ -65,7 +65,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
         if h.form == body_compliance::IN_LINE {
             h.ln_prior -= std::f64::consts::LN_2;
         }
-        // Rubber flows in hours; the cases of most measurements follow one another faster.
+        // Creep gets a fifth of the prior probability: rubber flows within hours, while most measurements run through their cases faster.
         if h.cause == Cause::Creep {
             h.ln_prior -= libm::log(5f64);
         }

@@ -7,11 +7,11 @@ use super::{
 use crate::LoadedStudy;
 use admire_study::settings::{Slope, Weights};
 
-/// Figure 7: K identified over K reference of bushing A; its Krx was kept at the start.
+/// Ratios of identified to reference stiffness of bushing A in figure 7; its Krx was kept at the start.
 const PAPER_A: [f64; 6] = [1.01, 0.89, 0.86, 0.91, 0.84, 0.89];
 const PAPER_ITERATIONS: usize = 24;
 
-/// The loop and the fit.
+/// Number of stages: iteration and fit.
 pub(super) const STAGES: usize = 2;
 
 pub(super) fn section(
