@@ -1,4 +1,4 @@
-//! What could be measured next.
+//! Candidate measurements.
 
 use serde::Serialize;
 
@@ -7,73 +7,73 @@ use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
 
-/// How far beyond the largest magnitude of the study loads are looked at.
+/// Factor on the largest load deviation of the study, for candidates beyond the range applied.
 pub(super) const BEYOND: f64 = 1.25;
-/// Load cases that are looked at, at most.
+/// Maximum number of load cases considered.
 const MOST_LOADS: usize = 160;
-/// Cases whose repetition is looked at, at most.
+/// Maximum number of cases considered for repetition.
 const MOST_REPEATS: usize = 24;
-/// Places on a part that are looked at for a mark, at most.
+/// Maximum number of mark positions considered on a part.
 const MOST_PLACES: usize = 6;
-/// Elements into which a load cell is thought, at most.
+/// Maximum number of elements considered for a load cell.
 const MOST_CELLS: usize = 24;
-/// Standard deviation of an angle of the wheel in degrees and of a place of it in millimetres where the study states none.
+/// Assumed standard deviations of wheel readings that the study does not have: angle in degrees, position in mm.
 const USUAL: (f64, f64) = (0.01, 0.05);
-/// Standard deviation of a mark coordinate in millimetres where the study has no marks.
+/// Assumed standard deviation of a mark coordinate in mm, where the study has no marks.
 const USUAL_MARK: f64 = 0.05;
-/// Standard deviation of a load cell over the largest force it sees.
+/// Standard deviation of a load cell, as a fraction of the largest force it measures.
 const OF_FULL_SCALE: f64 = 0.005;
 
-/// What kind of measurement it is.
+/// Kind of measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// A load case.
+    /// New load case.
     Load,
-    /// A load case of the study once more.
+    /// Repetition of a load case of the study.
     Repeat,
-    /// One load up, down, to the other side and back.
+    /// Loop of one load: up, down, to the other side and back.
     Loop,
-    /// A mark on a part, read in all cases.
+    /// Mark on a part, read in all cases.
     Mark,
-    /// A curve of the wheel, read in all cases.
+    /// Curve of the wheel, read in all cases.
     Curve,
-    /// Forces in an element, read in all cases.
+    /// Load cell in an element, read in all cases.
     LoadCell,
 }
 
-/// Something that could be measured next.
+/// Candidate measurement.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Candidate {
-    /// What kind of measurement it is.
+    /// Kind of measurement.
     pub kind: Kind,
-    /// What to do, as a person would say it.
+    /// Instruction for the measurement, as text.
     pub what: String,
-    /// What is new.
+    /// Addition to the study.
     pub new: New,
 }
 
-/// What a measurement adds to the study.
+/// Addition of a measurement to the study.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum New {
-    /// Load cases in this order, one value per load; all that the study reads is read in them.
+    /// Load cases in order, one value per load. Everything that the study reads is read in them.
     Cases(Vec<Vec<f64>>),
-    /// The place of a mark on a part, in the part's frame.
+    /// Position of a mark on a part, in the part's frame.
     Mark(PartIx, Vec3),
-    /// A component of the wheel: 0 to 2 for x, y, z, 3 camber, 4 toe; and the standard deviation of a reading.
+    /// Component of the wheel (0 to 2 for x, y, z, 3 for camber, 4 for toe), and standard deviation of a reading.
     Wheel(usize, f64),
-    /// Functions of the deck by their places in [`Candidates::functions`].
+    /// Deck functions, as a range of indices into [`Candidates::functions`].
     Functions(std::ops::Range<usize>),
 }
 
-/// All that is looked at.
+/// All candidate measurements considered.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Candidates {
-    /// One after the other.
+    /// Candidates in the order of their creation.
     pub list: Vec<Candidate>,
-    /// Functions of the deck that load cells read.
+    /// Deck functions that load cells read.
     pub functions: Vec<String>,
-    /// Combinations of loads that were too many to be looked at.
+    /// Number of load combinations left out to limit the effort.
     pub left_out: usize,
 }
 
@@ -86,7 +86,7 @@ impl Candidate {
         }
     }
 
-    /// Its load cases; none for an instrument.
+    /// Returns the load cases of the candidate; empty for an instrument.
     pub(super) fn sequence(&self) -> &[Vec<f64>] {
         match &self.new {
             New::Cases(cases) => cases,
@@ -96,8 +96,8 @@ impl Candidate {
 }
 
 impl Candidates {
-    /// Each load alone and in pairs, both ways from where the study usually has it, at its largest distance from there times each of
-    /// these factors.
+    /// Creates load cases with each load alone and with pairs of loads, in both directions from the usual values. Deviations are the largest
+    /// of the study times each of `factors`.
     pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
         let usual = usual(programme);
         let far: Vec<f64> = (0..usual.len())
@@ -117,7 +117,7 @@ impl Candidates {
             for (load, side) in sides {
                 values[*load] += side * factor * far[*load];
             }
-            // Four digits are as many as a rig can set.
+            // Loads are rounded to four digits, which a rig can set.
             for (load, _) in sides {
                 values[*load] = round(programme, *load, values[*load]);
             }
@@ -152,7 +152,7 @@ impl Candidates {
         new
     }
 
-    /// Adds the repetition of each case of the study, and leaves out the load cases that are one.
+    /// Adds the repetition of each case of the study, and removes load cases that are repetitions.
     pub(super) fn repeats(&mut self, programme: &LoadProgramme) {
         let is_there = |values: &Vec<f64>| programme.cases.iter().any(|c| c.values == *values);
         self.list
@@ -175,7 +175,7 @@ impl Candidates {
         }
     }
 
-    /// Adds a loop of each load: to its largest distance on both sides, and back each time.
+    /// Adds a loop of each load: from the usual value to the largest deviation and back, on both sides.
     pub(super) fn loops(&mut self, programme: &LoadProgramme) {
         let usual = usual(programme);
         for load in 0..usual.len() {
@@ -202,7 +202,7 @@ impl Candidates {
         }
     }
 
-    /// Adds marks on all parts, at places where the deck has markers.
+    /// Adds marks on all parts, at positions where the deck has markers.
     pub(super) fn marks(&mut self, model: &Model) {
         for (k, part) in model.parts.iter().enumerate() {
             if part.kind == PartKind::Ground {
@@ -231,7 +231,7 @@ impl Candidates {
         }
     }
 
-    /// Adds curves of the wheel that the study does not read; of the point where the loads act where it names no wheel.
+    /// Adds wheel curves that the study does not read. Without a named wheel, they describe the marker where the loads act.
     pub(super) fn curves(&mut self, subject: &DiagnosisProblem<'_>) {
         let measurement = subject.problem.measurement;
         let read = |words: [&str; 2]| {
@@ -298,7 +298,7 @@ impl Candidates {
         }
     }
 
-    /// Adds load cells in bushings and joints: three forces each.
+    /// Adds load cells in bushings and joints, with three forces each.
     pub(super) fn load_cells(&mut self, model: &Model) {
         let bushings = model.bushings.iter();
         let bushings = bushings.map(|b| (["BUSHING", "BUSH"], &b.header, b.j));
@@ -322,12 +322,12 @@ impl Candidates {
     }
 }
 
-/// Standard deviation of a load cell that sees these forces.
+/// Returns the standard deviation of a load cell that measures these forces.
 pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
     OF_FULL_SCALE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
 }
 
-/// Standard deviation of a coordinate of a mark that is new.
+/// Returns the standard deviation of a coordinate of a new mark, in the deck's length unit.
 pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma
@@ -336,7 +336,7 @@ pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     }
 }
 
-/// The value each load has most often; of those as frequent the one nearest to zero.
+/// Returns the most frequent value of each load; among equally frequent values, the one nearest to zero.
 fn usual(programme: &LoadProgramme) -> Vec<f64> {
     let of = |load: usize| {
         let values: Vec<f64> = programme.cases.iter().map(|c| c.values[load]).collect();
@@ -350,7 +350,7 @@ fn usual(programme: &LoadProgramme) -> Vec<f64> {
     (0..programme.loads.len()).map(of).collect()
 }
 
-/// To four significant digits in the unit of the study's file.
+/// Rounds a load to four significant digits in the unit of the study's file.
 fn round(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
     let shown = in_the_file(programme, load, value);
     let digits: f64 = format!("{shown:.3e}").parse().unwrap_or(shown);
@@ -365,10 +365,10 @@ fn in_degrees(programme: &LoadProgramme, load: usize) -> bool {
     programme.loads[load].name.ends_with("_deg")
 }
 
-/// The value of a load as the study's file has it.
+/// Returns the value of a load in the unit of the study's file.
 pub(super) fn in_the_file(programme: &LoadProgramme, load: usize, value: f64) -> f64 {
     if in_degrees(programme, load) {
-        // Ten digits: the way to radians and back leaves fewer than sixteen.
+        // Ten digits are kept, because the conversion to radians and back is not exact to sixteen.
         let degrees = value.to_degrees();
         format!("{degrees:.9e}").parse().unwrap_or(degrees)
     } else {
@@ -390,7 +390,7 @@ fn shown(programme: &LoadProgramme, load: usize, value: f64) -> String {
     )
 }
 
-/// The marker at which the loads of a study act: of the first that acts at one.
+/// Returns the marker at which the first of the loads with an application point acts.
 pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> {
     let problem = &subject.problem;
     let mut loads = problem.programme.loads.iter();
@@ -421,7 +421,7 @@ mod tests {
         }
     }
 
-    /// A preload at which the other load is driven, as on a rig.
+    /// Vertical preload at which the lateral load is varied, as on a rig.
     const CASES: [[f64; 2]; 6] = [
         [1500.0, 0.0],
         [4500.0, 0.0],
@@ -465,7 +465,7 @@ mod tests {
         assert_eq!(names[4], "case 5 again (there 2 times)");
     }
 
-    /// Columns in degrees are set to digits of a degree.
+    /// Loads in degrees are rounded in degrees.
     #[test]
     fn angles_are_set_in_degrees() {
         let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);

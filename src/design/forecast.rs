@@ -1,4 +1,4 @@
-//! A fitted model in load cases that nobody has run, with functions that nobody has measured.
+//! Predictions of a fitted model for load cases that have not been run and functions that have not been measured.
 
 use std::sync::Arc;
 
@@ -10,33 +10,33 @@ use admire_identify::global::{
 use admire_session::backend::LoadProgramme;
 use admire_solver::model::PartIx;
 
-/// What a fitted model says of the load cases of a study and of further ones, with derivatives by the unknowns of its deck.
+/// Predictions of a fitted model in the load cases of a study and in further ones, with derivatives by the unknowns of its deck.
 #[derive(Debug)]
 pub(super) struct Forecast {
-    /// One per load case of the study.
+    /// Prediction of each load case of the study.
     pub here: Prediction,
-    /// One per sequence of further cases; `None` where one of them has no equilibrium.
+    /// Predictions of each sequence of further cases. `None` where one of them has no equilibrium.
     pub there: Vec<Option<Vec<CasePrediction>>>,
-    /// Parts whose motions stand in the predictions; those of the study's readings come first.
+    /// Parts whose motions the predictions contain. The parts read by the study come first.
     pub observed: Observed,
-    /// Where the first of the further functions is among the channels of a prediction.
+    /// Index of the first requested function among the channels of a prediction.
     pub first_function: usize,
 }
 
-/// What is asked of a model beside the readings of its study.
+/// Requested predictions in addition to the readings of the study.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asked<'a> {
-    /// Sequences of load cases, one value per load; each follows the cases of the study.
+    /// Sequences of load cases, one value per load. Each sequence follows the cases of the study.
     pub sequences: &'a [Vec<Vec<f64>>],
-    /// Parts whose motions matter.
+    /// Parts whose motions are needed.
     pub parts: &'a [PartIx],
     /// Functions of the deck.
     pub functions: &'a [String],
 }
 
 impl Forecast {
-    /// Solves the cases of the study and the further ones. `None` where the deck cannot be compiled with these functions, or a case of
-    /// the study has no equilibrium.
+    /// Solves the cases of the study and the further cases. `None` where the deck cannot be compiled with these functions, or a case of the
+    /// study has no equilibrium.
     pub(super) fn new(
         subject: &DiagnosisProblem<'_>,
         fitted: &FittedModel,
@@ -105,7 +105,7 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// All cases of the study, then these sequences. What remembers goes through each sequence from where the study ended.
+    /// Predicts all cases of the study, then these sequences. Laws with memory start each sequence in their state at the end of the study.
     fn predict(&self, sequences: &[Vec<Vec<f64>>]) -> Option<Prediction> {
         let further: Vec<&[f64]> = sequences.iter().flatten().map(Vec::as_slice).collect();
         let further = further.as_slice();
@@ -118,7 +118,7 @@ impl Runs<'_> {
         let x = &self.fitted.x[..list.len()];
         let numbers = list.numbers(&self.unknowns.deck, x);
         let directions = list.directions(&numbers.theta, x);
-        // Along free motions a further case is where the nearest one was read: those of several models are compared.
+        // Along zero-stiffness motions, a further case takes the marks of the nearest case, so that several models can be compared.
         let mut observed = self.observed.clone();
         let near = further.iter().map(|values| {
             let nearest = nearest(programme, values);
@@ -145,7 +145,7 @@ impl Runs<'_> {
     }
 }
 
-/// The case of the study whose loads are nearest, each load in units of its range.
+/// Returns the case of the study with the nearest loads, each load in units of its range.
 pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize> {
     let range = |load: usize| {
         let all = programme.cases.iter().map(|case| case.values[load]);
@@ -163,7 +163,7 @@ pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize
     (0..programme.cases.len()).min_by(|a, b| far(a).total_cmp(&far(b)))
 }
 
-/// An unknown with its factors in further cases.
+/// Extends an unknown by its factors in further cases.
 fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]) -> FitUnknown {
     let mut unknown = unknown.clone();
     if let Target::PerCase(slots) = &mut unknown.target {
@@ -175,8 +175,8 @@ fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]
     unknown
 }
 
-/// Factors of further cases: what follows a load from case to case follows it to new ones, what is the same in all stays the same, and
-/// what acts in some cases only does not act in others.
+/// Returns the factors of an unknown in further cases. Factors proportional to a load stay proportional to it, and constant factors stay
+/// constant. All other factors are zero in new cases.
 fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> Vec<f64> {
     let follows = (0..programme.loads.len()).find_map(|load| {
         let values = programme.cases.iter().map(|case| case.values[load]);
@@ -198,7 +198,7 @@ fn followed(factors: &[f64], programme: &LoadProgramme, further: &[&[f64]]) -> V
     further.iter().map(of).collect()
 }
 
-/// What a predictor has to report for the readings of the study.
+/// Returns the quantities that a predictor must report for the readings of the study.
 fn observed(subject: &DiagnosisProblem<'_>) -> Observed {
     Observations::new(subject.problem.measurement, subject.problem.model, &[]).observed
 }
@@ -236,7 +236,7 @@ mod tests {
         let of = |factors: &[f64]| followed(factors, &programme, &further);
         assert_eq!(of(&[0.5, 1.0, -2.0]), [4.0, 0.0]);
         assert_eq!(of(&[0.0, 50.0, 10.0]), [0.0, -30.0]);
-        // A zero that is off by the same in every case; a load that was wrong once.
+        // First a zero offset that is equal in all cases, then an error of a load in one case.
         assert_eq!(of(&[3.0, 3.0, 3.0]), [3.0, 3.0]);
         assert_eq!(of(&[0.0, 1.0, 0.0]), [0.0, 0.0]);
     }

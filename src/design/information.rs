@@ -1,7 +1,7 @@
-//! What the readings of a fit say of its unknowns, and what they would say with further ones.
+//! Information of the readings about the unknowns of a fit, with and without further measurements.
 //!
-//! With `S` the prior standard deviations and `H = A'W A` of all readings, the covariance is `S (I + S H S)^-1 S`: tolerances, noise and
-//! places of marks are unknowns like others, so that they are marginalised. A further measurement adds to `H`; nothing is fitted.
+//! With `S` the prior standard deviations and `H = A'W A` over all readings, the covariance is `S (I + S H S)^-1 S`. Tolerances, frames and
+//! positions of marks are unknowns too, and are therefore marginalised. A further measurement adds to `H`; nothing is refitted.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -18,7 +18,7 @@ pub(super) struct Information {
 }
 
 impl Information {
-    /// Of the readings of a fit.
+    /// Returns the information of the readings of a fit.
     pub(super) fn of(fitted: &FittedModel) -> Self {
         let (_, J) = fitted.whitened();
         let priors = fitted.priors.iter().map(|p| p.prior_sd(&fitted.sizes));
@@ -28,7 +28,7 @@ impl Information {
         }
     }
 
-    /// With the unknowns that come with a candidate, of which the prior alone is known.
+    /// Adds the unknowns that a candidate introduces, with their priors only.
     #[must_use]
     pub(super) fn widened(&self, further: &[f64]) -> Self {
         let (n, k) = (self.S.len(), further.len());
@@ -42,7 +42,7 @@ impl Information {
         }
     }
 
-    /// With the readings of a candidate.
+    /// Adds the readings of a candidate.
     #[must_use]
     pub(super) fn with(&self, readings: &Readings) -> Self {
         let mut new = self.widened(&readings.further);
@@ -53,7 +53,7 @@ impl Information {
         new
     }
 
-    /// What the covariance is made of along some rows, each a combination of the first unknowns: `Y` with `rows C rows' = Y'Y`.
+    /// Returns `Y` with `rows C rows' = Y'Y`, where `C` is the covariance and each row combines the leading unknowns.
     pub(super) fn root(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let n = self.S.len();
         let mut M = self.H.clone();
@@ -73,14 +73,14 @@ impl Information {
         factor.l_dirty().solve_lower_triangular(&right)
     }
 
-    /// Covariance of some rows.
+    /// Returns the covariance of some rows, each a combination of the leading unknowns.
     pub(super) fn covariance(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let root = self.root(rows)?;
         Some(root.tr_mul(&root))
     }
 }
 
-/// Logarithm of the determinant of a covariance.
+/// Returns the log determinant of a covariance.
 pub(super) fn ln_det(covariance: &DMatrix<f64>) -> Option<f64> {
     let factor = Cholesky::new(covariance.clone())?;
     let diagonal = factor.l_dirty().diagonal();
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Against the covariance by an inverse of the whole, and against Woodbury's formula for what is added.
+    /// Checks against the inverse of the full information, and against Woodbury's formula for added readings.
     #[test]
     fn readings_add_information() {
         let mut noise = Noise::new(5, "information");
@@ -121,7 +121,7 @@ mod tests {
         let with = before.with(&readings);
         let found = with.covariance(&rows).unwrap();
         assert!((&found - &expected).amax() < 1e-12 * expected.amax());
-        // What is taken out again leaves what was there.
+        // Subtracting the added rows restores the original covariance.
         let mut back = readings;
         back.replaced = more;
         let same = before.with(&back).covariance(&rows).unwrap();

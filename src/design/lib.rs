@@ -1,11 +1,11 @@
-//! Design of experiments: what to measure next.
+//! Design of experiments: the choice of the next measurement.
 //!
-//! [`plan`](fn@plan) ranks load cases, repeats, marks and channels by what each would add to stiffnesses, to the curves of the wheel, and
-//! to the choice between causes. [`propose`] adds to a diagnosis the measurement that tells a finding from its rival. Everything is linear
-//! at the fit: nothing is fitted again. From the bottom up: `candidate` <- `forecast` <- `prospect` <- `information` <- `rivals` <-
-//! `next_measurement`, `plan`.
+//! [`plan`](fn@plan) ranks load cases, repeats, marks and channels. The criteria are the information about stiffnesses, about the wheel's
+//! curves, and about the choice between causes. [`propose`] adds to a diagnosis the measurement that separates a finding from its rival. All
+//! predictions are linear at the fit; nothing is refitted. Modules import in one direction: `candidate` <- `forecast` <- `prospect` <-
+//! `information` <- `rivals` <- `next_measurement`, `plan`.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -1,4 +1,4 @@
-//! A load case in which two explanations that do equally well would differ most.
+//! Load case in which two equally good explanations differ most.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,10 @@ use super::prospect::Prospect;
 use super::rivals::separated;
 use admire_diagnosis::{DiagnosisProblem, FittedModel, Hypothesis, NextMeasurement, Outcome};
 
-/// What separates less than this does not.
+/// Chi-square above which a load case is said to separate two explanations.
 const SEPARATED: f64 = 6.0;
 
-/// Proposes a measurement that tells a finding of the diagnosis from its rival, if one would.
+/// Proposes a measurement that separates a finding of the diagnosis from its rival, if there is one.
 pub fn propose(outcome: &mut Outcome<'_>) {
     let best = &*outcome.extended;
     let mut proposed = outcome.rivals.iter().filter_map(|rival| {
@@ -21,8 +21,8 @@ pub fn propose(outcome: &mut Outcome<'_>) {
     outcome.diagnosis.next_measurement = proposed.next();
 }
 
-/// The load case within the range of those applied that tells a finding from its rival, or the repetition of one where a single
-/// reading is in question.
+/// Returns the load case, within the range applied, that best separates a finding from its rival. If either is a fault of a single case, the
+/// proposal is to repeat that case.
 fn next_measurement(
     subject: &DiagnosisProblem<'_>,
     (best, finding): (&FittedModel, &Hypothesis),
@@ -55,7 +55,7 @@ fn next_measurement(
         separated(&information, &mine, &theirs)
     };
     let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
-    // Of several that do as well the first.
+    // Among equal candidates the first one wins.
     let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
     let why = if separated > SEPARATED {
         format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")

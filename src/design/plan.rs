@@ -1,7 +1,8 @@
-//! Which measurement to make next: what each would add to stiffnesses, to the wheel's curves, and to the choice between causes.
+//! Ranking of candidate measurements by their information about stiffnesses, about the wheel's curves, and about the choice between causes.
 //!
-//! Everything is linear at the fit: exact sensitivities, and covariances before and after in closed form with tolerances marginalised
-//! at the sizes that were found. Nothing is fitted again. Source of expected information: Lindley, Ann. Math. Stat. 27 (1956) 986.
+//! All predictions are linear at the fit, with exact sensitivities. Covariances before and after a measurement are in closed form, with
+//! tolerances marginalised at the fitted variance components. Nothing is refitted. Source of the expected information: Lindley, Ann. Math.
+//! Stat. 27 (1956) 986.
 
 use std::collections::BTreeMap;
 
@@ -19,24 +20,24 @@ use admire_diagnosis::{
 use admire_identify::{IdentifyError, Problem};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// So many of the worst-determined combinations are looked at.
+/// Number of worst-determined combinations of stiffnesses considered.
 const WORST: usize = 3;
-/// Shares of a combination below this are left out of its name.
+/// Smallest component of a combination that appears in its name.
 const SHARE: f64 = 0.15;
-/// Cases at which the wheel is predicted, at most.
+/// Maximum number of cases at which the wheel is predicted.
 const MOST_CASES: usize = 40;
 
-/// What a measurement is to serve.
+/// Purpose of the planned measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Aim {
-    /// The worst-determined combinations of stiffnesses.
+    /// Information about the worst-determined combinations of stiffnesses.
     Stiffnesses,
-    /// Place, camber and toe of the wheel over the cases of the study.
+    /// Prediction of position, camber and toe of the wheel over the cases of the study.
     Curves,
-    /// Which of two explanations is true.
+    /// Decision between two rival explanations.
     Causes,
-    /// All three.
+    /// All three purposes.
     All,
 }
 
@@ -46,106 +47,106 @@ impl Aim {
     }
 }
 
-/// A combination of logarithms of stiffnesses.
+/// Linear combination of logarithms of stiffnesses.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Combination {
-    /// Unit vector over ln K, small components left out.
+    /// Unit vector over ln K by address, without small components.
     pub combination: BTreeMap<String, f64>,
-    /// Its standard deviation.
+    /// Standard deviation of the combination.
     pub sd_log: f64,
-    /// The whole vector, in the order of the numbers sought.
+    /// Full unit vector, in the order of the stiffnesses.
     #[serde(skip)]
     pub vector: Vec<f64>,
 }
 
-/// How well the wheel is predicted: root of the mean variance over the cases of the study.
+/// Standard deviation of the predicted wheel: root mean variance over the cases of the study.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct WheelSd {
-    /// Toe, degrees.
+    /// Standard deviation of toe, in degrees.
     pub toe_deg: f64,
-    /// Camber, degrees.
+    /// Standard deviation of camber, in degrees.
     pub camber_deg: f64,
-    /// A coordinate of the wheel centre, in the deck's length unit.
+    /// Standard deviation of one coordinate of the wheel centre, in the deck's length unit.
     pub position: f64,
 }
 
-/// The wheel that is predicted.
+/// Predicted wheel and the accuracy of its prediction.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Curves {
-    /// Its marker.
+    /// Marker that defines the wheel.
     pub wheel: String,
-    /// Standard deviations as the readings leave them.
+    /// Standard deviations given the present readings.
     #[serde(flatten)]
     pub sd: WheelSd,
 }
 
-/// Two explanations that the readings do not decide between.
+/// Two explanations between which the readings do not decide.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Undecided {
-    /// What each holds that the other does not.
+    /// Names of the causes that each explanation holds and the other does not.
     pub between: [String; 2],
-    /// Their probabilities.
+    /// Posterior probabilities of the two explanations.
     pub probability: [f64; 2],
 }
 
-/// A measurement and what it would do.
+/// Candidate measurement with its expected benefit.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Ranked {
-    /// What kind of measurement it is.
+    /// Kind of measurement.
     pub kind: Kind,
-    /// What to do.
+    /// Instruction for the measurement, as text.
     pub what: String,
-    /// Load cases in this order, the columns of the study's file; empty for an instrument, which is read in all cases.
+    /// Load cases in order, in the columns and units of the study's file. Empty for an instrument, which is read in all cases.
     pub cases: Vec<BTreeMap<String, f64>>,
-    /// By what they are ranked, nats: what is aimed at, added up.
+    /// Criterion of the ranking, in nats: the sum over the purposes aimed at.
     pub score: f64,
-    /// Expected information about all stiffnesses, nats.
+    /// Expected information about all stiffnesses, in nats.
     pub information: Option<f64>,
-    /// Standard deviations of the worst-determined combinations with it.
+    /// Standard deviations of the worst-determined combinations after the measurement.
     pub sd_log: Vec<f64>,
-    /// How well the wheel is predicted with it.
+    /// Accuracy of the predicted wheel after the measurement.
     pub curves: Option<WheelSd>,
-    /// What it would say of the two explanations.
+    /// Expected separation of the two explanations.
     pub causes: Option<Separation>,
-    /// Values of its load cases in the units of the programme.
+    /// Load values of its cases, in the units of the programme.
     #[serde(skip)]
     pub loads: Vec<Vec<f64>>,
 }
 
-/// What `plan.json` holds.
+/// Contents of `plan.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Plan {
-    /// What was aimed at.
+    /// Purpose of the plan.
     pub aim: Aim,
-    /// The worst-determined combinations, worst first.
+    /// Worst-determined combinations of stiffnesses, the worst first.
     pub combinations: Vec<Combination>,
-    /// How well the wheel is predicted; `null` where the loads act at no marker.
+    /// Accuracy of the predicted wheel. `null` where the loads act at no marker.
     pub curves: Option<Curves>,
-    /// What is undecided; `null` where nothing is, or nobody asked.
+    /// Undecided explanations. `null` where the readings decide, or the purpose does not include causes.
     pub causes: Option<Undecided>,
-    /// From what size on the readings show a hardpoint that is off; empty where nobody asked for causes.
+    /// Detection limits of the hardpoints. Empty where the purpose does not include causes.
     pub detection_limits: Vec<DetectionLimit>,
-    /// The same for all other causes.
+    /// Detection limits of all other causes. Empty where the purpose does not include causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// The factor beyond the largest magnitude of the study.
+    /// Factor on the largest load deviation of the study, for candidates beyond the range applied.
     pub beyond: f64,
-    /// What could not be solved or read.
+    /// Candidates that cannot be solved or read.
     pub not_possible: Vec<String>,
-    /// Combinations of loads that were not looked at because there are too many.
+    /// Number of load combinations left out to limit the effort.
     pub left_out: usize,
-    /// All candidates, the best first; none where only causes were asked for and nothing is undecided.
+    /// All candidates, the best first. Empty if the purpose is causes alone and the readings decide.
     pub candidates: Vec<Ranked>,
 }
 
 impl Plan {
-    /// `plan.json`.
+    /// Returns the contents of `plan.json`.
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self);
         text.expect("a plan holds only names and numbers") + "\n"
     }
 }
 
-/// What the readings of a study leave open, and what each candidate would add.
+/// Ranks the candidate measurements of a study by the uncertainty that they would remove.
 ///
 /// # Errors
 /// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
@@ -182,7 +183,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         .and_then(|rivals| Apart::new(&of_all, rivals, &candidates));
     let mut ranked = Vec::new();
     let mut not_possible = Vec::new();
-    // Where nothing is undecided there is nothing to rank by.
+    // Without rival explanations, a plan for causes has no criterion to rank by.
     let is_idle = aim == Aim::Causes && rivals.is_none();
     let count = if is_idle { 0 } else { candidates.list.len() };
     for (at, candidate) in candidates.list.iter().enumerate().take(count) {
@@ -192,7 +193,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         }
     }
     ranked.sort_by(|(_, a), (_, b)| b.score.total_cmp(&a.score));
-    // Of the places on a part the best one.
+    // Only the best mark position on each part is kept.
     let mut parts = Vec::new();
     ranked.retain(|(at, _)| match candidates.list[*at].new {
         super::candidate::New::Mark(part, _) => {
@@ -219,7 +220,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     })
 }
 
-/// Two explanations, asked about candidates.
+/// Comparison of two rival models over the candidates.
 struct Apart<'a, 'b> {
     prospects: [Prospect<'a, 'b>; 2],
     information: Information,
@@ -250,7 +251,7 @@ impl<'a, 'b> Apart<'a, 'b> {
     }
 }
 
-/// What the readings of the study leave open.
+/// Evaluation of the candidates against the present uncertainty of the study.
 struct Weighing<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
     prospect: Prospect<'a, 'b>,
@@ -258,13 +259,13 @@ struct Weighing<'a, 'b> {
     aim: Aim,
     combinations: Vec<Combination>,
     curves: Option<Curves>,
-    /// How many stiffnesses there are: the first rows; then five for each case of the wheel.
+    /// Number of stiffnesses, which are the first rows. Five rows follow for each case of the wheel.
     count: usize,
     rows: DMatrix<f64>,
     ln_det: Option<f64>,
 }
 
-/// What readings say of stiffnesses and wheel.
+/// Covariance of the stiffnesses and accuracy of the predicted wheel.
 struct Said {
     stiffnesses: DMatrix<f64>,
     wheel: Option<WheelSd>,
@@ -332,7 +333,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
         })
     }
 
-    /// What a candidate does; `None` where it cannot be measured.
+    /// Returns the expected benefit of a candidate; `None` where it cannot be measured.
     fn of(
         &self,
         at: usize,
@@ -393,7 +394,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
     }
 }
 
-/// The directions of largest variance among logarithms of stiffnesses.
+/// Returns the directions of largest variance among the logarithms of stiffnesses.
 fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Vec<Combination> {
     if covariance.nrows() == 0 {
         return Vec::new();
@@ -403,7 +404,7 @@ fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Ve
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let of = |k: usize| {
         let column = eigen.eigenvectors.column(k);
-        // The largest component is positive.
+        // The sign makes the largest component positive.
         let sign = column[column.iamax()].signum();
         let vector: Vec<f64> = column.iter().map(|share| share * sign).collect();
         let named = subject.problem.unknowns.iter().zip(&vector);

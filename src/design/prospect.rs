@@ -1,4 +1,4 @@
-//! What measurements that nobody has made would read, in units of their noise, and how that depends on the unknowns of a fit.
+//! Predicted readings of candidate measurements, in units of their noise, with derivatives by the unknowns of a fit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,27 +14,27 @@ use admire_study::wheel::WheelReading;
 use admire_study::{Case, MarkReading, Measurement};
 use admire_syntax::text::Span;
 
-/// What one candidate would read.
+/// Predicted readings of one candidate.
 #[derive(Clone, Debug)]
 pub(super) struct Readings {
-    /// Derivatives of independent rows of unit variance by the unknowns of the fit, then by those that come with the candidate.
+    /// Derivatives of independent rows of unit variance: by the unknowns of the fit, then by the additional unknowns of the candidate.
     pub jacobian: DMatrix<f64>,
-    /// Prior standard deviations of the latter.
+    /// Prior standard deviations of the additional unknowns.
     pub further: Vec<f64>,
-    /// Rows of the study that stand among those above once more, because they share errors with them.
+    /// Rows of the study that `jacobian` contains a second time, because they share errors with the new readings.
     pub replaced: DMatrix<f64>,
-    /// What the model says of each reading, in units of its noise.
+    /// Prediction of each reading, in units of its noise.
     value: DVector<f64>,
-    /// These units.
+    /// Noise unit of each reading.
     unit: Vec<f64>,
-    /// What makes differences of the readings independent rows of unit variance; `None` where they are.
+    /// Transformation of differences of the readings to independent rows of unit variance. `None` where the readings already are independent.
     turning: Option<(Whitening, DVector<f64>)>,
-    /// Rows that belong to the readings if they are not those of the Jacobian.
+    /// Derivatives of the new readings, where `jacobian` holds other rows too.
     own: Option<DMatrix<f64>>,
 }
 
 impl Readings {
-    /// Rows of independent readings.
+    /// Creates readings whose errors are independent.
     pub(super) fn new(jacobian: DMatrix<f64>, value: DVector<f64>, unit: Vec<f64>) -> Self {
         Self {
             further: Vec::new(),
@@ -47,7 +47,8 @@ impl Readings {
         }
     }
 
-    /// By how much another model says otherwise, and the derivatives of the same rows; `None` if it says nothing of them.
+    /// Returns the predictions of another model minus these, with the derivatives of the same rows. `None` if the models do not predict the
+    /// same readings.
     pub(super) fn against(&self, other: &Self) -> Option<(DVector<f64>, &DMatrix<f64>)> {
         if self.value.len() != other.value.len() {
             return None;
@@ -66,21 +67,21 @@ impl Readings {
     }
 }
 
-/// A fitted model, asked about candidates.
+/// Predictor of candidate measurements by a fitted model.
 pub(super) struct Prospect<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
     fitted: &'a FittedModel,
     forecast: Forecast,
     candidates: &'a Candidates,
-    /// Which sequence of the forecast each candidate has.
+    /// Index of each candidate's sequence of cases in the forecast.
     sequence: Vec<Option<usize>>,
     wheel: Option<WheelPlace>,
-    /// Cases that the fit has seen.
+    /// Cases used by the fit.
     seen: Vec<usize>,
 }
 
 impl<'a, 'b> Prospect<'a, 'b> {
-    /// Solves all that is needed. `None` where the deck cannot be solved in a case of the study.
+    /// Solves all cases that the candidates need. `None` where the deck cannot be solved in a case of the study.
     pub(super) fn new(
         subject: &'a DiagnosisProblem<'b>,
         fitted: &'a FittedModel,
@@ -105,7 +106,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
             parts: &parts,
             functions,
         };
-        // A force that cannot be read in this deck is none that a cell would read.
+        // If a force cannot be read in this deck, load cells are left out.
         let forecast = Forecast::new(subject, fitted, asked(&candidates.functions))
             .or_else(|| Forecast::new(subject, fitted, asked(&[])))?;
         let mut seen: Vec<usize> = Vec::new();
@@ -125,7 +126,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         })
     }
 
-    /// Readings of a candidate; `None` where a load case has no equilibrium, or nothing would be read.
+    /// Returns the readings of a candidate; `None` where a load case has no equilibrium, or nothing would be read.
     pub(super) fn readings(&self, at: usize) -> Option<Readings> {
         let candidate = &self.candidates.list[at];
         match &candidate.new {
@@ -144,7 +145,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         }
     }
 
-    /// Forces that a load cell reads; those that it never sees are left out.
+    /// Returns the readings of a load cell, without components that are always zero.
     fn of_functions(&self, functions: std::ops::Range<usize>) -> Option<Readings> {
         let mut all: Option<Readings> = None;
         for function in functions {
@@ -165,7 +166,8 @@ impl<'a, 'b> Prospect<'a, 'b> {
         all
     }
 
-    /// Rows of the wheel's place, camber and toe in each of these cases, by the unknowns of the fit; errors of the rig do not count.
+    /// Returns the derivatives of position, camber and toe of the wheel in each of these cases, by the unknowns of the fit. Load errors of
+    /// the rig are left out.
     pub(super) fn wheel(&self, cases: &[usize]) -> Option<(String, DMatrix<f64>)> {
         let wheel = self.wheel.as_ref()?;
         let at = self.place(wheel.part)?;
@@ -203,7 +205,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         parts.iter().position(|of| *of == part)
     }
 
-    /// Everything that the study reads, in further cases.
+    /// Returns everything that the study reads, in further cases.
     fn of_cases(&self, candidate: &Candidate, sequence: usize) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let further = self.forecast.there[sequence].as_ref()?;
@@ -220,7 +222,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         prediction.extend(further.iter().cloned().map(Some));
         let inner = fitted.unknowns.len() + fitted.layout.sd.len();
         let x = &fitted.x[..inner];
-        // Where the frame will be set up in a further case nobody knows.
+        // The frame of a further case is unknown; its pose is an additional unknown of the candidate.
         let mut layout = NuisanceLayout {
             frames: None,
             ..fitted.layout.clone()
@@ -238,7 +240,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         };
         let whitening =
             subject.whitening_ahead(&observations.rows, &measurement, &seen, &found.free);
-        // What acts on single readings acts on no new ones.
+        // Unknowns that act on single readings have no effect on new readings.
         let mut jacobian = found.jacobian.resize_horizontally(fitted.x.len(), 0.0);
         let mut prior = Vec::new();
         if fitted.layout.frames.is_some() {
@@ -271,7 +273,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         readings.is_finite().then_some(readings)
     }
 
-    /// A mark on a part, beside those that are there.
+    /// Returns the readings of a new mark on a part, in all cases of the fit, together with the existing marks of that part.
     fn of_a_mark(&self, part: PartIx, place: &Vec3) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let at = self.place(part)?;
@@ -345,7 +347,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
                 value.push(point[axis] / sigma);
                 precision.push(usual);
             }
-            // Nothing is compared along motions that nothing resists.
+            // Directions of zero-stiffness motions are excluded from the comparison.
             for motion in predicted.free.iter() {
                 let by_mark = |(row, seen): (&usize, &Vec3)| {
                     let by = moved(motion, at, &(seen - pose.p)) / sigma;
@@ -404,7 +406,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
         readings.is_finite().then_some(readings)
     }
 
-    /// A sensor read in all cases that the fit has seen.
+    /// Returns the readings of a sensor with independent errors, in all cases of the fit.
     fn alone(
         &self,
         sigma: f64,
@@ -429,7 +431,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
 }
 
 impl Readings {
-    /// Independent readings and further ones.
+    /// Joins two sets of independent readings.
     fn and(mut self, more: Self) -> Self {
         let (rows, n) = (self.value.len(), self.jacobian.ncols());
         let count = rows + more.value.len();
@@ -449,7 +451,7 @@ impl Readings {
     }
 }
 
-/// Rows turned and weighed.
+/// Whitens rows: decorrelates them, then scales them to unit variance.
 fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -> DMatrix<f64> {
     let mut turned = whitening.apply(rows);
     for (mut row, weight) in turned.row_iter_mut().zip(weights.iter()) {
@@ -458,11 +460,12 @@ fn weighed(whitening: &Whitening, weights: &DVector<f64>, rows: &DMatrix<f64>) -
     turned
 }
 
-/// The measurement of a study with further cases, in which all is read that the study reads anywhere; their readings are zero. Where parts
-/// move freely their marks are where the nearest case has them: predictions are compared beside such a place.
+/// Returns the measurement of a study with further cases appended, with all kinds of readings that the study has. The values of the new
+/// readings are zero. With zero-stiffness motions, marks take their readings from the nearest case, so that predictions can be aligned to
+/// them.
 fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measurement {
     let mut new = subject.problem.measurement.clone();
-    // One unit of a row stays what it is.
+    // The unit of a mark's row stays the unit of the study.
     new.sigma = subject.sigma;
     let mut marks: Vec<(usize, usize)> = new
         .cases
@@ -511,7 +514,7 @@ fn continued(subject: &DiagnosisProblem<'_>, further: &[Vec<f64>]) -> Measuremen
     new
 }
 
-/// How a point with this arm moves.
+/// Returns the displacement of a point of a part; `arm` points from the part's origin to it.
 fn moved(change: CaseChange<'_>, at: usize, arm: &Vec3) -> Vec3 {
     let [x, y, z, a, b, c] = change.parts[at];
     Vec3::new(x, y, z) + Vec3::new(a, b, c).cross(arm)

@@ -1,4 +1,4 @@
-//! Two explanations of the same readings, and what a further measurement would say of them.
+//! Two rival explanations of the same readings, and their separation by a further measurement.
 
 use std::sync::Arc;
 
@@ -9,33 +9,33 @@ use super::information::Information;
 use super::prospect::Readings;
 use admire_diagnosis::{FittedModel, Found, Hypothesis, Visited};
 
-/// A rival that is less probable than this beside the leading model is none.
+/// Probability of a second model, given that it or the leading model is true, below which it does not count as a rival.
 const UNDECIDED: f64 = 0.01;
 
-/// The leading model and the one that is most probable beside it.
+/// Leading model and its most probable rival.
 #[derive(Clone, Debug)]
 pub(super) struct Rivals {
-    /// Both fits.
+    /// Both fits, the leading model first.
     pub fits: [Arc<FittedModel>; 2],
-    /// What each holds that the other does not.
+    /// Names of the causes that each model holds and the other does not.
     pub names: [String; 2],
-    /// Probability of each; of the two and all others together one.
+    /// Posterior probability of each, on a scale where all models together have one.
     pub probability: [f64; 2],
 }
 
-/// What a measurement would say of two rivals.
+/// Expected separation of two rivals by a measurement.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Separation {
-    /// Chi-square by which it would hold them apart.
+    /// Chi-square that separates the rivals.
     pub chi_square: f64,
-    /// By how much the probability of the one that is true is expected to rise.
+    /// Expected rise of the probability of the true model.
     pub probability_shift: f64,
-    /// Expected information about which one is true, in nats.
+    /// Expected information about which model is true, in nats.
     pub nats: f64,
 }
 
 impl Rivals {
-    /// Of a search; `None` if it is decided.
+    /// Returns the rivals found by a search; `None` if the leading model has no serious rival.
     pub(super) fn of(found: &Found, leading: &Arc<FittedModel>) -> Option<Self> {
         let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
         let mut fits: Vec<(Arc<FittedModel>, f64)> =
@@ -60,25 +60,26 @@ impl Rivals {
         })
     }
 
-    /// True if one of them depends on the order of the load cases.
+    /// Returns true if either model depends on the order of the load cases.
     pub(super) fn remember(&self) -> bool {
         let mut causes = self.fits.iter().flat_map(|fit| &fit.effects);
         causes.any(|h| h.memory.is_some())
     }
 
-    /// The probability of the first if one of the two is true.
+    /// Returns the probability of the leading model, given that one of the two is true.
     pub(super) fn odds(&self) -> f64 {
         self.probability[0] / (self.probability[0] + self.probability[1])
     }
 }
 
-/// Causes of one model that are at no place of the other.
+/// Returns the causes of one model at sites where the other has none.
 fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a Hypothesis> {
     let there = |h: &&Hypothesis| !other.effects.iter().any(|o| o.same_site(h));
     fit.effects.iter().filter(there).collect()
 }
 
-/// The chi-square by which readings hold two models apart: `d' (I + J C J')^-1 d`, what the first model does not know being no surprise.
+/// Returns the chi-square `d' (I + J C J')^-1 d` by which readings separate two models. The uncertainty of the first model's prediction is
+/// part of the covariance.
 pub(super) fn separated(
     information: &Information,
     first: &Readings,
@@ -91,8 +92,9 @@ pub(super) fn separated(
 }
 
 impl Separation {
-    /// Of a measurement that would hold two models apart by this chi-square; `odds` is the probability of the first. The logarithm of
-    /// the Bayes factor is Gaussian with mean half the chi-square for the true one, and with the chi-square as variance.
+    /// Returns the expected effect of a measurement that separates two models by this chi-square. `odds` is the probability of the first
+    /// model. The log Bayes factor in favour of the true model is Gaussian, with mean half the chi-square and with the chi-square as
+    /// variance.
     pub fn of(chi_square: f64, odds: f64) -> Self {
         let (mut right, mut entropy, mut sum) = (0.0, 0.0, 0.0);
         let prior = libm::log(odds / (1.0 - odds));
@@ -117,7 +119,7 @@ impl Separation {
     }
 }
 
-/// Entropy of a choice of two.
+/// Returns the entropy of a choice between two, in nats.
 fn of_two(p: f64) -> f64 {
     let term = |p: f64| if p > 0.0 { -p * libm::log(p) } else { 0.0 };
     term(p) + term(1.0 - p)
@@ -132,12 +134,12 @@ mod tests {
         let none = Separation::of(0.0, 0.7);
         assert!(none.probability_shift < 1e-12 && none.nats < 1e-12);
         let all = Separation::of(400.0, 0.7);
-        // From 0.7^2 + 0.3^2 to one, and all of the entropy.
+        // The expected probability of the true model rises from 0.7^2 + 0.3^2 to one, and all entropy is removed.
         assert!((all.probability_shift - 0.42).abs() < 1e-6);
         assert!((all.nats - (-0.7 * 0.7_f64.ln() - 0.3 * 0.3_f64.ln())).abs() < 1e-6);
     }
 
-    /// Small separations: the probability of the true one rises by `2 p^2 q^2 D^2`, the information is `p q D^2 / 2`.
+    /// For small separations the expected probability of the true model rises by `2 p^2 q^2 D^2`, and the information is `p q D^2 / 2`.
     #[test]
     fn small_separations_are_those_of_the_series() {
         let (p, q, d2) = (0.6, 0.4, 1e-3);

@@ -1,4 +1,4 @@
-//! The wheel whose place and angles are predicted, whatever a study reads.
+//! Wheel whose position and angles are predicted, whether or not the study reads them.
 
 use super::candidate::loaded_marker;
 use admire_diagnosis::DiagnosisProblem;
@@ -6,24 +6,26 @@ use admire_identify::global::{CaseChange, CasePrediction};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartIx;
 
-/// A wheel on its carrier.
+/// Wheel on its carrier.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct WheelPlace {
-    /// What it was taken from.
+    /// Description of the source of the wheel.
     pub told: String,
-    /// The carrier.
+    /// Carrier part.
     pub part: PartIx,
-    /// Centre in the frame of the carrier.
+    /// Wheel centre in the frame of the carrier.
     centre: Vec3,
     /// Spin axis in the frame of the carrier.
     spin: Vec3,
 }
 
-/// Place of the wheel centre in the deck's length unit, camber and toe in degrees; the angles up to a constant and a sign.
+/// Position of the wheel centre in the deck's length unit, then camber and toe in degrees. The angles are defined up to a constant and a
+/// sign.
 pub(super) type Five = [f64; 5];
 
 impl WheelPlace {
-    /// The wheel of `[wheel]`, else that of `[kc]`, else the point where the loads act with the spin axis along y of ground.
+    /// Returns the wheel of `[wheel]`, otherwise the wheel of `[kc]`. Otherwise the wheel is the point where the loads act, with the spin
+    /// axis along y of ground.
     pub(super) fn of(subject: &DiagnosisProblem<'_>) -> Option<Self> {
         let (model, measurement) = (subject.problem.model, subject.problem.measurement);
         if let Some(wheel) = &measurement.wheel {
@@ -36,7 +38,7 @@ impl WheelPlace {
                 spin: column * wheel.spin.sense,
             });
         }
-        // Curves of a rig bring markers of the wheel: its centre and one along its spin axis.
+        // The channels of rig curves bring helper markers: the wheel centre first, then one along the spin axis.
         let helpers = measurement.channels.iter().map(|channel| &channel.helpers);
         if let Some([centre, outboard, ..]) = helpers
             .map(Vec::as_slice)
@@ -63,11 +65,11 @@ impl WheelPlace {
         })
     }
 
-    /// Where it is in a case.
+    /// Returns position and angles of the wheel in a case.
     pub(super) fn place(&self, case: &CasePrediction) -> Five {
         let pose = &case.poses[self.part.0];
         let (p, s) = (pose.point(&self.centre), pose.R * self.spin);
-        // Of the axis, not of its sense.
+        // Toe of the axis as a line, independent of its sense.
         let toe = if s.y.abs() > s.x.abs() {
             -libm::atan(s.x / s.y)
         } else {
@@ -82,7 +84,7 @@ impl WheelPlace {
         ]
     }
 
-    /// How that changes with an unknown; `at` is the place of the carrier among the parts observed.
+    /// Returns the derivative of position and angles by an unknown. `at` is the index of the carrier among the observed parts.
     pub(super) fn change(&self, case: &CasePrediction, change: CaseChange<'_>, at: usize) -> Five {
         let pose = &case.poses[self.part.0];
         let [x, y, z, a, b, c] = change.parts[at];

@@ -1,4 +1,4 @@
-//! Stiffnesses averaged over the models that remain.
+//! Stiffnesses averaged over the probable models.
 
 use nalgebra::DVector;
 
@@ -8,13 +8,13 @@ use super::visited::Visited;
 use admire_identify::Status;
 use admire_identify::global::UNIDENTIFIABLE;
 
-/// Two-sided 95 percent of a Gaussian.
+/// Quantile of the standard normal distribution for a two-sided 95 percent interval.
 const Z95: f64 = 1.959_963_985;
-/// Beyond this half width, as a part of the estimate, only the upper side is stated.
+/// Relative half width above which only the upper bound of an interval is stated.
 const WIDE: f64 = 0.8;
 
-/// Mean and variance of the mixture over fitted models, each number with its interval on the scale of the stiffness itself: there the
-/// posterior is closer to a Gaussian than in logarithms where a number is poorly known.
+/// Returns the mean and variance of each stiffness over the mixture of fitted models. The mean and variance are taken in logarithms. The
+/// interval is symmetric in the stiffness itself, where the posterior of a poorly determined stiffness is closer to a Gaussian.
 pub(super) fn model_averaged_parameters(
     subject: &DiagnosisProblem<'_>,
     models: &[(Visited, f64)],
@@ -29,7 +29,7 @@ pub(super) fn model_averaged_parameters(
     let (mut mean, mut square, mut exact) = (zero(), zero(), zero());
     for (model, probability) in &fitted {
         let weight = probability / sum;
-        // Without tolerances: members known, stiffnesses and causes not.
+        // Variance without tolerances: the random effects are known, stiffnesses and causes are not.
         let kept: Vec<usize> = (0..model.x.len())
             .filter(|k| model.is_of_the_model(*k))
             .collect();

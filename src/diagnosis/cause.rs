@@ -2,56 +2,56 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// What can be wrong with a model or with its measurement (guide/study.md).
+/// Cause of a discrepancy: an error of the model or of its measurement (guide/study.md).
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
-    /// Force grows faster than linearly with a deflection of a bushing.
+    /// Bushing force that grows faster than linearly with the deflection.
     ProgressiveStiffness,
     /// Rate-independent hysteresis in a bushing or joint.
     DryFriction,
-    /// Rubber flows from case to case.
+    /// Viscous flow of rubber from case to case.
     Creep,
-    /// A part deforms along the line of its two joints.
+    /// Compliance of a part along the line through its two joints.
     LinkCompliance,
-    /// A joint of a part with two joints has play along their line.
+    /// Free play in a joint of a part with two joints, along the line through them.
     FreePlay,
-    /// The ground-side attachment of a joint or spring yields.
+    /// Compliance of the ground-side attachment of a joint or spring.
     BodyCompliance,
-    /// The two sides of a bushing sit displaced from where the deck says.
+    /// Offset between the two sides of a bushing, relative to the deck.
     AssemblyOffset,
-    /// The connection point of a joint or spring is elsewhere.
+    /// Wrong location of the connection point of a joint or spring.
     HardpointError,
-    /// A bushing is mounted turned about an axis.
+    /// Bushing mounted with a rotation about one of its axes.
     BushingOrientation,
-    /// Off-diagonal stiffness.
+    /// Off-diagonal stiffness of a bushing.
     BushingCoupling,
-    /// A number taken as known is wrong.
+    /// Wrong value of a deck parameter that the study takes as known.
     ElementParameter,
-    /// A one-sided spring engages past a clearance.
+    /// One-sided spring that engages past a clearance.
     StopContact,
-    /// A load is wrong by a factor.
+    /// Wrong scale factor of a load.
     LoadGain,
-    /// Part of one load acts along another.
+    /// Cross-talk: a fraction of one load acts along another.
     LoadCrosstalk,
-    /// A load acts elsewhere than at its marker.
+    /// Load applied at a point other than its marker.
     LoadPointError,
-    /// The measuring frame moved in one load case.
+    /// Displacement of the measuring frame in one load case.
     FrameDrift,
-    /// The declared noise is not the noise of the data.
+    /// Declared noise that disagrees with the noise of the data.
     NoiseLevel,
-    /// One mark reading is wrong.
+    /// Gross error of one mark reading.
     MarkOutlier,
-    /// A mark sits elsewhere on its part than the list says, or came loose.
+    /// Mark that is listed at a wrong position on its part, or has come loose.
     MarkPlace,
-    /// A reading's gain, zero or single value is wrong.
+    /// Wrong gain, zero or single value of a channel.
     ChannelFault,
-    /// A force whose law no cause of the catalogue has: never a finding, shown as what remains.
+    /// Force whose law is not in the catalogue of causes. Such a force is never a finding; it is reported as the unexplained remainder.
     UnmodelledForce,
 }
 
 impl Cause {
-    /// The name of `diagnosis.json`.
+    /// Returns the name used in `diagnosis.json`.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::ProgressiveStiffness => "progressive-stiffness",
@@ -78,7 +78,7 @@ impl Cause {
         }
     }
 
-    /// True for faults of single readings, which no cross-validation by load case can name.
+    /// Returns true for faults of the readings themselves, which cross-validation by load case cannot confirm.
     pub const fn of_the_measurement(self) -> bool {
         matches!(
             self,
@@ -90,12 +90,12 @@ impl Cause {
         )
     }
 
-    /// True for what the marks tell by themselves, without any model.
+    /// Returns true for causes that the marks reveal without any model of the axle.
     pub const fn is_told_by_marks(self) -> bool {
         matches!(self, Self::MarkOutlier | Self::MarkPlace | Self::NoiseLevel)
     }
 
-    /// True for a cause whose law is known in kind but not in shape.
+    /// Returns true for a cause whose force law is known in kind but not in shape.
     pub const fn has_rough_law(self) -> bool {
         matches!(
             self,

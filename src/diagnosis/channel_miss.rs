@@ -2,18 +2,18 @@ use super::diagnose::Outcome;
 use super::fit::FittedModel;
 use admire_identify::global::Row;
 
-/// How far the model misses a channel, rms over all its readings.
+/// Rms error of a model over all readings of one channel.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChannelMiss {
-    /// The channel.
+    /// Name of the channel.
     pub name: String,
-    /// Its unit with a blank before it, or nothing.
+    /// Unit with a leading blank; empty if the channel has none.
     pub behind: String,
-    /// As the model was, after its best fit.
+    /// Rms error of the original model after its best fit.
     pub before: f64,
-    /// As it is extended.
+    /// Rms error of the extended model.
     pub after: f64,
-    /// Of a reading.
+    /// Standard deviation of the noise of one reading.
     pub noise: f64,
 }
 

@@ -1,4 +1,4 @@
-//! First-order effects of hypotheses on all rows, from the tangent of each case: nothing is solved again.
+//! First-order effects of candidates on all rows, from the tangent of each case. No equilibrium is solved again.
 
 use admire_identify::global::channel_changes;
 use std::collections::BTreeMap;
@@ -15,21 +15,22 @@ use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
 use admire_syntax::Address;
 
-/// How all cases respond to some numbers, which become columns of rows one after the other: a few at a time stay in a processor's cache.
+/// Responses of all cases to a list of parameters. They become columns of rows in batches, which are small enough for the processor's cache.
 pub(super) struct Responses<'a> {
     observations: Observations<'a>,
-    /// Where the cases are; what changes there is put in before its rows are asked for.
+    /// Predictions of all cases. The changes of each batch are filled in before its rows are computed.
     prediction: Vec<CasePrediction>,
-    /// Of each case its changes along the numbers that the solver answers for, and how many of them were asked for.
+    /// Changes of each case along the parameters that need the solver.
     changes: Vec<CaseChanges>,
+    /// Number of parameters along which `changes` have been converted to columns.
     done: usize,
-    /// Numbers that are left.
+    /// Parameters that are left.
     numbers: &'a [&'a EffectParameter],
 }
 
 impl Responses<'_> {
-    /// Effect of each of the next numbers on every row, per unit of its prior standard deviation: on prediction minus reading, in units
-    /// of the declared noise. A number without an effect of its own has a column of zeros.
+    /// Returns the effects of the next `count` parameters on every row, per unit of prior standard deviation. An effect is the change of
+    /// prediction minus reading, in units of the declared noise. A parameter without an effect of its own has a column of zeros.
     pub(super) fn columns(&mut self, count: usize) -> DMatrix<f64> {
         let (numbers, rest) = self.numbers.split_at(count);
         self.numbers = rest;
@@ -67,18 +68,18 @@ impl Responses<'_> {
     }
 }
 
-/// True for a number whose effect only the solver knows.
+/// Returns true for a parameter whose effect requires the solver.
 fn is_asked(number: &EffectParameter) -> bool {
     !matches!(number.column, Sensitivity::Rows(_) | Sensitivity::None)
 }
 
 impl<'a> Survey<'a> {
-    /// Effects of these numbers, see [`Responses::columns`].
+    /// Returns the effects of these parameters on every row; see [`Responses::columns`].
     pub(super) fn columns(&self, numbers: &[&EffectParameter]) -> DMatrix<f64> {
         self.responses(numbers).columns(numbers.len())
     }
 
-    /// How all cases respond to these numbers.
+    /// Computes the responses of all cases to these parameters.
     pub(super) fn responses<'b>(&self, numbers: &'b [&'b EffectParameter]) -> Responses<'b>
     where
         'a: 'b,
@@ -107,7 +108,7 @@ impl<'a> Survey<'a> {
         let directions: Vec<Direction> = asked.iter().map(direction).collect();
         let cases: Vec<usize> = (0..self.cases()).collect();
         let observations = Observations::new(self.measurement, self.subject.problem.model, &cases);
-        // All cases follow the order of the first one, whatever thread they are on.
+        // All cases use the elimination order of the first case, so that results do not depend on the thread.
         let mut known = Tangents::new(system);
         if let (Some(theta), Some(state)) = (self.fitted.thetas.first(), self.fitted.states.first())
         {
@@ -147,8 +148,8 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// How the system's unknowns and the channels of a case change along each direction, one column each, and along each motion that nothing
-    /// resists.
+    /// Returns the changes of the system's unknowns and of the channels of a case, one column per direction. The second pair holds the
+    /// changes along each zero-stiffness motion.
     fn changes(
         &self,
         case: usize,
@@ -177,7 +178,7 @@ impl<'a> Survey<'a> {
         };
         let mut by_slot = vec![0.0; n];
         let (mut known, mut columns) = (BTreeMap::<Slot, usize>::new(), Vec::<f64>::new());
-        // A unit force along each component of a pair serves every wrench between its markers.
+        // Responses to unit forces along the components of a marker pair, shared by all wrenches between its markers.
         let mut units: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
         let mut responses = DMatrix::zeros(n, asked.len());
         let mut open: Vec<usize> = Vec::new();
@@ -239,7 +240,7 @@ mod tests {
     use crate::scan::Catalogue;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
-    /// Holds the columns of the last cause of a fit against the derivatives of the deck that has it.
+    /// Compares the first-order columns of the last cause of a fit with the derivatives of the deck that contains it.
     fn compare(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) {
         let at = fitted.effects.len() - 1;
         let own = &fitted.effects[at];
@@ -253,12 +254,12 @@ mod tests {
             let scale = here.numbers[k].sd / own.numbers[k].sd;
             let exact = fitted.jacobian.column(fitted.parameter_index[at][k]) * scale;
             let off = (&exact - column).norm() / exact.norm();
-            // The derivatives are those of the last step but one.
+            // The Jacobian of the fit belongs to the step before the last.
             assert!(off < 1e-3, "{own} {}: {off:e}", own.numbers[k].name);
         }
     }
 
-    /// What a further part of a law does to first order is what its numbers in the extended deck do.
+    /// The first-order effect of a further term equals the effect of its parameters in the extended deck.
     #[test]
     fn a_further_part_does_what_its_numbers_in_the_deck_do() {
         let loaded = shipped_axle();
@@ -274,7 +275,7 @@ mod tests {
             .hypotheses
             .iter()
             .filter(|h| h.joint_with.is_some());
-        // Each is a fit. With some of them there is no equilibrium on the way.
+        // Each requires a fit. Some have no equilibrium on the way.
         let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
         let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();
         assert!(compared > 4, "{compared}");

@@ -1,4 +1,4 @@
-//! The solver of a study beside the built-in one, at the same numbers.
+//! Comparison of the study's solver with the built-in solver at the same numbers.
 
 use super::diagnose::Outcome;
 use super::solver_difference::SolverDifference;
@@ -6,8 +6,7 @@ use admire_session::backend::{Backend, BackendError, NativeBackend};
 use admire_solver::mechanics::Vec3;
 
 impl Outcome<'_> {
-    /// Solves the deck with the stiffnesses of the fit without causes by another solver and by the built-in one, and takes note of the
-    /// difference.
+    /// Solves the deck with the stiffnesses of the fit without causes, by another solver and by the built-in one, and records the difference.
     ///
     /// # Errors
     /// [`BackendError`] when one of them could not solve anything.
@@ -24,7 +23,8 @@ impl Outcome<'_> {
         let mut unsolved = Vec::new();
         let mut most: (f64, Option<String>) = (0.0, None);
         let (mut squares, mut count) = (0.0, 0.0);
-        // Sums of squares of reading minus prediction by each solver, and coordinates: of all cases, of those held out.
+        // Sums of squares of reading minus prediction by the built-in and the other solver, and number of coordinates. First over all cases,
+        // then over the held-out cases.
         let mut residuals = [[0.0; 3]; 2];
         for (k, case) in measurement.cases.iter().enumerate() {
             let [Some(own), Some(foreign)] = sweeps.each_ref().map(|sweep| sweep.equilibrium(k))

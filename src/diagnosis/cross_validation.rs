@@ -1,10 +1,10 @@
-//! Groups of cases, each predicted from the others, with the causes chosen anew from what the others say.
+//! Cross-validation: each group of cases is predicted from the others, with the causes selected anew from the others.
 //!
-//! [`Folds::validate`]: each fitted model is refitted in its linear model to the rows of the other groups; the one of greatest
-//! evidence there predicts the group. Which models were fitted, and where they were linearised, is what the search over all cases left.
-//! [`Folds::search`]: the whole search is done again for each group, without it.
+//! [`Folds::validate`] conditions the linear model of each fitted model on the rows of the other groups. The model of largest evidence there
+//! predicts the group. The set of fitted models and their linearisation points come from the search over all cases. [`Folds::search`] repeats
+//! the whole search for each group, without it.
 //!
-//! The logarithm of the density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same sizes.
+//! The log density with which a model predicts a group from the rest is `ln Z(all) - ln Z(rest)`, both at the same variance components.
 //! Source: the chain rule of probabilities; MacKay, Neural Computation 4 (1992) 415.
 
 use std::cell::RefCell;
@@ -25,51 +25,51 @@ use super::visited::Visited;
 use admire_identify::global::Row;
 use admire_session::backend::LoadCase;
 
-/// Groups at most; the smallest are put together.
+/// Maximum number of groups. The smallest are merged beyond it.
 const MOST: usize = 6;
-/// Groups of one kind of load are cut into so many, where there is one kind only.
+/// Number of blocks into which the cases are cut if they form a single group.
 const BLOCKS: usize = 4;
-/// Cases that are needed at all.
+/// Minimum number of cases for a cross-validation.
 const LEAST: usize = 4;
-/// A load is at its usual value within this part of its range.
+/// Distance from the usual value of a load, as a fraction of its range, within which the load counts as usual.
 const USUAL: f64 = 1e-3;
-/// Gains of groups that lie further apart than so many times the gain of all depend on the cases.
+/// Spread of the gains of groups, relative to the overall gain, above which the gain is said to depend on the cases.
 const APART: f64 = 1.5;
 
-/// One group, predicted from the others.
+/// Gain in the prediction of one group from the others.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct GroupGain {
-    /// Labels of its cases.
+    /// Labels of the cases in the group.
     pub cases: Vec<String>,
-    /// Causes that the other groups chose, `cause address`.
+    /// Causes selected from the other groups, as `cause address`.
     pub causes: Vec<String>,
-    /// Rms of what is predicted, by the model without any cause.
+    /// Rms prediction error of the model without causes.
     pub rms_before: f64,
-    /// The same by the model that was chosen.
+    /// Rms prediction error of the selected model.
     pub rms_after: f64,
 }
 
-/// All groups.
+/// Cross-validation over all groups.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CrossValidation {
-    /// True if causes were searched anew for each group; false if they were chosen among the models that all cases had fitted.
+    /// True if the search was repeated for each group; false if the causes were selected among the models fitted to all cases.
     pub searched: bool,
-    /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
+    /// Measure of the error: `mark` for a mark coordinate in the deck's length unit, `noise` for all readings in units of their noise.
     pub of: &'static str,
-    /// Over all groups, without any cause.
+    /// Rms prediction error over all groups, without causes.
     pub rms_before: f64,
-    /// Over all groups, each by the model that the others chose.
+    /// Rms prediction error over all groups, each by the model selected from the others.
     pub rms_after: f64,
-    /// By how much it falls.
+    /// Decrease of the rms: `rms_before - rms_after`.
     pub gain: f64,
-    /// Standard error of that: the groups are left out one after the other (jackknife).
+    /// Standard error of the gain, by a jackknife over the groups.
     pub gain_std_error: f64,
-    /// The groups.
+    /// Gain in each group.
     pub groups: Vec<GroupGain>,
 }
 
 impl CrossValidation {
-    /// The groups that gain least and most, where it matters which cases are held out.
+    /// Returns the groups of least and greatest gain, where the gain depends strongly on the held-out cases.
     pub fn spread(&self) -> Option<[&GroupGain; 2]> {
         let gain = |group: &&GroupGain| group.rms_before - group.rms_after;
         let by_gain = |a: &&GroupGain, b: &&GroupGain| gain(a).total_cmp(&gain(b));
@@ -80,8 +80,9 @@ impl CrossValidation {
     }
 }
 
-/// Cases with the same loads away from their usual values, in the order of first application; cases at the usual loads belong to what
-/// was applied before them. One kind only is cut into blocks of neighbours. Empty with too few cases.
+/// Groups the cases by the set of loads away from their usual values and by the signs of the deviations. Groups are in the order of first
+/// application. Cases at the usual loads join the group applied before them. A single group is cut into blocks of neighbours. Empty with too
+/// few cases.
 pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
     if cases.len() < LEAST {
         return Vec::new();
@@ -143,7 +144,7 @@ pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The value that most of these sorted ones are near.
+/// Returns the most frequent of the sorted values. Values closer than `near` count as equal.
 fn most_frequent(sorted: &[f64], near: f64) -> f64 {
     let count = |value: f64| sorted.iter().filter(|v| (*v - value).abs() <= near).count();
     let mut best = (0, 0.0);
@@ -156,29 +157,30 @@ fn most_frequent(sorted: &[f64], near: f64) -> f64 {
     best.1
 }
 
-/// Models as the rest of the cases see them.
+/// Groups of cases, and fitted models conditioned on the rest of each group.
 pub(super) struct Folds<'a> {
     subject: &'a DiagnosisProblem<'a>,
     groups: Vec<Vec<usize>>,
-    /// For each group the rows that the rest of the cases does not see.
+    /// Rows excluded for each group: all rows that depend on a case of the group.
     left_out: Vec<Vec<bool>>,
-    /// Models as the rest of each group sees them.
+    /// Cache of models conditioned on the rest of each group.
     known: RefCell<Vec<(Arc<FittedModel>, Rc<Refits>)>>,
 }
 
-/// A model without each of the groups.
+/// One model conditioned on the rest of each group.
 type Refits = Vec<Option<Refit>>;
 
-/// A model refitted to the rest of a group.
+/// Model conditioned on the rest of a group.
 #[derive(Debug)]
 struct Refit {
+    /// Prediction minus reading of all rows.
     misfit: DVector<f64>,
-    /// Evidence of the rest.
+    /// Log evidence of the rest.
     ln_z: f64,
 }
 
 impl<'a> Folds<'a> {
-    /// Over the cases of a study; `None` with too few.
+    /// Forms the groups of a study's cases; `None` with too few cases.
     pub(super) fn new(subject: &'a DiagnosisProblem<'a>) -> Option<Self> {
         let groups = groups(&subject.problem.programme.cases);
         let left_out = |group: &Vec<usize>| {
@@ -194,7 +196,7 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// A model of all cases as the rest of each group sees it.
+    /// Conditions a model of all cases on the rest of each group.
     fn refits(&self, fitted: &Arc<FittedModel>) -> Rc<Refits> {
         let is_own = |(of, _): &&(Arc<FittedModel>, Rc<Refits>)| Arc::ptr_eq(of, fitted);
         if let Some((_, refits)) = self.known.borrow().iter().find(is_own) {
@@ -212,7 +214,8 @@ impl<'a> Folds<'a> {
         refits
     }
 
-    /// By how many nats a model predicts the groups, each from the others, better than another.
+    /// Returns the difference of two models in log predictive density, in nats, summed over the groups. Each group is predicted from the
+    /// others.
     pub(super) fn advantage(
         &self,
         fitted: &Arc<FittedModel>,
@@ -228,7 +231,7 @@ impl<'a> Folds<'a> {
         Some(score(fitted)? - score(other)?)
     }
 
-    /// The rows of a group that are compared.
+    /// Returns the rows of a group by which predictions are compared.
     fn rows(&self, group: usize) -> impl Iterator<Item = usize> + '_ {
         let subject = self.subject;
         let marks = subject.compares_marks();
@@ -241,7 +244,7 @@ impl<'a> Folds<'a> {
         .map(|(k, _)| k)
     }
 
-    /// Predicts each group by the model that the others choose among all that were fitted.
+    /// Predicts each group by the fitted model with the largest posterior given the other groups.
     pub(super) fn validate(
         &self,
         none: &Arc<FittedModel>,
@@ -271,7 +274,8 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// Predicts each group by a search of the others that nothing was fitted to yet. `None` where a search may not begin or come to its end.
+    /// Repeats the search for each group without its cases, and predicts the group. `unfitted` is the study before any fit. `None` where a
+    /// search may not start or does not finish.
     pub(super) fn search(
         &self,
         unfitted: &DiagnosisProblem<'_>,
@@ -291,7 +295,7 @@ impl<'a> Folds<'a> {
         })
     }
 
-    /// The rms of all groups; `None` where one of them cannot be predicted.
+    /// Collects the rms errors of all groups; `None` where a group cannot be predicted.
     fn collected(
         &self,
         searched: bool,
@@ -341,11 +345,11 @@ impl<'a> Folds<'a> {
     }
 }
 
-/// A group as the others predict it.
+/// Prediction of a group from the others.
 struct Predicted {
-    /// Prediction minus reading of all rows, without any cause and with those chosen.
+    /// Prediction minus reading of all rows: without causes, and with the selected causes.
     misfits: [DVector<f64>; 2],
-    /// What was chosen.
+    /// Causes selected, as text.
     causes: Vec<String>,
 }
 

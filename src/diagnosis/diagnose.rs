@@ -25,33 +25,33 @@ use admire_identify::tolerance::{EffectGroup, NoiseScale};
 use admire_identify::{IdentifyError, Problem};
 use admire_study::{Measurement, Study};
 
-/// Held-out readings less probable than this under the extended model speak against its causes.
+/// P-value of the held-out readings under the extended model below which its causes are not trusted.
 const SURPRISED: f64 = 0.002;
 
-/// A diagnosis with the fits behind it.
+/// Diagnosis with the fits behind it.
 #[derive(Debug)]
 pub struct Outcome<'a> {
-    /// The answer.
+    /// Diagnosis as written to `diagnosis.json`.
     pub diagnosis: Diagnosis,
-    /// The study under diagnosis.
+    /// Study under diagnosis.
     pub subject: DiagnosisProblem<'a>,
-    /// The model as it was, fitted to all cases.
+    /// Original model, fitted to all cases.
     pub baseline: Arc<FittedModel>,
-    /// The extended model, fitted to all cases.
+    /// Extended model, fitted to all cases.
     pub extended: Arc<FittedModel>,
-    /// The extended model as it is written for others.
+    /// Prediction of the extended model as exported, without random effects.
     pub plain: DeckOnlyPrediction,
-    /// Tests of structure before and after.
+    /// Tests of structure in the residuals of the original and of the extended model.
     pub structure: [Vec<StructureTest>; 2],
-    /// The cases held out as models predict them that were neither chosen nor fitted with them; `None` without such cases or findings.
+    /// Predictions of the held-out cases by models fitted without them. `None` without such cases or without findings.
     pub unseen: Option<HoldOutSelection>,
-    /// Stiffnesses before and after.
+    /// Stiffnesses of the original and of the extended model.
     pub stiffnesses: Vec<CorrectedStiffness>,
-    /// Models that hold another cause in place of a finding, in the order of the findings.
+    /// Fitted models that hold another cause in place of a finding, in the order of the findings.
     pub rivals: Vec<Rival>,
-    /// How many hypotheses were tried.
+    /// Number of candidate causes tried.
     pub places: usize,
-    /// The search had spent its budget before it came to its end.
+    /// True if the search ended before it finished, by its budget or by request.
     pub cut_short: bool,
 }
 
@@ -65,15 +65,15 @@ impl Outcome<'_> {
 /// A model that explains the readings with another cause in place of a finding.
 #[derive(Debug)]
 pub struct Rival {
-    /// The cause that was found.
+    /// Cause that was found.
     pub finding: Hypothesis,
-    /// The other model, fitted to all cases.
+    /// Rival model, fitted to all cases.
     pub fitted: Arc<FittedModel>,
-    /// The cause it holds instead.
+    /// Cause that the rival model holds instead.
     pub instead: Hypothesis,
 }
 
-/// The cases no fit sees: those the study names, else every fourth.
+/// Marks the held-out cases: those named by the study, otherwise every fourth case.
 pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
     match study.hold_out {
         Some(_) => measurement.cases.iter().map(|case| case.held_out).collect(),
@@ -81,7 +81,7 @@ pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
     }
 }
 
-/// Finds what the model of a study gets wrong after its best fit.
+/// Selects the causes of the discrepancy between a model and its readings.
 ///
 /// # Errors
 /// [`IdentifyError::NoCases`] when the deck cannot be solved where the fit starts.
@@ -97,7 +97,7 @@ pub fn diagnose<'a>(
     )
 }
 
-/// The same, telling how far it is, with the gain checked as stated.
+/// Runs [`diagnose`] with the given effort for the gain check, and reports its progress.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -262,7 +262,7 @@ pub fn diagnose_watched<'a>(
     })
 }
 
-/// Sizes of tolerances as the report states them.
+/// Returns the standard deviations of the tolerance groups and of the noise, as stated in the report.
 pub(super) fn tolerances(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -316,7 +316,7 @@ pub(super) fn tolerances(
             subject.problem.measurement.parts.is_empty(),
         ) {
             let size = &sizes.scales[at - sizes.groups.len()].1;
-            // A whole part read with a larger error than one of its marks is not noise of the marks.
+            // A pose error larger than the error of one mark is not noise of the marks.
             let coarse =
                 scale == NoiseScale::PoseShift && libm::exp(sizes.ln[at]) > subject.mark_sigma();
             out.insert(
@@ -330,7 +330,7 @@ pub(super) fn tolerances(
             );
         }
     }
-    // Noises over what is declared are told where they are more than that.
+    // Noise scales appear only where they exceed the declared noise by more than their prior allows.
     for (scale, size) in &sizes.scales {
         let name = match scale {
             NoiseScale::PoseShift | NoiseScale::PoseTurn => continue,
@@ -371,7 +371,7 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
     }
 }
 
-/// A name that does not predict the cases held out is not to be trusted: what they show beyond it remains unexplained.
+/// Adds the held-out cases to the unexplained structure if the extended model does not predict them to within their noise.
 fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained) {
     if test.p_value < SURPRISED {
         unexplained.structured = true;
@@ -383,7 +383,8 @@ fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained)
     }
 }
 
-/// Two laws at once in one component: their sum follows the readings, but neither is what that component does.
+/// Adds a component to the unexplained structure if two findings with uncertain laws act in it. Their sum follows the readings, but neither
+/// is the true law of the component.
 fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) {
     for (k, finding) in findings.iter().enumerate() {
         let of_the_model = |f: &&Finding| !f.minor && !f.cause.of_the_measurement();

@@ -10,150 +10,151 @@ use super::solver_difference::SolverDifference;
 use admire_identify::Status;
 pub use admire_identify::{NoiseFound, ToleranceFound};
 
-/// The answer in one word.
+/// Result of the diagnosis in one word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// The model explains the data to their noise.
+    /// The model explains the data to within their noise.
     Consistent,
-    /// At least one finding that matters.
+    /// At least one finding is not minor.
     Discrepancy,
-    /// Structure remains that no known cause explains.
+    /// The residuals have structure that no known cause explains.
     Unexplained,
 }
 
-/// The model as it was, best fitted.
+/// Best fit of the original model, without causes.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct BaselineFit {
-    /// Chi-square per degree of freedom of the cases that were fitted.
+    /// Chi-square per degree of freedom of the fitted cases.
     pub chi2_per_dof: f64,
-    /// Rms of one mark coordinate in the cases held out.
+    /// Rms error of one mark coordinate in the held-out cases, in the deck's length unit.
     pub held_out_rms: Option<f64>,
 }
 
-/// Why a finding is one.
+/// Statistical evidence for a finding.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Evidence {
-    /// Name of the statistic.
+    /// Name of the statistic: `evidence`, or `marks of rigid parts`.
     pub statistic: &'static str,
-    /// Its value: fall of chi-square.
+    /// Value of the statistic: twice the log Bayes factor, or the chi-square of an error seen in the marks alone.
     pub value: f64,
-    /// Its p-value for so many numbers, places tried included.
+    /// Chi-square p-value with one degree of freedom per parameter. For causes found by the search, it is multiplied by the number of
+    /// candidates tried.
     pub p_value: f64,
-    /// By how much the criterion of Schwarz falls.
+    /// Twice the log posterior odds of the model with the finding against the model without it.
     pub bic_gain: f64,
 }
 
-/// Another explanation that does as well.
+/// Alternative cause that explains the readings about as well as a finding.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Indistinguishable {
-    /// What.
+    /// Alternative cause.
     pub cause: Cause,
-    /// Where.
+    /// Address of the alternative cause in the deck.
     pub address: String,
-    /// Posterior probability of that cause at that place.
+    /// Posterior probability of the alternative cause at its site.
     pub probability: f64,
-    /// By how much its criterion is behind, after its own refit.
+    /// Deficit of its refitted model against the leading model: twice the log posterior odds.
     pub bic_behind: f64,
 }
 
-/// What a finding gains.
+/// Improvement of the model by a finding.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Gain {
-    /// Without it.
+    /// Chi-square per degree of freedom without the finding.
     pub chi2_per_dof_before: f64,
-    /// With it.
+    /// Chi-square per degree of freedom with the finding.
     pub chi2_per_dof_after: f64,
-    /// Rms of one mark coordinate held out, without it.
+    /// Rms error of one held-out mark coordinate without the finding, in the deck's length unit.
     pub held_out_rms_before: Option<f64>,
-    /// The same with it.
+    /// Rms error of one held-out mark coordinate with the finding, in the deck's length unit.
     pub held_out_rms_after: Option<f64>,
-    /// Whether the held-out readings agree with the prediction and its own covariance.
+    /// P-value of the held-out readings under the extended model's prediction and its covariance.
     pub held_out_p_value: Option<f64>,
-    /// By how many nats groups of cases are predicted better with it, each from the others; `None` for what acts in one case alone.
+    /// Gain in the cross-validated log predictive density over groups of cases, in nats. `None` for a fault that acts in one case alone.
     pub cross_validated_nats: Option<f64>,
 }
 
 /// Among the `parameters` of a finding: the force by which its law differs from the one that was fitted, root mean square over the cases.
 pub const LAW_MISFIT: &str = "law_misfit";
 
-/// One thing that is wrong.
+/// Probable cause of a discrepancy, with its size and evidence.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Finding {
-    /// What.
+    /// Cause.
     pub cause: Cause,
-    /// Where.
+    /// Address of the cause in the deck.
     pub address: String,
-    /// `point`: all markers that meet there moved together; `part`: one side only.
+    /// `point`: all markers that meet there moved together. `part`: only one side moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub form: Option<String>,
-    /// All addresses of the same thing.
+    /// Addresses of all members if the finding has several, such as the markers of one hardpoint.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub members: Vec<String>,
-    /// Posterior probability of this cause at this place.
+    /// Posterior probability of this cause at this site.
     pub probability: f64,
-    /// Posterior probability that it acts or one of `indistinguishable_from` does.
+    /// Posterior probability that this cause or one of `indistinguishable_from` acts.
     pub group_probability: f64,
-    /// How large.
+    /// Estimates of the parameters by name.
     pub parameters: BTreeMap<String, f64>,
-    /// How well that is known.
+    /// Standard errors of the parameters by name.
     pub std_error: BTreeMap<String, f64>,
-    /// True if it does not matter for what the model is used for.
+    /// True if the effect on marks and wheel is too small to matter for the use of the model.
     pub minor: bool,
-    /// Why it is a finding.
+    /// Statistical evidence for the finding.
     pub evidence: Evidence,
-    /// What else would do as well.
+    /// Alternative causes that explain the readings about as well.
     pub indistinguishable_from: Vec<Indistinguishable>,
-    /// What it gains.
+    /// Improvement of fit and prediction by the finding.
     pub gain: Gain,
 }
 
-/// What remains.
+/// Structure that remains in the residuals of the extended model.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Unexplained {
-    /// True if something does.
+    /// True if significant structure remains.
     pub structured: bool,
-    /// Of the hardest test, for all tests done.
+    /// Smallest p-value of the tests of structure, corrected for their number. Includes a failed test of the held-out cases.
     pub p_value: f64,
-    /// Where it is, one sentence each. For the report only.
+    /// Locations of the remaining structure, one phrase each. For the report only.
     #[serde(skip)]
     pub places: Vec<String>,
-    /// The extra force that it looks most like; `None` where no place stands out.
+    /// Extra force that best explains the remainder. `None` where no location stands out.
     pub remainder: Option<Remainder>,
 }
 
-/// A measurement that would tell rivals apart.
+/// Proposed measurement that separates rival explanations.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NextMeasurement {
-    /// Value of each load.
+    /// Value of each load by name.
     pub case: BTreeMap<String, f64>,
-    /// What it is for.
+    /// Purpose of the measurement.
     pub why: String,
 }
 
-/// A stiffness, averaged over the models that remain.
+/// Identified stiffness, averaged over the probable models.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Parameter {
-    /// `BUSHING/1.K.1`.
+    /// Address in the deck, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// Its unit; KT is per radian.
+    /// Unit. Rotational stiffnesses KT are per radian.
     pub unit: String,
-    /// Where it started.
+    /// Initial value from the deck.
     pub initial: f64,
-    /// The estimate.
+    /// Estimate.
     pub value: f64,
     /// Standard error, in the unit of the value.
     pub std_error: f64,
-    /// 95 percent interval, tolerances and causes included; a side without a bound is `null`.
+    /// Interval of 95 percent probability, tolerances and causes included. A side without a bound is `null`.
     pub interval95: [Option<f64>; 2],
-    /// Which part of its variance is due to tolerances.
+    /// Fraction of its variance that is due to tolerances.
     pub tolerance_share: f64,
-    /// What became of it.
+    /// Result of the identification of this stiffness.
     pub status: Status,
 }
 
 impl Parameter {
-    /// Multiplies the estimate and what is known of it.
+    /// Multiplies the estimate, its standard error and its interval by `factor`.
     pub fn scale(&mut self, factor: f64) {
         self.value *= factor;
         self.std_error *= factor;
@@ -163,68 +164,68 @@ impl Parameter {
     }
 }
 
-/// How far off a hardpoint has to be to be named with even odds.
+/// Smallest error of a hardpoint that would be named with even odds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct DetectionLimit {
-    /// Its first marker.
+    /// First marker of the hardpoint.
     pub address: String,
-    /// All markers that meet there.
+    /// All markers that meet at the hardpoint.
     pub members: Vec<String>,
-    /// Along x, y, z of ground in millimetres; `null` where the readings do not see it.
+    /// Limits along x, y and z of ground, in mm. `null` where the readings are insensitive.
     pub mm: [Option<f64>; 3],
 }
 
-/// How large another cause has to be to be named with even odds.
+/// Smallest size of any other cause that would be named with even odds.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CauseLimit {
-    /// What.
+    /// Cause.
     pub cause: Cause,
-    /// Where.
+    /// Address of the cause in the deck.
     pub address: String,
-    /// Which of its numbers, as `findings[].parameters` has them.
+    /// Name of the parameter, as in `findings[].parameters`.
     pub number: String,
-    /// Its size; `null` where the readings do not see it.
+    /// Limit in the unit of the parameter. `null` where the readings are insensitive.
     pub size: Option<f64>,
 }
 
-/// What `diagnosis.json` holds.
+/// Contents of `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Diagnosis {
-    /// In one word.
+    /// Result in one word.
     pub verdict: Verdict,
-    /// How far the solver of the study is from the built-in one, which searches; absent where the study has no other.
+    /// Difference between the study's solver and the built-in solver that runs the search. Absent if the study names no other solver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver: Option<SolverDifference>,
-    /// The model as it was.
+    /// Best fit of the original model, without causes.
     pub baseline: BaselineFit,
-    /// What is wrong, the most important first.
+    /// Findings, the most important first.
     pub findings: Vec<Finding>,
-    /// Probability that no cause of the catalogue acts.
+    /// Posterior probability that no cause of the catalogue acts.
     pub none_of_these: f64,
-    /// Stiffnesses, averaged over the models that remain.
+    /// Stiffnesses, averaged over the probable models.
     pub parameters: Vec<Parameter>,
-    /// Sizes of tolerances.
+    /// Estimated standard deviations of the tolerance groups, by name.
     pub tolerances: BTreeMap<String, ToleranceFound>,
-    /// Noise of marks.
+    /// Declared and estimated noise of the marks.
     pub noise: NoiseFound,
-    /// What could not be seen: how far off each hardpoint has to be.
+    /// Detection limits of the hardpoints.
     pub detection_limits: Vec<DetectionLimit>,
-    /// The same for all other causes.
+    /// Detection limits of all other causes.
     pub cause_limits: Vec<CauseLimit>,
-    /// Groups of cases, each predicted from the others with causes chosen anew; `None` with too few cases or no finding.
+    /// Prediction of each group of cases from the other groups, with the causes selected anew. `None` with too few cases or no finding.
     pub cross_validation: Option<CrossValidation>,
-    /// Cases that neither the choice of causes nor any fit saw; `None` without them or without a finding.
+    /// Prediction of cases that no fit used. `None` without held-out cases or without a finding.
     pub hold_out: Option<HoldOut>,
-    /// What remains.
+    /// Structure that remains in the residuals of the extended model.
     pub unexplained: Unexplained,
-    /// What to measure next.
+    /// Proposed next measurement.
     pub next_measurement: Option<NextMeasurement>,
-    /// True if the search had spent its budget before it came to its end.
+    /// True if the search ended before it finished, by its budget or by request.
     pub interrupted: bool,
 }
 
 impl Diagnosis {
-    /// `diagnosis.json`.
+    /// Returns the contents of `diagnosis.json`.
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self);
         text.expect("a diagnosis holds only names and numbers") + "\n"

@@ -14,45 +14,46 @@ use admire_study::settings::Loss;
 use admire_study::{Measurement, PriorSetting, ToleranceSettings};
 use admire_syntax::Address;
 
-/// Precision of a reading whose residual Huber's loss weighs down: beyond so many standard deviations.
+/// Residual in standard deviations beyond which Huber's loss lowers the precision of a reading.
 const HUBER: f64 = 1.345;
-/// A reading is far out from so many standard deviations on; few are less than this part.
+/// Residual in standard deviations beyond which a mark coordinate counts as far from the fit.
 const FAR: f64 = 4.0;
+/// Fraction of the mark coordinates below which far readings count as few.
 const FEW: f64 = 0.03;
 
-/// A study under diagnosis: what was read, how exact it is, and the tolerances it stands among.
+/// Study under diagnosis: readings, their noise model, and the random effects of axle and rig.
 #[derive(Clone, Debug)]
 pub struct DiagnosisProblem<'a> {
-    /// The study's problem.
+    /// Identification problem of the study.
     pub problem: Problem<'a>,
-    /// All cases, held out or not.
+    /// Residual rows of all cases, held out or not.
     pub rows: Vec<Row>,
-    /// What one unit of a mark's row is: the declared standard deviation.
+    /// Declared standard deviation of a mark coordinate, which is the unit of a mark's row.
     pub sigma: f64,
-    /// What the marks say of their noise.
+    /// Noise of the marks as estimated from the rigidity of the parts, with outliers and misplaced marks.
     pub noise: MarkNoise,
-    /// Student's t, where the residuals of the fit ask for it.
+    /// Student-t noise model, where the residuals of a fit have heavy tails.
     pub tails: Option<Tails>,
-    /// The small errors of axle and rig.
+    /// Random effects: small errors of axle and rig.
     pub layer: Arc<RandomEffects>,
-    /// Their sizes before anything was fitted.
+    /// Variance components before any fit.
     pub sizes: VarianceComponents,
-    /// Precision of each row in its own unit; zero where it is not used.
+    /// Precision of each row in its own unit. Zero where the row is not used.
     pub precision: Vec<f64>,
-    /// Directions of rows along which nothing is compared, as motions that nothing resists lead along them.
+    /// Directions in the space of rows that are excluded from the comparison, because zero-stiffness motions act along them.
     free: Arc<Vec<Vec<(usize, f64)>>>,
     blocks: Vec<MarkBlock>,
     single: Vec<(usize, Option<NoiseScale>)>,
-    /// What brings rows to independence, without the cases held out and of all, once it was asked for.
+    /// Whitening transformations, computed at first use: without the held-out cases, and of all cases.
     whitenings: [OnceLock<Arc<Whitening>>; 2],
     held_out: Vec<bool>,
-    /// Whether the curves that the study holds out are.
+    /// Whether fits leave out the curves that the study holds out.
     holds_curves: bool,
     progress: Progress,
 }
 
 impl<'a> DiagnosisProblem<'a> {
-    /// With these cases held out of the fits that say what is gained.
+    /// Sets up the diagnosis of a study. Cases flagged in `held_out` are left out of the fits that measure predictive gain.
     pub fn new(problem: &Problem<'a>, held_out: Vec<bool>) -> Self {
         let measurement = problem.measurement;
         let cases: Vec<usize> = (0..held_out.len()).collect();
@@ -107,7 +108,7 @@ impl<'a> DiagnosisProblem<'a> {
         new
     }
 
-    /// The same with further groups of tolerances.
+    /// Returns a copy with additional tolerance groups.
     #[must_use]
     pub fn with_groups(&self, groups: impl IntoIterator<Item = (EffectGroup, Size)>) -> Self {
         let mut new = self.clone();
@@ -122,12 +123,13 @@ impl<'a> DiagnosisProblem<'a> {
         new
     }
 
-    /// True if the measuring frame has a place of its own in each case.
+    /// Returns true if the measuring frame has a separate pose in each case.
     pub fn has_frames(&self) -> bool {
         self.sizes.group(EffectGroup::FrameShifts).is_some()
     }
 
-    /// Weighs all rows: marks by their own noise, outliers not at all; with the residuals of a fit also by their tails.
+    /// Sets the precision of all rows. Marks get the precision of their estimated noise, and outliers get zero. With the residuals of a fit,
+    /// heavy tails or Huber's loss lower the precision of far readings.
     pub fn set_row_weights(&mut self, misfit: Option<&DVector<f64>>) {
         let least = if self.noise.has_tails() {
             Tails::BETTER
@@ -137,7 +139,7 @@ impl<'a> DiagnosisProblem<'a> {
         self.weigh_by(misfit, least);
     }
 
-    /// The same, with tails that are better than the Gaussian by so many nats.
+    /// Sets the precision of all rows, with a Student-t model if its log likelihood exceeds the Gaussian by more than `least` nats.
     fn weigh_by(&mut self, misfit: Option<&DVector<f64>>, least: f64) {
         let relative = self.noise.sigma().map_or(1.0, |sigma| self.sigma / sigma);
         let relative = if relative.is_finite() { relative } else { 1.0 };
@@ -179,7 +181,8 @@ impl<'a> DiagnosisProblem<'a> {
         self.whitenings = Default::default();
     }
 
-    /// Puts under suspicion what a fit shows to be wrong among three marks of a part, all it has or what outliers left; true if any are.
+    /// Flags possible outliers on parts with only three usable marks, from the residuals of a fit. Three marks are too few to identify an
+    /// outlier by the rigidity of the part alone. Returns true if any are flagged.
     pub fn flag_three_mark_outliers(&mut self, misfit: &DVector<f64>) -> bool {
         let marks = self.rows.iter().zip(misfit.iter());
         let marks = marks.filter(|(row, _)| matches!(row, Row::Mark { .. }));
@@ -189,7 +192,7 @@ impl<'a> DiagnosisProblem<'a> {
             .suspect_three(self.problem.measurement, &off, usual)
     }
 
-    /// Judges marks under suspicion by a fit that has not seen them; true if there were any.
+    /// Decides on flagged marks by the residuals of a fit that left them out. Returns true if there were any.
     pub fn resolve_flagged(&mut self, misfit: &DVector<f64>) -> bool {
         if self.noise.suspects.is_empty() {
             return false;
@@ -199,8 +202,8 @@ impl<'a> DiagnosisProblem<'a> {
         true
     }
 
-    /// The same with readings weighed by tails that the marks alone are too few to show; `None` where nothing speaks for them. Single far
-    /// readings that are all the structure there is speak for them.
+    /// Returns a copy with Student-t weights where the marks alone are too few to show heavy tails. `far` states that isolated far readings
+    /// are the only remaining structure, which lowers the threshold. `None` where heavy tails are already in use or unsupported.
     pub fn with_tails(&self, misfit: &DVector<f64>, far: bool) -> Option<Self> {
         if self.tails.is_some() || !(far || self.noise.may_have_tails()) {
             return None;
@@ -210,7 +213,8 @@ impl<'a> DiagnosisProblem<'a> {
         tailed.tails.is_some().then_some(tailed)
     }
 
-    /// True if a fit leaves few mark coordinates that are far out, and some: what a wrong model leaves is spread.
+    /// Returns true if some mark coordinates, but fewer than 3 percent, are far from the fit. A wrong model spreads its error over many
+    /// readings.
     pub fn has_few_far(&self, misfit: &DVector<f64>) -> bool {
         let sigma = self.mark_sigma() / self.sigma;
         let marks = self.rows.iter().zip(&self.precision).zip(misfit.iter());
@@ -226,14 +230,14 @@ impl<'a> DiagnosisProblem<'a> {
         far > 0.0 && far < FEW * all
     }
 
-    /// True if the declared noise of marks is not that of the readings.
+    /// Returns true if the readings reject the declared noise of the marks.
     pub fn declared_noise_rejected(&self) -> bool {
         let tailed = self.tails.is_some() || self.noise.has_tails();
         self.noise.contradicts(tailed)
     }
 
-    /// What a mean square of whitened residuals of these rows is multiplied by to be one on average: weights of heavy tails make that of
-    /// marks smaller.
+    /// Returns the factor that brings the mean square of whitened residuals of these rows to an expected value of one. Student-t weights
+    /// lower the mean square of the marks.
     pub fn variance_factor(&self, rows: impl IntoIterator<Item = usize>) -> f64 {
         let Some(tails) = self.tails else {
             return 1.0;
@@ -250,12 +254,12 @@ impl<'a> DiagnosisProblem<'a> {
         if sum > 0.0 { count / sum } else { 1.0 }
     }
 
-    /// True if residuals changed the weights of rows.
+    /// Returns true if residuals changed the precision of the rows.
     pub fn is_reweighed(&self) -> bool {
         self.tails.is_some() || self.problem.settings.loss == Loss::Huber
     }
 
-    /// What brings rows to independence, over the cases of this data.
+    /// Returns the whitening transformation over the cases of `data`.
     pub fn whitening(&self, data: Data) -> Arc<Whitening> {
         let known = &self.whitenings[usize::from(data == Data::All)];
         let new = || {
@@ -274,7 +278,7 @@ impl<'a> DiagnosisProblem<'a> {
         Arc::clone(known.get_or_init(new))
     }
 
-    /// Whether a row is one of a case that is seen; a summary is if all its cases are.
+    /// Returns true if a row belongs to a seen case. A summary channel is seen only if all its cases are.
     pub(super) fn sees(&self, row: &Row, is_seen: &dyn Fn(usize) -> bool) -> bool {
         match *row {
             Row::Channel { case, channel } => {
@@ -288,15 +292,15 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// Whether no fit that says what is gained sees a row: its case or its curve is held out.
+    /// Returns true if a row is held out from the fits that measure predictive gain, by its case or by its curve.
     pub fn is_held_out_row(&self, row: &Row) -> bool {
         let channels = &self.problem.measurement.channels;
         let curve = matches!(*row, Row::Channel { channel, .. } if channels[channel].held_out);
         self.holds_curves && curve || !self.sees(row, &|case| !self.held_out[case])
     }
 
-    /// What brings rows that nobody has read yet to independence: they are taken for as exact as those of their kind are on average.
-    /// `rows` are of `measurement`, `seen` says where a mark would be seen, and along `free` nothing is compared.
+    /// Returns the whitening transformation of readings that have not been taken yet. They get the average precision of existing readings of
+    /// their kind. `rows` refer to `measurement`, `seen` gives the expected position of a mark, and the directions in `free` are excluded.
     pub fn whitening_ahead(
         &self,
         rows: &[Row],
@@ -314,7 +318,7 @@ impl<'a> DiagnosisProblem<'a> {
         Whitening::new(&blocks, &single, &precision, &self.sizes, free)
     }
 
-    /// Precision of a mark's row: the mean of those that are used.
+    /// Returns the mean precision of the mark rows in use; 1 without any.
     pub fn usual_precision(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.precision);
         let used = rows.filter(|(row, p)| matches!(row, Row::Mark { .. }) && **p > 0.0);
@@ -326,59 +330,59 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// Whether no fit that says what is gained sees a case.
+    /// Returns true if a case is held out from the fits that measure predictive gain.
     pub fn is_held_out(&self, case: usize) -> bool {
         self.held_out[case]
     }
 
-    /// True if some case or curve is held out.
+    /// Returns true if any case or curve is held out.
     pub fn holds_out(&self) -> bool {
         let mut curves = self.problem.measurement.channels.iter();
         self.held_out.iter().any(|held| *held)
             || self.holds_curves && curves.any(|channel| channel.held_out)
     }
 
-    /// One millimetre in the deck's length unit.
+    /// Returns one millimetre in the deck's length unit.
     pub fn millimetre(&self) -> f64 {
         1e-3 / self.problem.model.units.length.si
     }
 
-    /// Standard deviation of a mark coordinate that is used, in the deck's unit.
+    /// Returns the standard deviation of a mark coordinate used in the fits, in the deck's length unit.
     pub fn mark_sigma(&self) -> f64 {
         self.noise.sigma().unwrap_or(self.sigma)
     }
 
-    /// What the user states of tolerances.
+    /// Returns the user's settings of the tolerances.
     pub fn stated(&self) -> &ToleranceSettings {
         self.problem.tolerances
     }
 
-    /// Takes note of a fit that solved all cases so often.
+    /// Adds to the count of sweeps. One sweep solves all load cases once.
     pub fn count_sweeps(&self, sweeps: usize) {
         self.progress.spend(sweeps);
     }
 
-    /// Sweeps so far.
+    /// Returns the number of sweeps so far.
     pub fn sweeps(&self) -> usize {
         self.progress.sweeps()
     }
 
-    /// True if no further round begins.
+    /// Returns true if the budget of sweeps is spent, so that no further round of a search starts.
     pub fn budget_exhausted(&self) -> bool {
         self.progress.is_spent()
     }
 
-    /// Where sweeps are counted.
+    /// Returns the progress counter.
     pub(super) const fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// Counts the sweeps there from now on.
+    /// Counts sweeps in `progress` from now on.
     pub fn with_progress(&mut self, progress: &Progress) {
         self.progress = progress.clone();
     }
 
-    /// Holds these cases out, and nothing else.
+    /// Holds out exactly these cases, and no curves.
     pub fn hold_out(&mut self, cases: &[usize]) {
         self.holds_curves = false;
         self.whitenings[0] = OnceLock::new();
@@ -387,14 +391,14 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// True if there are marks: then their rows are what predictions are compared by.
+    /// Returns true if the study has marks. Predictions are then compared by the marks alone.
     pub fn compares_marks(&self) -> bool {
         !self.problem.measurement.parts.is_empty()
     }
 
-    /// By what predictions are compared, and what one unit of such a row is: `mark` in the deck's length unit, else `noise`.
+    /// Returns the measure by which predictions are compared, and its unit per row: `mark` in the deck's length unit, otherwise `noise`.
     pub fn compared(&self) -> (&'static str, f64) {
-        // A curve alone is compared by itself.
+        // A held-out curve without held-out cases is compared in units of its noise.
         if self.compares_marks() && (self.cases_held_out().next().is_some() || !self.holds_out()) {
             ("mark", self.sigma)
         } else {
@@ -402,19 +406,19 @@ impl<'a> DiagnosisProblem<'a> {
         }
     }
 
-    /// Cases that are not held out.
+    /// Iterates over the cases that are not held out.
     pub fn cases_fitted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| !self.held_out[*case])
     }
 
-    /// The cases held out.
+    /// Iterates over the held-out cases.
     pub fn cases_held_out(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.held_out.len()).filter(|case| self.held_out[*case])
     }
 }
 
-/// Directions of the rows of all cases that motions lead along which nothing resists, where the deck's numbers have the parts; `None` where no
-/// equilibrium tells.
+/// Returns the directions of rows along which zero-stiffness motions act, linearised at the deck's own parameters. `None` where no case has
+/// an equilibrium.
 fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
     if problem.free.is_empty() {
         return None;
@@ -431,7 +435,7 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
         x: Vec::new(),
     };
     let mut prediction = predictor.predict(&numbers, None);
-    // Free motions hardly depend on the load: a case that the deck cannot reach has those of another.
+    // Zero-stiffness motions hardly depend on the load: an unsolved case takes the directions of another.
     let known = prediction.iter().flatten().next()?.clone();
     for own in &mut prediction {
         own.get_or_insert_with(|| known.clone());
@@ -440,7 +444,7 @@ fn free_directions(problem: &Problem<'_>) -> Option<Vec<Vec<(usize, f64)>>> {
     Some(found.free)
 }
 
-/// The small errors of a study's axle and rig.
+/// Returns the random effects of a study's axle and rig.
 fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     let is_sought = |address: &Address| {
         let mut unknowns = problem.unknowns.iter();
@@ -454,7 +458,7 @@ fn layer_of(problem: &Problem<'_>, load_errors: bool) -> RandomEffects {
     })
 }
 
-/// Which rows belong together: the marks of a part in a case, each with its way from their mean, and what stands alone.
+/// Groups the rows by correlation: the marks of one part in one case with their levers from the mean position, and the independent rows.
 fn placed(
     rows: &[Row],
     measurement: &Measurement,
@@ -507,7 +511,8 @@ fn placed(
     (blocks.into_iter().map(|(_, block)| block).collect(), single)
 }
 
-/// How far a mark of a case was read from where a fit has it, from the fit's misfit in units of `sigma`.
+/// Returns the error of a mark reading, as reading minus prediction in length units. `misfit` is prediction minus reading in units of
+/// `sigma`.
 fn off<'a>(
     rows: &'a [Row],
     misfit: &'a DVector<f64>,
@@ -521,11 +526,11 @@ fn off<'a>(
     }
 }
 
-/// What a fit sees.
+/// Selection of the cases that a fit uses.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Data {
-    /// The cases that are not held out.
+    /// Cases that are not held out.
     Fitted,
-    /// Every case.
+    /// All cases.
     All,
 }

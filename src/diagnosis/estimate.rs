@@ -1,11 +1,11 @@
-//! A number of an effect as a fit found it.
+//! Fitted parameter of an effect.
 
-/// A number's estimate and its standard error in the units of `diagnosis.json`.
+/// Estimate of a parameter and its standard error, in the units of `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Estimate {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
-    /// Value.
+    /// Estimate.
     pub value: f64,
     /// Standard error.
     pub std_error: f64,

@@ -1,4 +1,4 @@
-//! The deck with the statements of some causes, compiled.
+//! Deck with the statements of some causes, compiled.
 
 use std::sync::Arc;
 
@@ -10,20 +10,20 @@ use admire_solver::model::Model;
 use admire_solver::system::State;
 use admire_syntax::Dataset;
 
-/// A deck extended by some hypotheses, compiled.
+/// Deck extended by some effects, compiled.
 #[derive(Debug)]
 pub struct ExtendedDeck {
-    /// The deck, its numbers as they were.
+    /// Statements of the extended deck, with unfitted numbers.
     pub dataset: Dataset,
-    /// The same, lowered.
+    /// Model lowered from the statements.
     pub model: Model,
-    /// The same, compiled.
+    /// Compiled model.
     pub prepared: Arc<Prepared>,
-    /// Ids of parts that were pieces of others, and of those.
+    /// Ids of split-off parts, each with the id of the part it was split from.
     pieces: Vec<(u32, u32)>,
 }
 
-/// The deck with the statements of some hypotheses, that of another fit where it is the same.
+/// Returns the deck extended by some effects. The deck of `warm` is reused where it has the same extensions.
 pub(super) fn deck_of(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
@@ -63,7 +63,7 @@ pub(super) fn deck_of(
     }))
 }
 
-/// The part that a change splits off, and that it is a piece of.
+/// Returns the ids of the part that a change splits off and of the part it is split from.
 fn piece(change: &Change) -> Option<(u32, u32)> {
     match change {
         Change::Piece(part, of) => part.id.map(|part| (part, *of)),
@@ -71,8 +71,8 @@ fn piece(change: &Change) -> Option<(u32, u32)> {
     }
 }
 
-/// A state of one deck as a first guess for another that has the same parts and joints and perhaps some more parts. A piece is where
-/// the same piece was, or where the part was that it belongs to: anywhere else its stiff bushing would pull with more than any load.
+/// Converts a state of one deck to an initial state of another deck, which may have further parts. A split-off part starts at its own
+/// previous pose, or at the pose of the part it was split from. Anywhere else its stiff bushing would exert a force larger than any load.
 pub(super) fn like(deck: &ExtendedDeck, state: &State, theirs: &ExtendedDeck) -> State {
     if std::ptr::eq(deck, theirs) {
         return state.clone();
@@ -105,7 +105,7 @@ mod tests {
     use super::super::sought::tests::{of_the_axle, shipped_axle};
     use super::*;
 
-    /// The angles of this deck are in degrees. The piece is written in radians, whose last digits are cut off.
+    /// This deck has its angles in degrees. The split-off part is written in radians with truncated digits.
     #[test]
     fn a_piece_begins_where_its_part_is() {
         let loaded = shipped_axle();

@@ -1,4 +1,4 @@
-//! The extended model as files: the user's own deck with edits, and a command file that replays the measured loads.
+//! Extended model as files: the user's deck with edits, and a command file that replays the measured loads.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use admire_syntax::text::Edit;
 use admire_syntax::{Address, Dataset};
 
 impl Outcome<'_> {
-    /// The deck with the causes found and the stiffnesses; small errors of everything else are not written into it.
+    /// Returns the deck with the causes found and the fitted stiffnesses. Random effects are not written into it.
     pub fn extended_deck(&self) -> Vec<u8> {
         deck(
             &self.extended,
@@ -22,7 +22,7 @@ impl Outcome<'_> {
         )
     }
 
-    /// Replays the load cases in their order on the extended deck.
+    /// Returns the commands that replay the load cases in order on the extended deck.
     pub fn extended_commands(&self) -> String {
         let programme = &self.subject.problem.programme;
         let fitted = &self.extended;
@@ -82,7 +82,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Slots that change from case to case: those of the loads first.
+/// Returns the slots that change from case to case, loads first.
 pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Slot> {
     let catalogue = fitted.deck.prepared.system.catalogue();
     let loads = &subject.problem.programme.loads;
@@ -98,7 +98,7 @@ pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Ve
     slots
 }
 
-/// Slots of a fit that change from case to case besides the loads.
+/// Returns the slots of a fit, other than loads, that change from case to case.
 fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
     for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
@@ -109,7 +109,7 @@ fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     out
 }
 
-/// A command that sets a number: the whole FUNCTION, or an argument with all its values.
+/// Returns a command that sets a number: the whole FUNCTION, or an argument with all its values.
 fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>) -> Option<String> {
     let id = address.id?;
     let kind = &address.kind;
@@ -119,7 +119,7 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
     let Some(_) = address.index else {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     };
-    // A number inside of a function, of which there is no other.
+    // A number inside a function: the value replaces the function, which contains no other number.
     if matches!(kind.as_str(), "GFORCE" | "SFORCE" | "VARIABLE") {
         return Some(format!("{kind}/{id}, {argument}={value:.10E}\n"));
     }
@@ -135,7 +135,7 @@ fn redefine(address: &Address, value: f64, of: impl Fn(&Address) -> Option<f64>)
     Some(format!("{kind}/{id}, {argument}={}\n", values.join(",")))
 }
 
-/// A fit's numbers written into its deck, those that change from case to case left as they are.
+/// Writes the numbers of a fit into its deck. Numbers that change from case to case keep their deck values.
 fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Vec<u8> {
     let system = &fitted.deck.prepared.system;
     let catalogue = system.catalogue();
@@ -148,7 +148,7 @@ fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Ve
         }
         let address = catalogue.info(slot).address;
         let edits = dataset.set(&address, new).or_else(|refused| {
-            // The sign of a number inside of a function is an operator, so a negative one goes into parentheses.
+            // The sign of a number inside a function is an operator, so a negative number is put in parentheses.
             let number = dataset.number_at(&address).filter(|_| new < 0.0);
             let number = number.ok_or(refused)?;
             let text = format!("({})", admire_syntax::spell_like(new, b"1.0"));
@@ -162,7 +162,7 @@ fn deck(fitted: &FittedModel, plain: &DeckOnlyPrediction, driven: &[Slot]) -> Ve
     dataset.bytes().to_vec()
 }
 
-/// Rotates ZP and XP about QP in the markers that an effect rotates. A marker with one of the two points gets the other.
+/// Rotates ZP and XP about QP in the markers that an effect rotates. A marker with only one of the two points gets the other as well.
 fn turn_points(dataset: &mut Dataset, model: &Model, (before, after): (&Parameters, &Parameters)) {
     for (k, marker) in model.markers.iter().enumerate() {
         let (Some(old), Some(new)) = [before, after]

@@ -1,4 +1,4 @@
-//! Findings of a search: each cause of the leading model with its rivals and what it gains.
+//! Findings of a search: each cause of the leading model with its rivals and its gain.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,17 +15,18 @@ use super::sought::{NAMED, none_of_these, of_place, probability};
 use super::visited::{Found, Visited};
 use admire_study::orientation::chi_square_p_value;
 
-/// A finding matters when, all else held, it moves marks by this part of their noise, rms,
+/// Rms change of the marks by a finding, in units of their noise, from which the finding matters.
 const MATTERS_MARKS: f64 = 0.2;
-/// or the wheel by so many degrees.
+/// Change of the wheel angles by a finding, in degrees, from which the finding matters.
 const MATTERS_WHEEL_DEG: f64 = 0.01;
-/// A cause with which other cases are predicted worse by so many nats is not listed: less is within the error of the comparison. A member
-/// of a group of tolerances is taken up by the group where it is no cause, and both predict nearly alike: then by so many.
+/// Loss of cross-validated log predictive density, in nats, above which a cause is not listed. The first value covers the error of the
+/// comparison. The second applies to a freed random effect: without the cause its tolerance group absorbs it, with almost the same
+/// predictions.
 const CV_TOLERANCE_NATS: (f64, f64) = (0.5, 3.0);
-/// Rivals are no further behind than so many units of twice the logarithm of probability.
+/// Largest deficit of a rival, in twice the log posterior odds.
 const RIVAL: f64 = 6.0;
 
-/// A fitted model with another cause in the place of one.
+/// Returns a fitted model with another cause in place of one finding, and that cause.
 pub(super) fn rival_fit(
     found: &Found,
     leading: &FittedModel,
@@ -37,7 +38,7 @@ pub(super) fn rival_fit(
     })
 }
 
-/// What a model holds instead of one cause, all others being the same places.
+/// Returns the cause that a model holds in place of one cause of the leading model. All other causes must be at the same sites.
 fn instead<'m>(model: &'m Visited, leading: &FittedModel, at: usize) -> Option<&'m Hypothesis> {
     let own = &leading.effects[at];
     let others = Hypothesis::causes(&leading.effects).filter(|h| !h.same_site(own));
@@ -52,8 +53,8 @@ fn instead<'m>(model: &'m Visited, leading: &FittedModel, at: usize) -> Option<&
     rest.pop().filter(|h| !h.same_site(own))
 }
 
-/// Findings of the leading model, the most important first; which of its causes each is; and whether some cause acts and matters though no
-/// such finding is one.
+/// Returns the findings of the leading model, the most important first, with the index of each among its effects. The flag is true if some
+/// cause probably acts and matters, but no finding that matters qualifies for the list.
 pub(super) fn findings(
     subject: &DiagnosisProblem<'_>,
     found: &Found,
@@ -91,7 +92,7 @@ pub(super) fn findings(
         let without = without(found, leading, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
         let before = Blind::new(subject, &without);
-        // By its own effect alone: what refitting would take up of it is wrong elsewhere then.
+        // The importance counts the effect of the cause alone. A refit would absorb part of it by wrong values elsewhere.
         let moves = leading
             .effect(subject, k)
             .map(|effect| moved(subject, &effect));
@@ -154,8 +155,8 @@ pub(super) fn findings(
         };
         (finding, k)
     };
-    // Beside a force of an unknown law, cases in which it is met badly look like faults of theirs, and what it does beyond the first
-    // order looks like a second cause at its own element.
+    // Next to a force of unknown law, cases it describes badly look like faults of those cases. Its higher-order effects look like a second
+    // cause at the same element.
     let stands_in = leading.effects.iter().find(|h| !h.is_in_catalogue());
     let of_a_case = |h: &Hypothesis| h.only_case(&subject.rows).is_some();
     let faults = leading.effects.iter().filter(|h| of_a_case(h)).count();
@@ -170,7 +171,7 @@ pub(super) fn findings(
     };
     let told = (0..leading.effects.len()).filter(is_told);
     let out: Vec<(Finding, usize)> = told.map(of).collect();
-    // What makes the prediction of other cases worse is no cause.
+    // A cause that worsens the prediction of other cases is not a finding.
     let predicts = |(finding, k): &(Finding, usize)| {
         let worse = if leading.effects[*k].is_slab() {
             CV_TOLERANCE_NATS.1
@@ -197,7 +198,7 @@ fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {
     h.cause == cause && h.address == address
 }
 
-/// The best fitted model without one cause and what refines it; the one without any where there is none.
+/// Returns the best fitted model without one cause and its further terms. Falls back to the model without any cause.
 pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<FittedModel> {
     let is_rest = |model: &Visited| {
         let own = &leading.effects[at];
@@ -210,7 +211,7 @@ pub(super) fn without(found: &Found, leading: &FittedModel, at: usize) -> Arc<Fi
     Arc::clone(fitted.unwrap_or(&found.none))
 }
 
-/// What the marks alone say: their noise, and readings that are plainly wrong.
+/// Returns the findings from the marks alone: their noise, misplaced marks and gross errors.
 pub(super) fn mark_findings(subject: &DiagnosisProblem<'_>) -> Vec<Finding> {
     let mut out = Vec::new();
     let measurement = subject.problem.measurement;

@@ -1,4 +1,4 @@
-//! The deck with some causes in it, fitted jointly with stiffnesses, tolerances and their sizes.
+//! Joint fit of stiffnesses, causes and tolerances of an extended deck, with variance components by evidence.
 
 use std::sync::Arc;
 
@@ -21,60 +21,61 @@ use admire_identify::tolerance::{
 use admire_identify::{Problem, tolerance};
 use admire_solver::system::{Parameters, State};
 
-/// Steps of a fit at most.
+/// Maximum number of Gauss-Newton steps of a fit.
 const STEPS: usize = 16;
-/// Stiffnesses alone that miss the readings by more than so many times their noise may be in a wrong minimum, which tolerances that grow
-/// would hide.
+/// Ratio of rms residual to declared noise above which a stiffness-only fit may be in a wrong minimum. Growing variance components would hide
+/// such a minimum.
 const MISSED: f64 = 1.3;
 
-/// A fit has converged if its linear model promises less than so many nats.
+/// Predicted decrease in nats below which a fit counts as converged.
 const SETTLED: f64 = 1.0;
 
-/// A model linearised where its fit ended, and what the readings say there.
+/// Model linearised at the end of its fit, with the posterior there.
 #[derive(Clone, Debug)]
 pub struct FittedModel {
-    /// The deck; fits of the same structure share it.
+    /// Extended deck. Fits of the same structure share it.
     pub deck: Arc<ExtendedDeck>,
-    /// What is in it.
+    /// Effects in the model.
     pub effects: Vec<Hypothesis>,
-    /// Unknowns of the deck: stiffnesses, members of the tolerance layer, numbers of causes.
+    /// Unknowns of the deck: stiffnesses, random effects, parameters of causes.
     pub unknowns: FitUnknowns,
-    /// Unknowns of the measurement.
+    /// Unknowns of the measurement: frames and positions of marks.
     pub layout: NuisanceLayout,
     /// Values of all unknowns.
     pub x: Vec<f64>,
     /// Priors of all unknowns.
     pub priors: Vec<tolerance::Coefficient>,
-    /// Prediction minus reading of all rows in units of the declared noise.
+    /// Prediction minus reading of all rows, in units of the declared noise.
     pub residual: DVector<f64>,
-    /// Its derivative by all unknowns.
+    /// Derivatives of `residual` by all unknowns.
     pub jacobian: DMatrix<f64>,
-    /// What turned the rows.
+    /// Transformation that makes the rows independent.
     pub whitening: Arc<Whitening>,
-    /// The linear model.
+    /// Linear model at the end of the fit.
     pub linear: Arc<LinearModel>,
-    /// Sizes of tolerances.
+    /// Variance components: standard deviations of the tolerance groups and noise scales.
     pub sizes: VarianceComponents,
-    /// What the readings say.
+    /// Posterior of the linear model.
     pub posterior: Posterior,
-    /// Where each number of each chosen hypothesis is among the unknowns.
+    /// Index among the unknowns of each parameter of each effect.
     pub parameter_index: Vec<Vec<usize>>,
-    /// Numbers of each case.
+    /// Deck parameters of each load case.
     pub thetas: Vec<Parameters>,
-    /// Equilibrium of each case.
+    /// Equilibrium of each load case.
     pub states: Vec<State>,
-    /// Contacts that remember.
+    /// History variables of laws with memory.
     pub memories: Vec<HysteresisState>,
 }
 
 impl FittedModel {
-    /// Turned residual (reading minus prediction) where the linear model ends, and Jacobian, whitened at the fit's sizes. What a fit
-    /// stopped short of its minimum by would look like structure along directions that it absorbs.
+    /// Returns the whitened residual (reading minus prediction) at the optimum of the linear model, and the whitened Jacobian. Both use the
+    /// fit's variance components. At the end of the fit itself, the remaining step to the optimum would look like structure along directions
+    /// that the fit absorbs.
     pub fn whitened(&self) -> (DVector<f64>, DMatrix<f64>) {
         self.whitened_at(&self.sizes, &self.posterior)
     }
 
-    /// The same at other sizes of tolerances, with the posterior there.
+    /// Returns the whitened residual and Jacobian of [`Self::whitened`] at other variance components, with their posterior.
     pub fn whitened_at(
         &self,
         sizes: &VarianceComponents,
@@ -90,7 +91,7 @@ impl FittedModel {
         (residual, jacobian)
     }
 
-    /// True for a stiffness or a number of a cause, false for a small error.
+    /// Returns true for a stiffness or a parameter of a cause, false for a plain random effect.
     pub fn is_of_the_model(&self, unknown: usize) -> bool {
         self.priors[unknown].group.is_none()
             || self
@@ -100,22 +101,22 @@ impl FittedModel {
                 .any(|at| *at == unknown)
     }
 
-    /// Logarithm of the prior odds of what is in it.
+    /// Returns the log prior odds of the effects in the model.
     pub fn ln_prior(&self) -> f64 {
         Hypothesis::ln_prior_of(&self.effects)
     }
 
-    /// Logarithm of evidence and prior. What the linear model promises beyond where the fit could go does not count.
+    /// Returns the log of evidence times prior. The predicted decrease that the fit did not realise is subtracted.
     pub fn ln_posterior(&self) -> f64 {
         self.posterior.ln_z - self.posterior.gain + self.ln_prior()
     }
 
-    /// False for a fit that stopped early, far from the optimum of its linear model.
+    /// Returns false for a fit that stopped early, far from the optimum of its linear model.
     pub fn is_converged(&self) -> bool {
         self.posterior.gain < SETTLED
     }
 
-    /// Numbers of a chosen hypothesis.
+    /// Returns the estimates of all parameters of a chosen effect.
     pub fn estimates(&self, chosen: usize) -> Vec<Estimate> {
         let hypothesis = &self.effects[chosen];
         let covariance = &self.posterior.covariance;
@@ -151,8 +152,8 @@ impl FittedModel {
             .collect()
     }
 
-    /// Whether the data contradict the sign a chosen hypothesis must have, by two standard errors. A further part of a law may not pull at
-    /// all; a play below zero is none, but a link that yields.
+    /// Returns true if the estimate violates the sign constraint of a chosen effect. A main term may be negative by two standard errors.
+    /// Further terms and free play may not be negative: negative play would be compliance of the link.
     pub fn has_wrong_sign(&self, chosen: usize) -> bool {
         let hypothesis = &self.effects[chosen];
         let at = self.parameter_index[chosen][0];
@@ -170,7 +171,7 @@ impl FittedModel {
                 }
     }
 
-    /// Estimate and standard error of stiffness `k` of the study, in units of the deck.
+    /// Returns estimate and standard error of stiffness `k` of the study, in units of the deck.
     pub fn stiffness(&self, k: usize) -> (f64, f64) {
         let value = libm::exp(self.x[k]);
         (
@@ -179,8 +180,8 @@ impl FittedModel {
         )
     }
 
-    /// What one cause does to each row, further parts of its law included: the prediction less that without it, stiffnesses, tolerances and
-    /// all else being what they are. `None` where a case has no equilibrium without it.
+    /// Returns the effect of one cause on each row, further terms of its law included: the prediction minus the prediction without the cause.
+    /// Stiffnesses, tolerances and other causes keep their values. `None` where a case has no equilibrium without the cause.
     pub fn effect(&self, subject: &DiagnosisProblem<'_>, chosen: usize) -> Option<DVector<f64>> {
         let inner = self.unknowns.len() + self.layout.sd.len();
         let mut x = self.x.clone();
@@ -221,7 +222,7 @@ impl FittedModel {
         Some(effect)
     }
 
-    /// What solves all cases of its deck, from where they are.
+    /// Returns a predictor for all cases of the extended deck, started from the fitted equilibria.
     fn predictor<'p>(&'p self, problem: &'p Problem<'p>) -> Option<NativePredictor<'p>> {
         let cases: Vec<usize> = (0..self.states.len()).collect();
         let observed = Observations::new(problem.measurement, problem.model, &cases).observed;
@@ -235,12 +236,14 @@ impl FittedModel {
         Some(predictor)
     }
 
-    /// The same linear model on other rows, at the same sizes: unknowns and their covariance, without any new solution.
+    /// Conditions the same linear model on other rows, at the same variance components. Returns the residual at its optimum (prediction minus
+    /// reading) and the posterior. No equilibrium is solved.
     pub fn relinearised_on(&self, whitening: &Whitening) -> Option<(DVector<f64>, Posterior)> {
         self.relinearised_with_offset(whitening, &DVector::zeros(self.residual.len()))
     }
 
-    /// The same with predictions that are off by so much in each row.
+    /// Conditions the same linear model on other rows, after adding `off` to the predictions. Returns the residual at its optimum and the
+    /// posterior.
     pub fn relinearised_with_offset(
         &self,
         whitening: &Whitening,
@@ -259,18 +262,18 @@ impl FittedModel {
         Some((misfit, posterior))
     }
 
-    /// The Jacobian of turned rows, made anew: searches keep many fits.
+    /// Computes the Jacobian in decorrelated rows. It is not stored, because a search keeps many fits.
     pub fn whitened_jacobian(&self) -> DMatrix<f64> {
         self.whitening.apply(&self.jacobian)
     }
 
-    /// Turned rows of reading minus prediction.
+    /// Computes the residual (reading minus prediction) in decorrelated rows.
     pub fn whitened_residual(&self) -> DVector<f64> {
         self.whitening.apply_vector(&-&self.residual)
     }
 
-    /// The evidence of the same linear model without some rows, whose marks of one part and case go together, and what it leaves of
-    /// all. Jacobian and residual are those of turned rows.
+    /// Leaves some rows out of the linear model. Returns the residual of all rows at its optimum (prediction minus reading) and its log
+    /// evidence. `rows` holds Jacobian and residual in decorrelated rows. The marks of one part in one case must be left out together.
     pub fn evidence_without(
         &self,
         rows: (&DMatrix<f64>, &DVector<f64>),
@@ -283,8 +286,8 @@ impl FittedModel {
     }
 }
 
-/// Fits the deck extended by some hypotheses; `guesses` of their numbers are in units of their priors. What `warm` knows better is
-/// taken from there. `None` where the extended deck cannot be compiled or solved.
+/// Fits the deck extended by some effects. `guesses` of their parameters are in units of the priors. Values that `warm` provides replace the
+/// guesses. Returns `None` where the extended deck cannot be compiled or solved.
 pub(super) fn fit(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
@@ -297,26 +300,26 @@ pub(super) fn fit(
     }
 }
 
-/// What a fit is for.
+/// Conditions under which a fit stops early.
 #[derive(Clone, Copy)]
 pub(super) struct EarlyStopping<'a> {
-    /// Evidence in nats, prior left out, of the model that leads: a fit that will not come near stops where it is.
+    /// Log evidence of the leading model in nats, prior excluded. A fit that cannot come near it stops.
     pub lead: f64,
-    /// A fit of the same causes and laws, wherever their numbers begin: one that leads to its end stops.
+    /// Fit of the same causes and laws, from any first guesses. A new fit that leads to the same optimum stops.
     pub known: Option<&'a FittedModel>,
-    /// Evidence in nats, prior left out: a fit that begins below goes no further.
+    /// Minimum log evidence at the start of a fit in nats, prior excluded. A fit that starts below it stops.
     pub least: f64,
 }
 
 impl<'a> EarlyStopping<'a> {
-    /// No other model is known.
+    /// Conditions that stop no fit early.
     pub(super) const NONE: Self = Self {
         lead: f64::NEG_INFINITY,
         known: None,
         least: f64::NEG_INFINITY,
     };
 
-    /// Another fit of the same causes, or a better one of others.
+    /// Stops a fit that leads to the optimum of `known`, or that cannot come near its evidence.
     pub(super) fn beyond(known: &'a FittedModel) -> Self {
         Self {
             lead: known.ln_posterior() - known.ln_prior(),
@@ -325,12 +328,12 @@ impl<'a> EarlyStopping<'a> {
         }
     }
 
-    /// The same; a fit that begins below so much evidence goes no further.
+    /// Adds the condition that a fit starting below this log evidence stops.
     pub(super) const fn above(self, least: f64) -> Self {
         Self { least, ..self }
     }
 
-    /// True for a fit that stopped because it will not come near, or would have.
+    /// Returns true for a fit that stopped, or would have stopped, because it cannot come near the leading model.
     pub(super) fn is_beaten(&self, fitted: &FittedModel) -> bool {
         let aim = Aim {
             lead: self.lead,
@@ -339,7 +342,7 @@ impl<'a> EarlyStopping<'a> {
         aim.is_beaten(fitted.posterior.ln_z, fitted.posterior.gain)
     }
 
-    /// True for a fit that went no further because it began astray.
+    /// Returns true for a fit that stopped because it started below the minimum evidence.
     pub(super) fn is_astray(&self, fitted: &FittedModel) -> bool {
         fitted.posterior.ln_z - fitted.posterior.gain < self.least
     }
@@ -359,16 +362,17 @@ impl<'a> EarlyStopping<'a> {
     }
 }
 
-/// How a fit ended.
+/// Result of a fit.
 #[derive(Clone)]
 pub(super) enum FitOutcome {
-    /// Where no other did.
+    /// Optimum that differs from the known one.
     New(Arc<FittedModel>),
-    /// Where the known one of its target ended.
+    /// The optimum of the known fit, reached again.
     Duplicate,
 }
 
-/// The same for a target, the sizes of tolerances from `sizes` if not from `warm`.
+/// Fits the extended deck as [`fit`] does, with conditions for an early end. Variance components start from `sizes` if given, otherwise from
+/// `warm`, otherwise from the study's medians.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
     chosen: &[(Hypothesis, Vec<f64>)],
@@ -401,7 +405,7 @@ pub(super) fn fit_with_early_stopping(
     let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let whitening = subject.whitening(data);
-    // Each has its own predictor: equilibria are followed from one solution to the next.
+    // Each start has its own predictor, because a predictor continues equilibria from one solution to the next.
     let begun = || {
         let observations = Observations::new(problem.measurement, &deck.model, &cases);
         let predictor = deck
@@ -429,7 +433,8 @@ pub(super) fn fit_with_early_stopping(
                 .predictor
                 .start_from(case, state, unknowns.deck.clone());
         }
-        // What a further cause takes up is left to it at first. Of the same causes sizes are known.
+        // Large variance components are lowered first, so that a new cause can take up what they had absorbed. A refit of the same causes
+        // keeps them.
         let is_again = parent.is_some_and(|(parent, _)| parent.effects.len() == chosen.len());
         let first = if is_again {
             sizes.clone()
@@ -442,9 +447,8 @@ pub(super) fn fit_with_early_stopping(
         subject.count_sweeps(sweep.predictor.sweeps());
         (sweep, end)
     } else {
-        // Stiffnesses that were fitted as if all else were exact can be so wrong that nothing leads away from them; everything at once
-        // from afar goes astray as often, in other studies. The evidence says which of both ends is the better one. Where stiffnesses alone
-        // nearly explain the readings there is nothing to run off after.
+        // Two starts are compared by evidence. A stiffness-only fit takes all else as exact and can end in a wrong minimum. A joint fit from
+        // a distant start fails as often, in other studies. The second fit is skipped where stiffnesses alone nearly explain the readings.
         let from = |alone: bool, aim: Aim<'_>| {
             let (mut sweep, mut x) = (begun()?, x.clone());
             if alone {
@@ -509,7 +513,7 @@ pub(super) fn fit_with_early_stopping(
     })))
 }
 
-/// True for a fit of these causes, and perhaps others, and unknowns as it left them.
+/// Returns true if the fit is converged, holds all of these causes, and `x` are its own unknowns.
 fn is_submodel_start(
     (fitted, x): (&FittedModel, &[f64]),
     chosen: &[(Hypothesis, Vec<f64>)],
@@ -519,7 +523,7 @@ fn is_submodel_start(
     fitted.is_converged() && fitted.x == x && chosen.iter().all(is_held)
 }
 
-/// Causes and the further parts that come in with them, each for itself.
+/// Splits combined candidates into main and further terms, each with its guesses.
 fn apart(chosen: &[(Hypothesis, Vec<f64>)]) -> Vec<(Hypothesis, Vec<f64>)> {
     let each = |(h, guesses): &(Hypothesis, Vec<f64>)| {
         let mut left = guesses.as_slice();
@@ -533,17 +537,17 @@ fn apart(chosen: &[(Hypothesis, Vec<f64>)]) -> Vec<(Hypothesis, Vec<f64>)> {
     chosen.iter().flat_map(each).collect()
 }
 
-/// A model as it is written for others: causes and stiffnesses, small errors of everything else left out.
+/// Prediction of a model as exported to a deck: causes and stiffnesses only, with all other random effects set to zero.
 #[derive(Clone, Debug)]
 pub struct DeckOnlyPrediction {
-    /// Numbers of each case.
+    /// Deck parameters of each load case.
     pub thetas: Vec<Parameters>,
-    /// Equilibrium of each case.
+    /// Equilibrium of each load case.
     pub states: Vec<State>,
 }
 
 impl DeckOnlyPrediction {
-    /// Of a fit; `None` where a case cannot be solved.
+    /// Solves all cases of a fitted model without its random effects. `None` where a case cannot be solved.
     pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         let deck = &fitted.deck;
         let problem = Problem {
@@ -577,7 +581,7 @@ impl DeckOnlyPrediction {
     }
 }
 
-/// The model of a fit on other data or with other weights, from where it ended.
+/// Refits the model of a fit to other data or with other weights, starting from its end.
 pub(super) fn refit(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -587,7 +591,7 @@ pub(super) fn refit(
     fit(subject, &with_zero_guesses(fitted), from, data)
 }
 
-/// What is in a fit, with guesses that its own values replace.
+/// Returns the effects of a fit with zero guesses, to be replaced by the fit's own values.
 pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(Hypothesis, Vec<f64>)> {
     let zeros = |h: &Hypothesis| (h.clone(), vec![0.0; h.numbers.len()]);
     fitted.effects.iter().map(zeros).collect()

@@ -1,4 +1,4 @@
-//! Cases no fit saw: what a model says of them, and how much better it says it with the causes found.
+//! Prediction of held-out cases by a model, and its test.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,32 +8,33 @@ use super::predictive::PredictiveDistribution;
 use admire_identify::global::Row;
 use admire_study::orientation::chi_square_p_value;
 
-/// How held-out readings agree with a model.
+/// Agreement of held-out readings with a model's prediction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HeldOutTest {
-    /// Rms of one mark coordinate, outliers left out.
+    /// Rms error of one mark coordinate in the deck's length unit, without outliers.
     pub marks_rms: Option<f64>,
-    /// Rms of camber and steer of the wheel, degrees.
+    /// Rms errors of camber and steer of the wheel, in degrees.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Chi-square with the prediction's own covariance.
+    /// Chi-square with the covariance of the prediction.
     pub chi_square: f64,
-    /// Readings in it.
+    /// Number of readings in the test.
     pub dof: usize,
-    /// Its p-value.
+    /// P-value of the chi-square.
     pub p_value: f64,
 }
 
-/// A model that has not seen the cases held out.
+/// Model conditioned on the cases that are not held out.
 #[derive(Clone, Debug)]
 pub struct Blind {
-    /// Prediction minus reading of all rows.
+    /// Prediction minus reading of all rows, in units of the declared noise.
     pub misfit: DVector<f64>,
-    /// Covariance of its unknowns.
+    /// Covariance of the unknowns.
     covariance: DMatrix<f64>,
 }
 
 impl Blind {
-    /// A fit without the cases held out, in the linear model of all. What acts on single rows alone is as it was.
+    /// Conditions the linear model of a fit on the cases that are not held out. Parameters that act on held-out rows alone return to their
+    /// priors. `None` where nothing is held out.
     pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {
         if !subject.holds_out() {
             return None;
@@ -90,7 +91,7 @@ impl Blind {
         Some((foreseen.chi_square(&r)?, turned.len()))
     }
 
-    /// Rms of one mark coordinate held out, outliers left out.
+    /// Returns the rms error of one held-out mark coordinate in the deck's length unit, without outliers.
     pub fn marks_rms(&self, subject: &DiagnosisProblem<'_>) -> Option<f64> {
         let rows = unseen(subject).into_iter();
         let marks = rows.filter(|k| {
@@ -117,14 +118,14 @@ impl Blind {
     }
 }
 
-/// Rows of the cases and curves held out.
+/// Returns the rows of the held-out cases and curves.
 pub(super) fn unseen(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     (0..subject.rows.len())
         .filter(|k| subject.is_held_out_row(&subject.rows[*k]))
         .collect()
 }
 
-/// Those of them by which predictions are compared; outliers left out.
+/// Returns the held-out rows by which predictions are compared, without outliers.
 pub(super) fn compared(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     let marks_alone = subject.compared().0 == "mark";
     let is_compared = |k: &usize| {
@@ -134,8 +135,8 @@ pub(super) fn compared(subject: &DiagnosisProblem<'_>) -> Vec<usize> {
     unseen(subject).into_iter().filter(is_compared).collect()
 }
 
-/// How large a change of all rows is: rms of marks and channels in units of their noise, and of wheel angles in degrees.
-/// Where there are neither marks nor channels all readings of the wheel stand for them.
+/// Returns the rms size of a change of all rows: marks and channels in units of their noise, and wheel angles in degrees. Without marks and
+/// channels, the first value covers all wheel readings.
 pub(super) fn moved(subject: &DiagnosisProblem<'_>, rows: &DVector<f64>) -> (f64, f64) {
     let (mut marks, mut angles, mut wheel) = ((0.0, 0), (0.0, 0), (0.0, 0));
     let sigmas = subject.problem.measurement.wheel.as_ref();

@@ -1,4 +1,4 @@
-//! The measuring frame: what a shift and a turn of it do to the readings of marks, and how it moves through the cases.
+//! Measuring frame: effects of its shift and rotation on the mark readings, and its motion through the cases.
 
 use std::f64::consts::PI;
 
@@ -10,8 +10,9 @@ use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_study::{Case, FramePlace};
 
-/// Rows of marks by a shift of the frame of case `of` along each axis and a turn about each, through the centroid of the marks; `places` are
-/// those of its readings. One unit of a row is `unit` long, one of a turn is `turn` radians.
+/// Returns the change of the mark rows of case `of` by a frame shift along each axis and a rotation about each axis. The rotations are about
+/// the centroid of `places`, the positions of the marks in that case. `unit` is the length of one row unit, `turn` the angle of one rotation
+/// unit in radians.
 pub fn by_frame(
     rows: &[Row],
     of: usize,
@@ -42,7 +43,8 @@ pub fn by_frame(
     columns
 }
 
-/// What three shifts and three turns, of `turn` radians, do at a point, `lever` away from the centre of the turns.
+/// Returns the displacement of a point by three unit shifts and three rotations of `turn` radians. `lever` points from the centre of rotation
+/// to the point.
 pub fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
     std::array::from_fn(|k| match k.checked_sub(3) {
         None => Vec3::ith(k, 1.0),
@@ -50,19 +52,20 @@ pub fn at_point(lever: &Vec3, turn: f64) -> [Vec3; 6] {
     })
 }
 
-/// The mean; zero of none.
+/// Returns the mean position; zero for an empty list.
 pub fn centroid(places: &[Vec3]) -> Vec3 {
     places.iter().sum::<Vec3>() / places.len().max(1) as f64
 }
 
-/// True if the marks sit all alike far from where the model has them at the start values, in the cases that are not held out: they are told in
-/// another frame than the deck's.
+/// Returns true if the readings use another measuring frame than the deck. At the start values, all marks of the fitted cases are then offset
+/// by one common rigid motion.
 pub(super) fn is_another(subject: &DiagnosisProblem<'_>) -> bool {
     let length = subject.problem.model.units.length.si;
     place_at_start(subject).is_some_and(|place| place.is_another(length))
 }
 
-/// `None` where there are no marks, or where the start values have no equilibrium.
+/// Returns the rigid motion from the predicted to the read marks at the start values. `None` without marks, or where the start values have no
+/// equilibrium.
 fn place_at_start(subject: &DiagnosisProblem<'_>) -> Option<FramePlace> {
     if !subject.compares_marks() {
         return None;
@@ -86,10 +89,11 @@ fn place_at_start(subject: &DiagnosisProblem<'_>) -> Option<FramePlace> {
     FramePlace::of(&of(&predicted), &of(&problem.measurement.cases))
 }
 
-/// A motion of the frame through the cases: its group, and its factor in each of them.
+/// Motion of the frame through the cases: its tolerance group, and its factor in each case.
 pub(super) type Motion = (EffectGroup, Vec<f64>);
 
-/// The motions that are among the tolerances of a study, through its cases and then through further ones with these loads.
+/// Returns the frame motions among the tolerances of a study. The factors cover the study's cases, followed by further cases with the given
+/// loads.
 pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion> {
     let has = |group: EffectGroup| subject.compares_marks() && subject.sizes.group(group).is_some();
     let programme = subject.problem.programme;
@@ -102,7 +106,7 @@ pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion
         ));
     }
     if has(EffectGroup::FrameDrifts) {
-        // Where the frame will have gone in a further case nobody knows.
+        // The drift of the frame in a further case is unknown; its factor is zero.
         let of = |case: usize| {
             if case < count {
                 drifts(case, count)
@@ -127,7 +131,7 @@ pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion
     out
 }
 
-/// Loads that differ between cases, with the largest value of each.
+/// Returns the indices of the loads that vary between cases, each with its largest magnitude.
 pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
     let of = |load: usize| {
         let values = || programme.cases.iter().map(|case| case.values[load]);
@@ -140,11 +144,11 @@ pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
     (0..programme.loads.len()).filter_map(of).collect()
 }
 
-/// A frame that goes on from case to case is followed by so many functions of their order.
+/// Number of Karhunen-Loeve functions that represent a drift of the frame from case to case.
 const DRIFTS: usize = 6;
 
-/// The leading functions of a random walk over `count` cases whose steps have a variance of one, in case `of`: Karhunen and Loeve's
-/// `sqrt(2 n) sin(w t / n) / w`, `w = (k - 1/2) pi`.
+/// Returns the leading Karhunen-Loeve functions of a random walk with unit step variance over `count` cases, evaluated in case `of`. They are
+/// `sqrt(2 n) sin(w t / n) / w` with `w = (k - 1/2) pi`.
 fn drifts(of: usize, count: usize) -> [f64; DRIFTS] {
     let n = count as f64;
     std::array::from_fn(|k| {

@@ -1,12 +1,12 @@
-/// How much is done to learn what the causes gain in cases that were not used.
+/// Effort spent to measure how much the causes improve the prediction of unused cases.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GainCheck {
-    /// Refits without these cases, causes chosen with them: no search besides the first.
+    /// Refits the models without the held-out cases. The causes were selected with those cases; no second search is run.
     Quick,
-    /// A second search that does not see the cases held out.
+    /// Repeats the search without the held-out cases.
     #[default]
     HeldOut,
-    /// Besides, one for each group of the cross-validation.
+    /// Repeats the search without the held-out cases, and once for each group of the cross-validation.
     Folds,
 }

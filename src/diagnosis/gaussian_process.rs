@@ -1,4 +1,4 @@
-//! A force that is a smooth function of one coordinate of the cases: a Gaussian process with a squared exponential covariance.
+//! Force as a smooth function of one coordinate of the cases: a Gaussian process with squared exponential covariance.
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
@@ -6,48 +6,50 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Lengths of the covariance as parts of the range of the coordinate.
+/// Length scales of a smooth covariance, as fractions of the range of the coordinate.
 const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
-/// The same of what a law leaves, which jumps where the motion turns; the first is no length at all: each value by itself.
+/// Length scales of the misfit of a law, as fractions of the range of the coordinate. Such a force jumps where the motion reverses. The first
+/// value makes the cases practically independent.
 const SHORT_LENGTHS: [f64; 4] = [1e-3, 0.02, 0.06, 0.15];
-/// Sizes of the force as parts of the place's usual force: the largest of the bushing component, for a joint that of all bushings.
+/// Standard deviations of the force, as fractions of the typical force at the site. The typical force is the largest force in the bushing
+/// component, or for a joint the largest in any bushing.
 const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
-/// How many lengths and sizes are tried.
+/// Number of combinations of length scale and standard deviation.
 pub(super) const LAWS: usize = LENGTHS.len() * SIZES.len();
-/// Directions of the covariance below this part of the largest are left out.
+/// Relative eigenvalue of the covariance below which a direction is left out.
 const LEAST: f64 = 1e-6;
-/// What a covariance may be off by, of a diagonal of ones.
+/// Tolerance of the low-rank covariance factor, for a diagonal of ones.
 const NONE_LEFT: f64 = 1e-9;
 
-/// How far a force that a Gaussian process describes reaches along its coordinate.
+/// Range of the correlation of a Gaussian-process force along its coordinate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Reach {
-    /// A smooth force.
+    /// Smooth force.
     Smooth,
-    /// One that may change from one case to the next.
+    /// Force that may change from one case to the next.
     Short,
 }
 
-/// The force in all cases at the length and size that do best.
+/// Posterior of the force in all cases, at the length scale and standard deviation of largest evidence.
 pub(super) struct Law {
-    /// Evidence gained.
+    /// Gain in log evidence, in nats.
     pub nats: f64,
-    /// What of chi-square it takes up.
+    /// Decrease of chi-square.
     pub taken: f64,
-    /// The force in each case,
+    /// Posterior mean of the force in each case.
     pub mean: DVector<f64>,
-    /// and its covariance.
+    /// Posterior covariance of the force in all cases.
     pub covariance: DMatrix<f64>,
-    /// The covariance before the readings were known is this times its transpose.
+    /// Factor of the prior covariance, which is `root` times its transpose.
     pub root: DMatrix<f64>,
-    /// The mean is that times these.
+    /// Coefficients of the mean: the mean is `root` times `weights`.
     pub weights: DVector<f64>,
 }
 
 impl Law {
-    /// Evidence gained, chi-square taken up, mean and covariance of the force in all cases, at the length and size that do best.
-    /// `information` and `gradient` are those of a force in each case, all other unknowns of the fit eliminated; `force` is a usual one. The
-    /// law has no part that is constant or a straight line if it is to be `beyond_a_line`. `None` where the coordinate does not change.
+    /// Fits the process and returns its posterior at the length scale and standard deviation of largest evidence. `information` and
+    /// `gradient` belong to a force in each case, with all other unknowns of the fit eliminated. `force` is the typical force. If
+    /// `beyond_a_line`, constant and straight line are projected out. `None` where the coordinate does not vary.
     pub(super) fn best(
         coordinate: &[f64],
         (reach, beyond_a_line): (Reach, bool),
@@ -120,9 +122,8 @@ impl Law {
     }
 }
 
-/// A matrix of few columns whose product with its transpose is a smooth covariance with ones on its diagonal: Cholesky's factor, the
-/// largest variance that is left taken first, until none is. Source: Harbrecht, Peters and Schneider, Applied Numerical Mathematics 62
-/// (2012) 428.
+/// Returns a low-rank factor of a smooth covariance with unit diagonal: the pivoted Cholesky decomposition, largest remaining variance first.
+/// Source: Harbrecht, Peters and Schneider, Applied Numerical Mathematics 62 (2012) 428.
 fn root_of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     let mut left = vec![1.0; n];
     let mut columns: Vec<DVector<f64>> = Vec::new();
@@ -144,7 +145,7 @@ fn root_of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Takes constant and straight line of a coordinate off each column.
+/// Projects the constant and the straight line in the coordinate out of each column.
 fn off_a_line(coordinate: &[f64], (low, range): (f64, f64), columns: DMatrix<f64>) -> DMatrix<f64> {
     let X = DMatrix::from_fn(coordinate.len(), 2, |row, column| match column {
         0 => 1.0,
@@ -161,14 +162,14 @@ fn off_a_line(coordinate: &[f64], (low, range): (f64, f64), columns: DMatrix<f64
 mod tests {
     use super::*;
 
-    /// Forces in thirty cases, each read with an error of one: a wave over the deflection is found, its band holds it, and a line is none.
+    /// Thirty forces, each read with unit error. A wave over the deflection is found within its band; a straight line gives no evidence.
     #[test]
     fn a_wave_is_found_and_a_line_is_not() {
         let n = 30_u8;
         let u: Vec<f64> = (0..n).map(|k| f64::from(k) * 0.1).collect();
         let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
         let information = DMatrix::identity(usize::from(n), usize::from(n));
-        // Reading equals force here: the gradient is the reading itself.
+        // Readings equal forces here, so the gradient is the reading itself.
         let found = Law::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
         let Law {
             nats,

@@ -1,4 +1,4 @@
-//! Cases that no fit saw, and as a rule the choice of causes neither.
+//! Prediction of cases that no fit used, usually with causes selected without them.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,55 +16,56 @@ use super::search::Search;
 use super::sought::{Begun, Sought};
 use admire_session::backend::BackendError;
 
-/// What models say of the cases held out that were fitted without them.
+/// Predictions of the held-out cases by models fitted without them.
 #[derive(Clone, Debug)]
 pub struct HoldOutSelection {
-    /// The model without any cause.
+    /// Model without causes.
     none: Arc<FittedModel>,
-    /// The model that it chose.
+    /// Selected model.
     pub chosen: Arc<FittedModel>,
-    /// The cases held out as the model was and as it was extended.
+    /// Tests of the held-out cases: without causes, and with the selected causes.
     pub tests: [HeldOutTest; 2],
-    /// The predictions behind that.
+    /// Predictions of the held-out cases: without causes, and with the selected causes.
     pub predicted: [Blind; 2],
-    /// True if a search of its own chose the causes; false if they were chosen with these cases.
+    /// True if a separate search selected the causes; false if they were selected with these cases.
     pub searched: bool,
-    /// The search was asked to end before it did.
+    /// True if the search ended early, by its budget or by request.
     cut_short: bool,
-    /// All models that it fitted.
+    /// All models that the search fitted.
     fits: Vec<Arc<FittedModel>>,
-    /// Errors of the rig that its search gave way to before its end.
+    /// Rig errors for which the search stopped early.
     gave_way: Option<RigErrors>,
 }
 
-/// What it says, for `diagnosis.json`.
+/// Result on the held-out cases, for `diagnosis.json`.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct HoldOut {
-    /// True if a search that did not see these cases chose the causes; false if they were chosen with them.
+    /// True if a search without these cases selected the causes; false if they were selected with these cases.
     pub searched: bool,
-    /// Labels of the cases.
+    /// Labels of the held-out cases.
     pub cases: Vec<String>,
-    /// Names of the curves.
+    /// Names of the held-out curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<String>,
-    /// Causes that were chosen without them, `cause address`.
+    /// Causes of the selected model, as `cause address`.
     pub causes: Vec<String>,
-    /// `mark` if the rms is that of a mark coordinate in the deck's length unit, `noise` if of all readings in units of their noise.
+    /// Measure of the error: `mark` for a mark coordinate in the deck's length unit, `noise` for all readings in units of their noise.
     pub of: &'static str,
-    /// Without any cause.
+    /// Rms prediction error without causes.
     pub rms_before: f64,
-    /// With the causes that were chosen.
+    /// Rms prediction error with the selected causes.
     pub rms_after: f64,
-    /// By how much it falls.
+    /// Decrease of the rms: `rms_before - rms_after`.
     pub gain: f64,
-    /// Standard error of that: the cases are left out one after the other (jackknife); the readings of one case share their errors.
+    /// Standard error of the gain, by a jackknife over the cases; the readings of one case share their errors.
     pub gain_std_error: f64,
-    /// Whether the readings agree with the prediction and its own covariance.
+    /// P-value of the readings under the prediction and its covariance.
     pub p_value: f64,
 }
 
 impl HoldOutSelection {
-    /// Of a model fitted without the cases held out, its search giving way to errors of the rig in `open`; `None` where it may not begin.
+    /// Selects causes without the held-out cases, starting from the fit `begun`. The search stops early in favour of the rig errors in
+    /// `open`. `None` where no further search may start.
     pub(super) fn new(begun: Begun<'_>, open: &[RigErrors], progress: &Progress) -> Option<Self> {
         if !progress.extend() {
             return None;
@@ -84,7 +85,8 @@ impl HoldOutSelection {
         })
     }
 
-    /// Of models that were chosen with these cases, refitted without them in their linear models.
+    /// Predicts the held-out cases by two models whose causes were selected with all cases. Their linear models are conditioned on the other
+    /// cases.
     pub fn refit_only(
         subject: &DiagnosisProblem<'_>,
         models: [Arc<FittedModel>; 2],
@@ -92,7 +94,7 @@ impl HoldOutSelection {
         Self::of(subject, models, (false, false))
     }
 
-    /// Predictions of two models that have not seen the cases.
+    /// Predicts the held-out cases by two models conditioned on the other cases.
     fn of(
         subject: &DiagnosisProblem<'_>,
         models: [Arc<FittedModel>; 2],
@@ -117,10 +119,10 @@ impl HoldOutSelection {
         })
     }
 
-    /// The same causes with other numbers.
+    /// Refits both models with the same causes, and predicts the held-out cases again.
     ///
     /// # Errors
-    /// As `refit` has them.
+    /// Any error of `refit`.
     pub fn refitted(
         &self,
         subject: &DiagnosisProblem<'_>,
@@ -131,32 +133,32 @@ impl HoldOutSelection {
         Ok(found.unwrap_or_else(|| self.clone()))
     }
 
-    /// The models without and with causes behind it.
+    /// Returns the models without and with causes.
     pub fn models(&self) -> [&Arc<FittedModel>; 2] {
         [&self.none, &self.chosen]
     }
 
-    /// All models that its search fitted.
+    /// Returns all models that the search fitted.
     pub(super) fn fits(&self) -> &[Arc<FittedModel>] {
         &self.fits
     }
 
-    /// Errors of the rig that its search gave way to before its end.
+    /// Returns the rig errors for which the search stopped early.
     pub(super) fn gave_way(&self) -> Option<RigErrors> {
         self.gave_way
     }
 
-    /// The model that was chosen and fitted without these cases; `None` if it was only refitted.
+    /// Returns the model selected and fitted without the held-out cases; `None` if it was selected with them.
     pub fn selected_without_held_out(&self) -> Option<&Arc<FittedModel>> {
         self.searched.then_some(&self.chosen)
     }
 
-    /// True if the search was asked to end before it did.
+    /// Returns true if the search ended early, by its budget or by request.
     pub fn is_cut_short(&self) -> bool {
         self.cut_short
     }
 
-    /// Rms over the cases held out; `None` where there is nothing to compare.
+    /// Returns the rms errors over the held-out cases; `None` where no rows are compared.
     pub fn hold_out(&self, subject: &DiagnosisProblem<'_>) -> Option<HoldOut> {
         let (of, unit) = subject.compared();
         let [before, after] = &self.predicted;

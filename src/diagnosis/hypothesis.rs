@@ -1,4 +1,4 @@
-//! A hypothesis as data: what would be wrong, what that does to first order, and how a fit takes it in.
+//! Candidate effect as data: the cause and its site, its first-order effect on the readings, and its parametrisation in a fit.
 
 use super::cause::Cause;
 use admire_identify::global::{Evolution, Row};
@@ -6,151 +6,154 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
 use admire_syntax::{Address, NewStatement};
 
-/// The effect of one number of a hypothesis to first order, per unit of the number.
+/// First-order effect of one parameter of a candidate, per unit of the parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Sensitivity {
-    /// None of its own: it is a member of the tolerance layer, or is found by fitting alone.
+    /// No column of its own: the parameter belongs to a random effect, or only a nonlinear fit can determine it.
     None,
-    /// Numbers of the deck change by these amounts in every load case.
+    /// Changes of deck parameters that are the same in every load case.
     Always(Vec<(Address, f64)>),
-    /// Numbers of the deck change by these amounts, one per load case.
+    /// Changes of deck parameters, one value per load case.
     PerCase(Vec<(Address, Vec<f64>)>),
-    /// A wrench in J axes acts on marker I, its opposite on the part of J; one per load case.
+    /// Wrench on marker I and its opposite on the part of J, in the axes of J; one per load case.
     Wrench((MarkerIx, MarkerIx), Vec<Vec6>),
-    /// Rows of the residual change.
+    /// Changes of residual rows, as pairs of row index and value.
     Rows(Vec<(usize, f64)>),
 }
 
-/// How the number becomes an unknown of a fit.
+/// Representation of a parameter as an unknown of a fit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Parametrisation {
-    /// As the column says, which holds for any size.
+    /// Linear effect as given by the column, valid for any size.
     Linear,
-    /// The readings of these rows are 1 plus the number times the truth. With each row stands its reading in units of its noise.
+    /// Relative gain error: the readings of these rows are `1 + parameter` times the truth. Each pair holds a row index and the reading in
+    /// units of its noise.
     Gain(Vec<(usize, f64)>),
-    /// This member of the tolerance layer: it may be larger than others of its group by the number's standard deviation.
+    /// Random effect with this index. Its prior variance grows by the square of the parameter's standard deviation, so that it may exceed its
+    /// tolerance group.
     Member(usize),
-    /// Numbers of the extended deck.
+    /// Changes of parameters of the extended deck per unit of the parameter.
     Extended(Vec<(Address, f64)>),
-    /// The number is a compliance: its inverse is each of these stiffnesses of the extended deck.
+    /// Compliance. Its inverse is the value of each of these stiffnesses of the extended deck.
     Compliance(Vec<Address>),
-    /// The logarithm of a stiffness of the extended deck.
+    /// Logarithm of a stiffness of the extended deck.
     Rate {
-        /// Where the stiffness stands.
+        /// Address of the stiffness.
         address: Address,
-        /// First guess, and median of its prior.
+        /// First guess, and median of the prior.
         usual: f64,
     },
-    /// A displacement of the two sides of a bushing along one of its components: the preload follows the stiffness.
+    /// Displacement between the two sides of a bushing along one of its components. The preload follows as stiffness times displacement.
     Offset {
-        /// K or KT.
+        /// Address of the K or KT component.
         stiffness: Address,
-        /// FORCE or TORQUE.
+        /// Address of the FORCE or TORQUE component.
         preload: Address,
     },
-    /// The logarithm of the length a friction spring stretches before it slips, with its first guess and its usual size; the first
-    /// number of the hypothesis over this length is what is reported, as a stiffness.
+    /// Logarithm of the slip length, which is the stretch of a friction spring at which the slider moves. Reported as a stiffness: the first
+    /// parameter of the effect, a force, divided by this length.
     SlipLength {
-        /// Where the length stands.
+        /// Address of the slip length.
         address: Address,
         /// First guess.
         start: f64,
-        /// Median of its prior.
+        /// Median of the prior.
         usual: f64,
     },
 }
 
-/// One number of a hypothesis.
+/// Parameter of a candidate effect.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EffectParameter {
-    /// Its name in `diagnosis.json`.
+    /// Name in `diagnosis.json`.
     pub name: String,
-    /// Prior mean, where the fit starts; zero for everything that is not there in a sound model.
+    /// Prior mean, and start of the fit. Zero for effects that are absent from a correct model.
     pub mean: f64,
-    /// Prior standard deviation: the size such an effect may well have.
+    /// Prior standard deviation: a plausible size of the effect.
     pub sd: f64,
-    /// What one unit of it is in the units of `diagnosis.json`.
+    /// Factor that converts the parameter to the units of `diagnosis.json`.
     pub unit: f64,
-    /// First-order effect.
+    /// First-order effect on the model or on the readings.
     pub column: Sensitivity,
-    /// How a fit sets it.
+    /// Representation as an unknown of a fit.
     pub unknown: Parametrisation,
 }
 
-/// A change of the deck's structure.
+/// Change of the deck's structure.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Change {
-    /// A new statement.
+    /// New statement.
     Add(NewStatement),
-    /// A new part that was a piece of the part with this id, and begins where that is.
+    /// New part split off the part with this id. Its initial pose is the pose of that part.
     Piece(NewStatement, u32),
-    /// The text of an argument.
+    /// New text of an argument.
     Text(Address, String),
 }
 
-/// A cause at a place.
+/// Candidate effect: a cause at a site of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Hypothesis {
-    /// What.
+    /// Cause.
     pub cause: Cause,
-    /// Where.
+    /// Address of the site in the deck.
     pub address: String,
-    /// All addresses of the same thing, if there are several.
+    /// Addresses of all members if the site has several.
     pub members: Vec<String>,
-    /// `point` if all parts that meet there go together, `part` if one side does; empty where that says nothing.
+    /// `point` if all parts that meet there move together, `part` if only one side moves. Empty where the distinction does not apply.
     pub side: &'static str,
-    /// Distinguishes several forms of the same cause at the same place.
+    /// Name that distinguishes forms of the same cause at the same site.
     pub form: &'static str,
-    /// Its numbers.
+    /// Parameters.
     pub numbers: Vec<EffectParameter>,
-    /// Logarithm of its prior odds.
+    /// Log prior odds.
     pub ln_prior: f64,
-    /// True if the first number can only be positive.
+    /// True if the first parameter must not be negative.
     pub one_sided: bool,
-    /// What it adds to the deck before its numbers exist; they are zero there in effect.
+    /// Changes of the deck's structure. They have no effect while the parameters are zero.
     pub changes: Vec<Change>,
-    /// What it carries from case to case.
+    /// History variable carried from case to case.
     pub memory: Option<MemoryPlan>,
-    /// Zero for a cause of its own; else the number of a further part of the law of one that is there already, told with that.
-    /// [`BY_DIRECTION`] for a limit that differs by direction, [`LEFT_BY_LAW`] for what the law leaves.
+    /// Index of the term in the law of the cause. Zero is the main term; higher indices are further terms, reported together with the main
+    /// term. [`BY_DIRECTION`] is a friction limit that differs by direction. [`LEFT_BY_LAW`] is the misfit of the law.
     pub part: usize,
-    /// A further part of its law that is tried together with it. Its numbers and changes are the last ones here; a fit takes the two apart.
+    /// Further term that enters the model together with the main term. Its parameters and changes are the last in this candidate; a fit
+    /// separates the two.
     pub joint_with: Option<Box<Hypothesis>>,
 }
 
-/// A compliance of this part of its usual size is none.
+/// Fraction of its prior standard deviation up to which a compliance counts as absent.
 const ABSENT: f64 = 1e-3;
 
-/// Rubber that grows stiffer in one translation of a bushing does so in another with this probability, by each law.
+/// Prior probability of a progressive law in one translation of a bushing, given a progressive law in another translation of it.
 const PROGRESSIVE_IN_OTHER_AXIS: f64 = 0.15;
 
-/// The part of a friction by which its limit differs by direction.
+/// Term index of the dependence of a friction limit on the direction.
 pub(super) const BY_DIRECTION: usize = usize::MAX - 1;
-/// The part of a cause that is not its law but what that leaves at its place: a force that differs from case to case.
+/// Term index of the misfit of a law: a force at its site that differs from case to case.
 pub(super) const LEFT_BY_LAW: usize = usize::MAX;
 
-/// What a contact or rubber carries from case to case, and the function that measures its displacement.
+/// History variable of a contact or of flowing rubber, and the function that measures its displacement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MemoryPlan {
-    /// A number of the extended deck: where its spring is unstretched before the first case.
+    /// Parameter of the extended deck: displacement at which the spring is unstretched before the first case.
     pub anchor: Address,
-    /// How that moves on.
+    /// Rule by which the anchor moves from case to case.
     pub carries: Evolution,
-    /// A number of the extended deck: the length of a slider's spring, or the part of the way that rubber flows in a case.
+    /// Parameter of the extended deck: slip length of a slider, or fraction of the displacement that flows in one case.
     pub by: Address,
-    /// A function of the extended deck.
+    /// Function expression in the extended deck that measures the displacement.
     pub measure: String,
 }
 
 impl std::fmt::Display for Hypothesis {
-    /// `cause address`.
+    /// Writes `cause address`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} {}", self.cause, self.address)
     }
 }
 
 impl Hypothesis {
-    /// One that needs no change of the deck's structure.
+    /// Creates a candidate that needs no change of the deck's structure.
     pub fn plain(
         cause: Cause,
         address: String,
@@ -173,7 +176,7 @@ impl Hypothesis {
         }
     }
 
-    /// A cause and a further part of its law at once.
+    /// Combines the main term with a further term of its law into one candidate.
     #[must_use]
     pub fn joined(mut self, further: Self) -> Self {
         self.numbers.extend(further.numbers.iter().cloned());
@@ -183,7 +186,7 @@ impl Hypothesis {
         self
     }
 
-    /// The cause and the further part that comes in with it, each for itself.
+    /// Splits a combined candidate into the main term and the further term.
     pub fn split(&self) -> Vec<Self> {
         let mut own = self.clone();
         let Some(further) = own.joint_with.take() else {
@@ -197,7 +200,7 @@ impl Hypothesis {
         vec![own, *further]
     }
 
-    /// Members of the tolerance layer that stand out of their groups.
+    /// Creates a candidate that lets random effects exceed their tolerance groups, by standard deviation `sd`.
     pub fn outstanding(
         cause: Cause,
         address: String,
@@ -216,27 +219,28 @@ impl Hypothesis {
         Self::plain(cause, address, form, numbers.collect())
     }
 
-    /// Those that are causes of their own.
+    /// Selects the main terms, which are causes of their own.
     pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
         all.iter().filter(|h| h.part == 0)
     }
 
-    /// True if another one of these is a further part of its law.
+    /// Returns true if `all` contains a higher term of the same law.
     pub fn is_refined(&self, all: &[Self]) -> bool {
         all.iter().any(|h| h.part > self.part && h.same_site(self))
     }
 
-    /// True for what the law of a cause leaves at its place.
+    /// Returns true if this term is the misfit of a law.
     pub fn is_left_by_law(&self) -> bool {
         self.part == LEFT_BY_LAW
     }
 
-    /// True if both say the same of the same place, in whatever form.
+    /// Returns true if both have the same cause and the same site, in any form.
     pub fn same_site(&self, other: &Self) -> bool {
         self.cause == other.cause && self.address == other.address && self.side == other.side
     }
 
-    /// Logarithm of its prior odds beside these causes: rubber that grows stiffer in one translation of a bushing mostly does so in others.
+    /// Returns the log prior odds given the other effects of a model. Rubber that is progressive in one translation of a bushing usually is
+    /// so in the others.
     pub fn ln_prior_given(&self, others: &[Self]) -> f64 {
         let translations = |h: &Self| h.address.rsplit_once(".K.").map(|(of, _)| of.to_string());
         let is_alike = |other: &Self| {
@@ -251,25 +255,25 @@ impl Hypothesis {
         }
     }
 
-    /// Logarithm of the prior odds of all of these together, in whatever order.
+    /// Returns the joint log prior odds of all these effects, independent of their order.
     pub fn ln_prior_of(all: &[Self]) -> f64 {
         let own = all.iter().enumerate();
         own.map(|(k, h)| h.ln_prior_given(&all[..k])).sum()
     }
 
-    /// True for a law that is known in kind but not in shape.
+    /// Returns true for a force law that is known in kind but not in shape.
     pub fn is_poorly_linearised(&self) -> bool {
         self.cause.has_rough_law() && self.part != BY_DIRECTION
     }
 
-    /// True if both are the same part of the same cause at the same place, with or without a further part, in whatever form.
+    /// Returns true if both are the same term of the same cause at the same site, in any form. Both or neither must include a further term.
     pub fn same_term(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.part == other.part
             && self.joint_with.is_some() == other.joint_with.is_some()
     }
 
-    /// The case in which alone it acts, if it is a fault of readings of one case.
+    /// Returns the only load case in which the effect acts, if it is a fault of readings of one case.
     pub fn only_case(&self, rows: &[Row]) -> Option<usize> {
         let mut cases = self
             .numbers
@@ -283,17 +287,17 @@ impl Hypothesis {
         cases.all(|case| case == first).then_some(first)
     }
 
-    /// False for what stands in for an effect that no cause of the catalogue has.
+    /// Returns false for a force that represents an effect outside the catalogue of causes.
     pub fn is_in_catalogue(&self) -> bool {
         self.cause != Cause::UnmodelledForce
     }
 
-    /// False for forces of unknown laws, alone or beside a law that was met badly.
+    /// Returns false for forces of unknown law: unmodelled forces and misfits of a law.
     pub fn has_no_gp_term(&self) -> bool {
         self.is_in_catalogue() && !self.is_left_by_law()
     }
 
-    /// True if both are the same in the same form.
+    /// Returns true if both have the same cause, site, term and form.
     pub fn same_form(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.form == other.form
@@ -301,8 +305,8 @@ impl Hypothesis {
             && self.numbers.len() == other.numbers.len()
     }
 
-    /// True if both are the same law at the same place: the same in the same form, or contacts that remember, whose forms say where
-    /// their numbers begin. Beside other causes the statements of a law have other ids.
+    /// Returns true if both are the same law at the same site. Forms of a law with memory count as the same law, because they differ only in
+    /// their first guesses. Statement ids are ignored: they depend on the other causes in the deck.
     pub fn same_law(&self, other: &Self) -> bool {
         let remembers = self.memory.is_some()
             && other.memory.is_some()
@@ -311,7 +315,7 @@ impl Hypothesis {
         self.same_form(other) || (self.same_site(other) && remembers)
     }
 
-    /// The members of the tolerance layer it lets stand out, with how far they may.
+    /// Returns the random effects that this candidate frees, each with the standard deviation of its slab.
     pub fn slab(&self) -> Vec<(usize, f64)> {
         let member = |number: &EffectParameter| match number.unknown {
             Parametrisation::Member(at) => Some((at, number.sd)),
@@ -320,7 +324,7 @@ impl Hypothesis {
         self.numbers.iter().filter_map(member).collect()
     }
 
-    /// True if all it says is that members of the tolerance layer stand out.
+    /// Returns true if the candidate only frees random effects from their tolerance groups.
     pub fn is_slab(&self) -> bool {
         self.numbers
             .iter()
@@ -329,7 +333,8 @@ impl Hypothesis {
 }
 
 impl EffectParameter {
-    /// The unknown of a fit where the cause is absent; what alone does nothing, such as the slip length of friction, is where it is.
+    /// Returns the value of the fit's unknown at which the effect is absent. A parameter that does nothing alone, such as the slip length of
+    /// friction, keeps its value.
     pub fn absent(&self, x: f64) -> f64 {
         match self.unknown {
             Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT * self.sd)),
@@ -338,7 +343,7 @@ impl EffectParameter {
         }
     }
 
-    /// A number whose column holds for any size.
+    /// Creates a parameter whose column is valid for any size.
     pub fn linear(name: impl Into<String>, sd: f64, column: Sensitivity) -> Self {
         Self {
             column,
@@ -346,7 +351,7 @@ impl EffectParameter {
         }
     }
 
-    /// A number without any first-order effect of its own, which is found by fitting alone.
+    /// Creates a parameter without a first-order effect, to be determined by a nonlinear fit.
     pub fn new(name: impl Into<String>, sd: f64, unknown: Parametrisation) -> Self {
         Self {
             name: name.into(),
@@ -359,7 +364,7 @@ impl EffectParameter {
     }
 }
 
-/// The address of one number.
+/// Returns the address of an argument, or of one of its components.
 pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address {
     Address {
         kind: kind.to_string(),
@@ -369,16 +374,16 @@ pub(super) fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) 
     }
 }
 
-/// How the address of a bushing's component ends: `K.1` to `KT.3`.
+/// Returns the last part of the address of a bushing component: `K.1` to `KT.3`.
 pub(super) fn component(axis: usize) -> String {
     format!("{}.{}", ["K", "KT"][axis / 3], axis % 3 + 1)
 }
 
-/// Names of six components.
+/// Names of the six components: three translations, three rotations.
 pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
-/// Components of a vector force.
+/// Names of the components of a vector force.
 pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
-/// Stiffness of the directions in which a split part does not yield, in newtons per millimetre and newton millimetres per radian.
+/// Stiffness of a split part in the directions that do not yield: translational in N/mm, rotational in N mm/rad.
 pub(super) const RIGID: [f64; 2] = [1e7, 1e11];
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What a fit leaves in its residuals: contrasts of them.
+//! Covariance of the residuals of a fit, and score tests of contrasts of them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -7,41 +7,42 @@ use admire_identify::tolerance::{Factor, transposed};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_study::orientation::chi_square_p_value;
 
-/// A column of a contrast: rows and their weights.
+/// Column of a contrast: rows and their weights.
 pub(super) type Contrast = Vec<(usize, f64)>;
 
-/// Contrasts that the fit has absorbed up to so little are none: there a fit that stopped a little short of its minimum shows.
+/// Fraction of a contrast's variance below which the fit counts as having absorbed it. There the residual only shows how far the fit stopped
+/// from its minimum.
 const ABSORBED_SHARE: f64 = 0.01;
 
-/// Whitened residuals of a fit and the share of each row that its unknowns took: `Cov(r) = I - Q Q^T` with `Q = J L`, `L L^T` the
-/// posterior covariance. Source: the marginal likelihood of a linear model with Gaussian priors.
+/// Whitened residuals of a fit with their covariance: `Cov(r) = I - Q Q^T` with `Q = J L`, where `L L^T` is the posterior covariance. Source:
+/// the marginal likelihood of a linear model with Gaussian priors.
 pub(super) struct ResidualCovariance<'a> {
     fitted: &'a FittedModel,
     weights: DVector<f64>,
     /// Reading minus prediction, whitened.
     pub residual: DVector<f64>,
-    /// `Q^T`: one column for each row of the residual.
+    /// Transposed matrix `Q^T`: one column for each row of the residual.
     Q: DMatrix<f64>,
 }
 
-/// A chi-square statistic.
+/// Chi-square statistic.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct Statistic {
-    /// Its value.
+    /// Value of the statistic.
     pub value: f64,
     /// Degrees of freedom.
     pub dof: usize,
 }
 
 impl Statistic {
-    /// Its p-value.
+    /// Returns the p-value.
     pub(super) fn p_value(self) -> f64 {
         chi_square_p_value(self.value, self.dof)
     }
 }
 
 impl<'a> ResidualCovariance<'a> {
-    /// Of a fit. Rows it has not seen take no part.
+    /// Computes the residual covariance of a fit. Rows that the fit did not use are excluded.
     pub(super) fn new(fitted: &'a FittedModel) -> Self {
         let (residual, J) = fitted.whitened();
         let (covariance, step) = with_wide_priors(fitted);
@@ -53,7 +54,7 @@ impl<'a> ResidualCovariance<'a> {
         }
     }
 
-    /// Chi-square of whitened rows with the covariance that the fit leaves them.
+    /// Returns the chi-square of whitened rows under their residual covariance.
     pub(super) fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
         let rows: Vec<usize> = rows
             .iter()
@@ -67,13 +68,13 @@ impl<'a> ResidualCovariance<'a> {
         scatter(&Q, &self.residual.select_rows(&rows))
     }
 
-    /// Score test of these contrasts, which say how readings would move: whether the residuals have a component along any of them that
-    /// noise and tolerances do not explain.
+    /// Score test of these contrasts, which are patterns of change of the readings. Tests for components of the residuals that noise and
+    /// tolerances do not explain.
     pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
         self.score(contrasts).statistic()
     }
 
-    /// What the residuals have along these contrasts.
+    /// Projects the residuals and their covariance on these contrasts.
     fn score(&self, contrasts: &[Contrast]) -> Along {
         let k = contrasts.len();
         let mut s = DVector::zeros(k);
@@ -110,13 +111,13 @@ impl<'a> ResidualCovariance<'a> {
         Along { s, QX, own }
     }
 
-    /// Contrasts of each case by itself, to be added up with weights.
+    /// Projects the residuals on the contrasts of each case separately, for weighted sums.
     pub(super) fn by_case(&self, cases: &[Vec<Contrast>]) -> ByCase {
         ByCase(cases.iter().map(|case| self.score(case)).collect())
     }
 }
 
-/// Residuals and the fit's share along contrasts `X` of whitened rows: `X'r`, `Q'X` and `X'X`.
+/// Projections on contrasts `X` of whitened rows: `X'r`, `Q'X` and `X'X`.
 struct Along {
     s: DVector<f64>,
     QX: DMatrix<f64>,
@@ -124,7 +125,7 @@ struct Along {
 }
 
 impl Along {
-    /// Score test of the contrasts that reach a row which is used.
+    /// Returns the score test over the contrasts that involve used rows.
     fn statistic(&self) -> Option<Statistic> {
         let used: Vec<usize> = (0..self.s.len())
             .filter(|c| self.own[(*c, *c)] > 0.0)
@@ -135,7 +136,7 @@ impl Along {
         let QX = self.QX.select_columns(&used);
         let mut A = self.own.select_rows(&used).select_columns(&used) - transposed(&QX, &QX);
         let mut s = self.s.select_rows(&used);
-        // Columns to one scale, so that what is absorbed can be told.
+        // Columns are scaled to unit norm, so that the absorbed fraction is comparable.
         for (c, at) in used.iter().enumerate() {
             let norm = self.own[(*at, *at)].sqrt();
             s[c] /= norm;
@@ -146,11 +147,12 @@ impl Along {
     }
 }
 
-/// The same contrasts in every case. Rows of different cases are independent, so that weighted sums of them take no look at the rows.
+/// Projections on the same contrasts in every case. Rows of different cases are independent, so weighted sums do not need the rows
+/// themselves.
 pub(super) struct ByCase(Vec<Along>);
 
 impl ByCase {
-    /// Score test of their sums, weighted by a number of each case.
+    /// Score test of the sums of the contrasts, weighted by one number per case.
     pub(super) fn test(&self, weights: &[f64]) -> Option<Statistic> {
         let first = self.0.first()?;
         let mut sum = Along {
@@ -174,8 +176,8 @@ impl ByCase {
     }
 }
 
-/// Chi-square `r'(c - Q'Q)^-1 r` of rows of which a fit took the share `Q`; `c` is a little more than one. Of more rows than unknowns by
-/// `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c`: it takes a factor of the smaller number.
+/// Returns the chi-square `r'(c - Q'Q)^-1 r` of rows with residual covariance `1 - Q'Q`; `c` is slightly larger than one. With more rows than
+/// unknowns, `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c` needs only a factor of the smaller matrix.
 fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
     let c = 1.0 + ABSORBED_SHARE;
     let rest = |squares: DMatrix<f64>| {
@@ -190,7 +192,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
         let factor = rest(Q * Q.transpose())?;
         let along = Q * r;
         let value = (r.norm_squared() + along.dot(&factor.solve(&along))) / c;
-        // `QQ' = c - rest`.
+        // By definition of `rest`, `QQ' = c - rest`.
         let solved = c * factor.inverse_trace() - Q.nrows() as f64;
         (value, (count + solved) / c)
     };
@@ -201,7 +203,7 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
     })
 }
 
-/// `s^T A^-1 s` over what of `A` is not absorbed, softly: directions of which less than [`ABSORBED_SHARE`] is left do not count.
+/// Returns `s^T A^-1 s` with a ridge of [`ABSORBED_SHARE`], which suppresses directions that the fit has absorbed.
 fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
     let k = s.len();
     let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_SHARE)?.inverse();
@@ -213,9 +215,9 @@ fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
     })
 }
 
-/// The covariance of a fit's unknowns, and the step to their maximum, with priors of the numbers of causes as wide as these came out: a
-/// cause that is larger than usual would look like structure along what it does itself. One prior after the other, by the formula of
-/// Sherman and Morrison.
+/// Returns the posterior covariance, and the step to the posterior mode, with wider priors of the causes' parameters. Each prior is as wide
+/// as the estimate: a cause larger than its prior expects would otherwise leave structure along its own effect. Priors are replaced one after
+/// the other by the Sherman-Morrison formula.
 fn with_wide_priors(fitted: &FittedModel) -> (DMatrix<f64>, DVector<f64>) {
     let mut covariance = fitted.posterior.covariance.clone();
     let mut step = DVector::zeros(covariance.nrows());
@@ -234,7 +236,7 @@ fn with_wide_priors(fitted: &FittedModel) -> (DMatrix<f64>, DVector<f64>) {
     (covariance, step)
 }
 
-/// `L` with `L L^T = C`, by Cholesky where it is definite.
+/// Returns `L` with `L L^T = C`, by Cholesky where `C` is definite.
 fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
     if let Some(factor) = Cholesky::new(C.clone()) {
         return factor.l();
@@ -256,7 +258,7 @@ mod tests {
     use admire_solver::mechanics::eigen::singular_values;
     use admire_study::noise::Noise;
 
-    /// Of more rows than unknowns and of fewer, against the inverse of the whole covariance.
+    /// Checks more rows than unknowns, and fewer, against the inverse of the full covariance.
     #[test]
     fn scatter_is_that_by_the_inverse_of_the_covariance() {
         for (unknowns, rows) in [(4, 9), (9, 4)] {

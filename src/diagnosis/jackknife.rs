@@ -1,30 +1,30 @@
-//! By how much an rms falls, and how well that is known: groups of readings are left out one after the other.
+//! Reduction of an rms error between two models, with a standard error from a jackknife over groups of readings.
 //!
 //! Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 11.
 
-/// Squares of two models' misfits over one group of readings that share their errors.
+/// Sums of squared errors of two models over one group of readings that share their errors.
 #[derive(Clone, Copy, Default, Debug)]
 pub(super) struct Squares {
-    /// Sum over the group, by the first model.
+    /// Sum of squares of the first model.
     pub before: f64,
-    /// The same by the second.
+    /// Sum of squares of the second model.
     pub after: f64,
-    /// Readings in the group.
+    /// Number of readings in the group.
     pub count: f64,
 }
 
-/// Rms by both models and how much it falls.
+/// Rms errors of two models, and the standard error of their difference.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RmsReduction {
-    /// By the first model.
+    /// Rms error of the first model.
     pub before: f64,
-    /// By the second.
+    /// Rms error of the second model.
     pub after: f64,
-    /// Standard error of `before - after`; not a number with a single group.
+    /// Standard error of `before - after`. NaN with a single group.
     pub std_error: f64,
 }
 
-/// Over all groups; `None` where there is none.
+/// Returns the rms errors over all groups; `None` without groups.
 pub(super) fn rms_reduction(groups: &[Squares]) -> Option<RmsReduction> {
     let total = |without: Option<usize>| {
         let mut sum = Squares::default();
@@ -67,7 +67,7 @@ pub(super) fn rms_reduction(groups: &[Squares]) -> Option<RmsReduction> {
 mod tests {
     use super::{Squares, rms_reduction};
 
-    /// Of a mean the jackknife gives the standard error of the mean.
+    /// The jackknife of a mean gives the standard error of the mean.
     #[test]
     fn the_error_is_that_of_the_mean_where_the_rms_is_one() {
         // The rms is linear for small differences: sqrt(1 + d) is 1 + d/2.

@@ -1,4 +1,4 @@
-//! An identification among tolerances: the model without any cause, its noise from the marks, sizes of tolerances by evidence.
+//! Identification with random effects: the model without causes, with mark noise from the marks and variance components by evidence.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,26 +16,26 @@ use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
 use admire_identify::{Fit, FitTest, LackOfFitTest, NOT_CONVERGED, Problem, Status, Verdict};
 
-/// What a study says of its stiffnesses if nothing is wrong but noise and tolerances.
+/// Joint fit of stiffnesses and tolerances under the assumption that the model has no error besides noise and tolerances.
 #[derive(Clone, Debug)]
 pub struct JointFit {
-    /// The stiffnesses, their intervals with tolerances marginalised.
+    /// Stiffnesses with intervals marginalised over the tolerances.
     pub parameters: Vec<Parameter>,
-    /// Sizes of tolerances.
+    /// Estimated standard deviations of the tolerance groups, by name.
     pub tolerances: BTreeMap<String, ToleranceFound>,
-    /// Noise of marks.
+    /// Declared and estimated noise of the marks.
     pub noise: NoiseFound,
-    /// Chi-square of what is left at these sizes and its degrees of freedom.
+    /// Chi-square of the residuals at the fitted variance components, and its degrees of freedom.
     pub chi_square: (f64, f64),
-    /// Tests of structure in what is left.
+    /// Tests of structure in the residuals.
     pub structure: Vec<LackOfFitTest>,
-    /// Equilibria it took.
+    /// Number of equilibria solved.
     pub equilibria: usize,
-    /// The fit behind it.
+    /// Fitted model behind the numbers.
     fitted: Arc<FittedModel>,
 }
 
-/// Fits stiffnesses and tolerances to the cases that are not held out. `None` where the built-in solver cannot.
+/// Fits stiffnesses and tolerances to the cases that are not held out. Returns `None` where the built-in solver cannot.
 pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
     let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
@@ -76,7 +76,7 @@ pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
 }
 
 impl JointFit {
-    /// The first `sought` unknowns with all tolerances marginalised, at the sizes that were found.
+    /// Returns the joint posterior of the first `sought` unknowns, with all tolerances marginalised at the fitted variance components.
     pub fn marginal(&self, sought: usize) -> Marginal {
         let fitted = &self.fitted;
         let prior = |unknown: &admire_identify::tolerance::Coefficient| Prior {
@@ -99,15 +99,17 @@ impl JointFit {
         })
     }
 
-    /// Covariance of the logarithms of the first `sought` numbers with all tolerances marginalised, at the sizes that were found.
+    /// Returns the covariance of the logarithms of the first `sought` stiffnesses, with all tolerances marginalised at the fitted variance
+    /// components.
     pub fn covariance(&self, sought: usize) -> nalgebra::DMatrix<f64> {
         let all = &self.fitted.posterior.covariance;
         all.view((0, 0), (sought, sought)).into_owned()
     }
 
-    /// Puts it into the answer of an identification, whose own fit took everything but the marks for exact.
+    /// Replaces the results of a stiffness-only identification by the results of this fit. The stiffness-only fit took everything except the
+    /// marks as exact.
     pub fn apply(self, fit: &mut Fit) {
-        // The numbers are those of this fit, wherever the other one ended.
+        // The reported numbers come from this fit, whether or not the stiffness-only fit converged.
         if !fit.converged && !fit.interrupted && self.fitted.posterior.gain < ENOUGH {
             fit.converged = true;
             for remark in &mut fit.remarks {

@@ -1,16 +1,16 @@
-//! Diagnosis: what a model gets wrong after its best fit.
+//! Diagnosis: identification of the errors that remain in a model after its best fit.
 //!
 //! [`diagnose`](fn@diagnose) selects the causes that are probable given the readings. Its [`Outcome`] holds the [`Diagnosis`] with
 //! probabilities, and the fits behind it. The extended model is checked on load cases that no fit used. Each cause is one file in `causes`.
-//! [`fit_with_random_effects`] fits a model without causes, [`study_fit`] identifies a study by its own method. The crate reads no files, and
+//! [`fit_with_random_effects`] fits a model without causes. [`study_fit`] identifies a study by its own method. The crate reads no files, and
 //! does not contain the laws by which the virtual rig plants effects.
 //!
-//! Imports in one direction: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <- `settle` <-
-//! `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <- `sought`,
-//! `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `structure`, `gaussian_process` <- `remainder`, `averaged` <- `findings` <-
-//! `searched` <- `diagnose`, and what reports its outcome.
+//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <-
+//! `settle` <- `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <-
+//! `sought`, `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `structure`, `gaussian_process` <- `remainder`, `averaged` <-
+//! `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -61,7 +61,7 @@ mod trend;
 mod tried;
 mod unknowns;
 mod visited;
-/// Progress of long computations, and how they are stopped.
+/// Progress of long computations, and their cancellation.
 pub mod watch;
 mod wheel_run;
 

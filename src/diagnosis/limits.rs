@@ -1,4 +1,4 @@
-//! How far off something has to be before it is named: what the readings cannot see is said.
+//! Detection limits: sizes from which an error would be named, so that the report states what the readings cannot show.
 
 use super::cause::Cause;
 use super::diagnosis::{CauseLimit, DetectionLimit};
@@ -10,10 +10,11 @@ use admire_identify::tolerance::EffectGroup;
 
 /// Limits beyond so many millimetres are none,
 const FAR: f64 = 50.0;
-/// and of other causes those beyond so many times the size they may well have.
+/// Largest detection limit of other causes that is reported, in prior standard deviations.
 const BEYOND: f64 = 20.0;
 
-/// For each point and axis the error at which the cause is as probable as not, the others being off by the size of their group.
+/// Returns for each hardpoint and axis the error at which a hardpoint error has a posterior probability of one half. The other hardpoints
+/// have errors of the size of their group.
 pub fn detection_limits(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -52,8 +53,8 @@ pub fn detection_limits(
     out
 }
 
-/// The error at which a member of the tolerance layer that may be larger by `slab` is as probable as not: with `F` the information of the
-/// readings on the error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`, `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
+/// Returns the size at which a freed random effect has a posterior probability of one half. With `F` the information of the readings on the
+/// error, `V0 = 1/F + tau^2` and `V1 = V0 + slab^2`: `d^2 (1/V0 - 1/V1) = ln(V1/V0) - 2 ln(prior odds)`.
 fn outstanding(
     fitted: &FittedModel,
     member: usize,
@@ -61,7 +62,7 @@ fn outstanding(
     ln_odds: f64,
 ) -> Option<f64> {
     let at = first_member(fitted) + member;
-    // What stands out has a prior of its own; its information is the same.
+    // A freed random effect has a wider prior; the information of the readings stays the same.
     let prior = fitted.priors[at].prior_sd(&fitted.sizes).powi(2);
     let information = 1.0 / fitted.posterior.covariance[(at, at)] - 1.0 / prior;
     if information <= 1e-6 / prior {
@@ -73,10 +74,10 @@ fn outstanding(
     Some((needed / (1.0 / before - 1.0 / after)).sqrt())
 }
 
-/// For each number of every other cause the size at which the cause is as probable as not, all else being sound: with `F` the information
-/// of the readings on it in units of its prior, to first order, `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Of several forms
-/// of one cause at one place the one that is seen worst, for any of them may act; of first guesses of one law the one that is seen best.
-/// Faults of readings of single cases are left out.
+/// Returns for each parameter of every other cause the size at which the cause has a posterior probability of one half, in an otherwise
+/// correct model. With `F` the information in units of the prior, to first order: `d^2 F^2 / (1 + F) = ln(1 + F) - 2 ln(prior odds)`. Among
+/// several forms of a cause at one site the worst limit counts, because any form may act. Among first guesses of one law the best limit
+/// counts. Faults of readings of single cases are left out.
 pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<CauseLimit> {
     let catalogue = Catalogue::new(subject, fitted);
     let information = catalogue.information(fitted, &fitted.sizes);
@@ -108,13 +109,13 @@ pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec
     out
 }
 
-/// The size in units of its prior at which a number with such information is as probable as not.
+/// Returns the size, in units of its prior, at which a parameter with this information has a posterior probability of one half.
 fn alone(information: f64, ln_odds: f64) -> Option<f64> {
     let evidence = libm::log1p(information) - 2.0 * ln_odds;
     (information > 1e-6).then(|| (evidence * (1.0 + information)).sqrt() / information)
 }
 
-/// Adds a limit, or joins it to that of another form of the same.
+/// Adds a limit, or merges it with the limit of another form of the same cause.
 fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &EffectParameter, d: Option<f64>) {
     let size = d.map(|d| d * number.sd * number.unit);
     let same = |l: &&mut CauseLimit| {
@@ -141,7 +142,7 @@ fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &EffectParameter, d: 
 mod tests {
     use super::*;
 
-    /// Limits of two forms of a cause, in units of their numbers.
+    /// Returns the merged limit of two forms of a cause, in units of their parameters.
     fn joined(cause: Cause, sizes: [Option<f64>; 2]) -> Option<f64> {
         let mut out = Vec::new();
         for size in sizes {

@@ -1,8 +1,8 @@
-//! The last fit by the solver of the study: its predictions, the derivatives of the built-in one.
+//! Final fit to the solver of the study, with the derivatives of the built-in solver.
 //!
-//! With m the misfit of the built-in solver where a fit ended, J its derivatives, s the step from there and d(s) how far the other solver's
-//! predictions are from the built-in one's at the same numbers (those that are written into a deck: small errors left out), the misfit is
-//! `m + J s + d(s)`. Each round solves for s with the d of the round before; d changes slowly, so that a few rounds are enough.
+//! Let m be the residual of the built-in solver at the end of a fit, J its derivatives, and s the step from there. Let d(s) be the other
+//! solver's predictions minus the built-in ones, at the numbers written into a deck, without random effects. The residual of the other solver
+//! then is `m + J s + d(s)`. Each round solves for s with d from the previous round. Since d changes slowly, a few rounds are enough.
 
 use nalgebra::DVector;
 
@@ -21,18 +21,18 @@ use admire_solver::mechanics::Pose;
 use admire_solver::system::Scratch;
 use admire_syntax::Address;
 
-/// Rounds at most.
+/// Maximum number of rounds.
 const ROUNDS: usize = 5;
-/// No number of the model moves by more than this part of its standard deviation: done.
+/// Largest change of a stiffness or cause parameter, in standard deviations, at which the rounds end.
 const DONE: f64 = 0.02;
-/// The logarithm of a stiffness moves by so much at most in one round.
+/// Largest change of the logarithm of a stiffness in one round.
 const REACH: f64 = 0.8;
 
-/// Poses of every case; `None` where it was not solved.
+/// Poses of every case; `None` where the case was not solved.
 type Poses = Vec<Option<Vec<Pose>>>;
 
 impl Outcome<'_> {
-    /// Takes note of how far the solver of the study is from the built-in one, and fits the numbers to it. Says what could not be done.
+    /// Compares the solver of the study with the built-in one, then fits the numbers to it. Returns a message on anything that failed.
     pub fn by_the_study(&mut self, other: &mut dyn Backend) -> Option<String> {
         if let Err(error) = self.compare(other) {
             return Some(format!(
@@ -49,9 +49,9 @@ impl Outcome<'_> {
         ))
     }
 
-    /// Fits the numbers of all models once more, to the predictions of another solver; the choice of causes stays. The deck that is
-    /// written, stiffnesses, numbers of findings and the gain on held-out cases are then that solver's. False, and nothing changed, where
-    /// the built-in solver finds no equilibrium with those numbers.
+    /// Refits the numbers of all models to the predictions of another solver, without changing the selection of causes. The exported deck,
+    /// stiffnesses, parameters of findings and the gain on held-out cases then belong to that solver. Returns false, with nothing changed,
+    /// where the built-in solver finds no equilibrium with the new numbers.
     ///
     /// # Errors
     /// [`BackendError`] when the other solver could not solve anything; nothing is changed then.
@@ -103,7 +103,7 @@ impl Outcome<'_> {
     }
 }
 
-/// A fit carried on to what another solver predicts.
+/// Refits a model to the predictions of another solver, starting from the end of its fit.
 fn refitted(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -135,7 +135,7 @@ fn refitted(
                 most = most.max((*next - at.x[k]).abs() / sd.max(f64::MIN_POSITIVE));
             }
         }
-        // Where a step was shortened the misfit is that of the shorter one.
+        // The residual belongs to the step actually taken, which may have been shortened.
         let step = DVector::from_column_slice(&next) - DVector::from_column_slice(&fitted.x);
         at.residual = &fitted.residual + apart + &fitted.jacobian * step;
         at.x = next;
@@ -149,8 +149,8 @@ fn refitted(
     Ok(at)
 }
 
-/// Predictions of another solver minus those of the built-in one, row by row in units of the rows; zero where one has none, and for
-/// channels that the places of the parts do not tell.
+/// Returns predictions of another solver minus predictions of the built-in one, in units of the rows. Zero where either has no solution, and
+/// for channels that cannot be computed from poses.
 fn apart(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -175,7 +175,7 @@ fn apart(
     Ok(out)
 }
 
-/// Prediction minus reading of all rows at these poses; channels that these do not tell are taken to be zero.
+/// Returns prediction minus reading of all rows at these poses. Channels that cannot be computed from poses are set to zero.
 fn residuals(
     (subject, fitted, plain): (&DiagnosisProblem<'_>, &FittedModel, &DeckOnlyPrediction),
     poses: &Poses,
@@ -207,7 +207,7 @@ fn residuals(
     Some(found.residual)
 }
 
-/// Rms of a mark coordinate, reading minus prediction, outliers left out.
+/// Returns the rms error of a mark coordinate in the deck's length unit, without outliers.
 fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     let measurement = subject.problem.measurement;
     let (mut sum, mut count) = (0.0, 0.0);
@@ -232,7 +232,7 @@ fn missed(subject: &DiagnosisProblem<'_>, poses: &Poses) -> Option<f64> {
     (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
-/// The deck of a fit as it is written for others, solved.
+/// Solves the exported deck of a fit in all cases.
 fn solved(
     by: &mut dyn Backend,
     fitted: &FittedModel,

@@ -1,19 +1,19 @@
-//! Readings as a model foresees them that has not seen them: whitened rows whose covariance is `I + J C J'`.
+//! Posterior predictive distribution of readings not used in a fit: whitened rows with covariance `I + J C J'`.
 
 use nalgebra::{DMatrix, DVector};
 
 use admire_identify::tolerance::transposed;
 
-/// The covariance of foreseen rows, by what acts on them.
+/// Covariance of predicted rows, in factors.
 pub(super) struct PredictiveDistribution {
-    /// Derivatives of the whitened rows by all that is uncertain.
+    /// Derivatives of the whitened rows by the uncertain unknowns.
     J: DMatrix<f64>,
-    /// `J C` with the covariance `C` of that.
+    /// Product `J C` with the covariance `C` of the unknowns.
     JC: DMatrix<f64>,
 }
 
 impl PredictiveDistribution {
-    /// Rows with these derivatives by unknowns of this covariance.
+    /// Combines derivatives of the rows with the covariance of the unknowns.
     pub(super) fn new(J: DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
         Self {
             JC: &J * covariance,
@@ -21,7 +21,7 @@ impl PredictiveDistribution {
         }
     }
 
-    /// The same rows, on which other unknowns act besides, independent of the first.
+    /// Adds further unknowns that act on the same rows, independent of the first.
     pub(super) fn with(self, J: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
         let beside = |a: &DMatrix<f64>, b: &DMatrix<f64>| {
             let mut both = a.clone().resize_horizontally(a.ncols() + b.ncols(), 0.0);
@@ -34,12 +34,12 @@ impl PredictiveDistribution {
         }
     }
 
-    /// Variance of a row.
+    /// Returns the variance of a row.
     pub(super) fn variance(&self, row: usize) -> f64 {
         1.0 + self.J.row(row).dot(&self.JC.row(row))
     }
 
-    /// `r' (I + J C J')^-1 r = r'r - r'J (I + C J'J)^-1 C J'r` (Woodbury's formula), whose cost is linear in the count of rows.
+    /// Returns `r' (I + J C J')^-1 r = r'r - r'J (I + C J'J)^-1 C J'r` (Woodbury's formula). The cost is linear in the number of rows.
     pub(super) fn chi_square(&self, r: &DVector<f64>) -> Option<f64> {
         let k = self.J.ncols();
         let M = transposed(&self.JC, &self.J) + DMatrix::identity(k, k);
@@ -53,7 +53,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Against the inverse of the whole covariance.
+    /// Checks against the inverse of the full covariance.
     #[test]
     fn chi_square_and_variances_are_those_of_the_whole_covariance() {
         let mut noise = Noise::new(7, "foreseen");

@@ -1,11 +1,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// How often all load cases may be solved in one search. It is looked at between rounds only, so that what is found does not depend
-/// on the machine.
+/// Maximum number of sweeps in one search. One sweep solves all load cases once. The limit is checked between rounds only, so that results do
+/// not depend on the machine.
 pub(super) const SWEEPS: usize = 3000;
 
-/// How far a diagnosis is, for whoever watches it from another thread.
+/// Progress of a diagnosis, readable from another thread.
 #[derive(Clone, Debug)]
 pub struct Progress {
     sweeps: Arc<AtomicUsize>,
@@ -24,47 +24,48 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// How often all load cases were solved.
+    /// Returns the number of sweeps so far.
     pub fn sweeps(&self) -> usize {
         self.sweeps.load(Ordering::Relaxed)
     }
 
-    /// How often they may be solved at most, searches up to the present one together.
+    /// Returns the maximum number of sweeps for all searches up to the current one.
     pub fn budget(&self) -> usize {
         self.budget.load(Ordering::Relaxed)
     }
 
-    /// What is being done.
+    /// Returns the name of the current stage.
     pub fn stage(&self) -> &'static str {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ends every fit after its present step, and with them the search: its budget counts as spent, and so does that of any further one.
+    /// Stops every fit after its current step, and with them the search. The budget of this search and of any further one then counts as
+    /// spent.
     pub fn stop(&self) {
         self.budget.store(0, Ordering::Relaxed);
     }
 
-    /// True once it was stopped.
+    /// Returns true once the diagnosis was stopped.
     pub fn is_stopped(&self) -> bool {
         self.budget() == 0
     }
 
-    /// The next stage begins.
+    /// Sets the name of the current stage.
     pub fn begin(&self, stage: &'static str) {
         *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
     }
 
-    /// Takes note of a fit that solved all cases so often.
+    /// Adds to the number of sweeps.
     pub(super) fn spend(&self, sweeps: usize) {
         self.sweeps.fetch_add(sweeps, Ordering::Relaxed);
     }
 
-    /// True if no further round begins.
+    /// Returns true if the budget is spent, so that no further round starts.
     pub(super) fn is_spent(&self) -> bool {
         self.sweeps() >= self.budget()
     }
 
-    /// Grants a search what another one may have spent; not where it was asked to end.
+    /// Grants a search a new full budget, unless the diagnosis was stopped.
     pub(super) fn renew(&self) {
         let further = self.sweeps() + SWEEPS;
         let grant = |budget: usize| (budget > 0).then_some(further);
@@ -72,7 +73,7 @@ impl Progress {
         let _ = self.budget.fetch_update(order, order, grant);
     }
 
-    /// Grants another search; false where the first was asked to end or has spent its own.
+    /// Grants a further search its budget. Returns false where the first search was stopped or has spent its own.
     pub(super) fn extend(&self) -> bool {
         let further = self.sweeps() + SWEEPS;
         let grant = |budget: usize| (budget > self.sweeps()).then_some(further);

@@ -1,12 +1,12 @@
-//! What is left after all causes, as an extra force at one place that is a smooth function of one coordinate.
+//! Model discrepancy after all causes, described as an extra force at one site that is a smooth function of one coordinate.
 //!
-//! At each place a force that differs from case to case is added to the linear model of the fit: a Gaussian process over the place's own
-//! deflection, over a load, or over the order of the cases, with a squared exponential covariance. Over its own deflection the constant
-//! and the straight line are taken off: they are the preload and the stiffness. The place, coordinate, length and size of greatest
-//! evidence are shown. Fitted without the cases held out it predicts them, with the band of the process.
+//! At each site, a force that differs from case to case is added to the linear model of the fit. It is a Gaussian process with squared
+//! exponential covariance over the site's own deflection, over a load, or over the order of the cases. Over the own deflection, constant and
+//! straight line are projected out, because they are preload and stiffness. The site, coordinate, length scale and standard deviation of
+//! largest evidence are reported. Fitted without the held-out cases, the process predicts them with a band of uncertainty.
 //!
-//! [`unnamed`] makes it a hypothesis that a search holds against several causes of the catalogue: one effect that the catalogue lacks
-//! looks like many of those it has. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
+//! [`unnamed`] makes the force a candidate that a search compares with several causes of the catalogue, because one effect outside the
+//! catalogue looks like many effects in it. Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -24,85 +24,86 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::{Header, JointKind, MarkerIx, Model};
 use admire_study::orientation::chi_square_p_value;
 
-/// A first guess moves no stiffness by more than this factor of e.
+/// Largest change of the logarithm of a stiffness in a first guess.
 const FAR: f64 = 0.8;
-/// A place stands out from so many nats on, the number of places tried taken off.
+/// Gain in log evidence from which a site stands out, in nats, after subtracting the log of the number of sites and coordinates tried.
 const STANDS_OUT: f64 = 5.0;
 /// What the force is a function of.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Over {
-    /// The deflection at the place itself.
+    /// Deflection at the site itself.
     Deflection,
-    /// A load of the study.
+    /// Load of the study.
     Load,
-    /// The order of the cases.
+    /// Order of the cases.
     Order,
 }
 
-/// The force in one case.
+/// Extra force in one case.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct RemainderPoint {
     /// Label of the case.
     pub case: String,
-    /// Value of the coordinate in the deck's units, angles in radians; the position in the order counts from one.
+    /// Value of the coordinate in the deck's units, angles in radians. The position in the order counts from one.
     pub coordinate: f64,
     /// Force or torque on the I marker along the component, in the deck's units.
     pub force: f64,
-    /// Its standard error.
+    /// Standard error of the force.
     pub std_error: f64,
 }
 
-/// An extra force that takes up what no cause explains.
+/// Extra force that explains part of the remaining structure.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Remainder {
-    /// `BUSHING/2.K.1`: along that component of the bushing; `JOINT/3`: along or about the free axis of the joint.
+    /// Address of the component: `BUSHING/2.K.1` acts along that component of the bushing, `JOINT/3` along or about the free axis of the
+    /// joint.
     pub address: String,
-    /// What it is a function of.
+    /// Coordinate of which the force is a function.
     pub over: Over,
-    /// The load, if it is one.
+    /// Name of the load, if the force is a function of a load.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load: Option<String>,
-    /// Part of the chi-square beyond its degrees of freedom that it takes up, 0 to 1.
+    /// Fraction of the excess of chi-square over its degrees of freedom that the force explains, 0 to 1.
     pub share: f64,
-    /// By how many nats the evidence rises.
+    /// Gain in log evidence, in nats.
     pub nats: f64,
-    /// The next best address, and how many nats it is behind.
+    /// Address of the second-best site, and its deficit in nats.
     pub next: Option<(String, f64)>,
-    /// One for each case, in the order of the coordinate.
+    /// Force in each case, in the order of the coordinate.
     pub points: Vec<RemainderPoint>,
-    /// What such a force says of the cases held out; `None` where there are none, or the others speak for no force.
+    /// Prediction of the held-out cases with such a force. `None` without held-out cases, or where the other cases support no force.
     pub held_out: Option<Predicted>,
 }
 
-/// Cases that neither the model nor the force has seen.
+/// Prediction of cases that were used neither for the model nor for the force.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Predicted {
-    /// Where the force is by the other cases alone.
+    /// Address of the force as found from the other cases alone.
     pub address: String,
-    /// Rms of what is compared (as in `hold_out`) without the force, and with it.
+    /// Rms prediction error without the force, by the measure of `hold_out`.
     pub rms_before: f64,
-    /// With it.
+    /// Rms prediction error with the force, by the measure of `hold_out`.
     pub rms_after: f64,
-    /// Part of the readings, turned to independent ones, within their 95 percent bands.
+    /// Fraction of the decorrelated readings within their 95 percent bands.
     pub within95: f64,
-    /// How many there are.
+    /// Number of decorrelated readings.
     pub readings: usize,
-    /// Whether all agree with the prediction and its covariance.
+    /// P-value of all readings under the prediction and its covariance.
     pub p_value: f64,
 }
 
-/// A component of an element at which a force may be missing.
+/// Component of an element at which a force may be missing.
 struct Place {
     address: String,
     pair: (MarkerIx, MarkerIx),
     axis: usize,
     deflection: Vec<f64>,
-    /// A usual force.
+    /// Typical force at the site.
     force: f64,
 }
 
-/// A covariance over one coordinate and how well it does.
+/// Gaussian process over one coordinate, with its posterior.
 struct Process {
     over: Over,
     load: Option<String>,
@@ -110,25 +111,25 @@ struct Process {
     law: Law,
 }
 
-/// The place, coordinate and law that do best.
+/// Site, coordinate and process of largest evidence.
 struct Best {
     address: String,
     place: Place,
     process: Process,
     next: Option<(String, f64)>,
-    /// How a force in each single case moves all rows,
+    /// Effect on all rows of a unit force in each single case, one column per case.
     effect: DMatrix<f64>,
-    /// by how much the unknowns of the fit then give way,
+    /// Decrease of the unknowns of the fit per unit force in each case, as they absorb part of its effect.
     taken_up: DMatrix<f64>,
-    /// and how all rows move with that.
+    /// Effect of the force on all rows after the unknowns of the fit have adapted.
     response: DMatrix<f64>,
-    /// What the readings say of the unknowns of the fit without the force, at the sizes of tolerances that were taken.
+    /// Posterior of the fit without the force, at the variance components in use.
     posterior: Posterior,
-    /// How many places and coordinates there were.
+    /// Number of combinations of site and coordinate that were tried.
     tried: usize,
 }
 
-/// The place, coordinate and law that the residuals of a fit speak for most, tolerances being of such sizes; `None` where none stands
+/// Returns the extra force with the largest evidence in the residuals of a fit, at the given variance components. `None` where no site stands
 /// out.
 pub(super) fn remainder(
     subject: &DiagnosisProblem<'_>,
@@ -165,9 +166,9 @@ pub(super) fn remainder(
     })
 }
 
-/// Predicts the cases held out by a fit that has not seen them and the extra force that its own residuals speak for. With `f` and `V`
-/// mean and covariance of the force, `R` the response of the rows and `C` the covariance of the unknowns, the rows are off by
-/// `R f` with `J C J' + R V R'` and their noise. `None` where nothing is held out, or no place stands out.
+/// Predicts the held-out cases by a fit without them, plus the extra force found in its residuals. Let `f` and `V` be mean and covariance of
+/// the force, `R` the response of the rows, and `C` the covariance of the unknowns. The prediction changes by `R f`, and its covariance is
+/// `J C J' + R V R'` plus noise. `None` where nothing is held out, or no site stands out.
 pub(super) fn predicted(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -217,22 +218,22 @@ pub(super) fn predicted(
     })
 }
 
-/// A force of a law that no cause has, as a search takes it in.
+/// Force of unknown law as a candidate of a search.
 pub(super) struct Unnamed {
-    /// It, as numbers in units of their priors; what they do is linear where a fit ended.
+    /// Candidate with one parameter per factor column, in units of the priors. Its effects on the rows are linearised at the end of a fit.
     pub hypothesis: Hypothesis,
-    /// First guesses of its numbers,
+    /// First guesses of the candidate's parameters.
     pub guesses: Vec<f64>,
-    /// and of the unknowns of the fit.
+    /// First guesses of the unknowns of the fit.
     pub x: Vec<f64>,
-    /// By how many nats the linear model expects the evidence to rise, prior left out.
+    /// Predicted gain in log evidence by the linear model, in nats, prior excluded.
     pub nats: f64,
     place: Place,
     root: DMatrix<f64>,
 }
 
 impl Unnamed {
-    /// The same law linearised at another fit.
+    /// Returns the same law linearised at another fit.
     pub(super) fn at(&self, subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Hypothesis {
         let survey = Survey::new(subject, fitted);
         Hypothesis {
@@ -242,9 +243,9 @@ impl Unnamed {
     }
 }
 
-/// Such forces as hypotheses: the one that stands out at a fit's own sizes of tolerances, and the one that does with sizes that are
-/// usual, for its own may have swallowed the effect. The prior is that of a class of causes, spread over all places, coordinates, lengths
-/// and sizes that were tried.
+/// Returns forces of unknown law as candidates: the best one at the fit's own variance components, and the best one at components reduced to
+/// their medians. The fit's own components may have absorbed the effect. The prior of one class of causes is divided among all sites,
+/// coordinates, length scales and standard deviations tried.
 pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
     let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
@@ -261,8 +262,8 @@ pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> V
     out
 }
 
-/// What the laws of causes in a fit leave at their own places, each as a further part of its cause. Only laws that are known in kind
-/// only leave anything: friction that is not a slider, rubber that is not a polynomial.
+/// Returns the misfits of the laws in a fit, each as a further term of its cause. Only laws known in kind but not in shape get a misfit:
+/// friction that is not a slider, rubber that is not a polynomial.
 pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
     let chosen = &fitted.effects;
     let is_closed = |h: &Hypothesis| {
@@ -284,7 +285,7 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
     open.filter_map(left).collect()
 }
 
-/// True if a cause is at the bushing or joint at which a force acts, or at a marker of it.
+/// Returns true if a cause is located at the bushing or joint where a force acts, or at a marker of it.
 pub(super) fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
     let element = |address: &str| {
         let end = address.find(['.', '<']).unwrap_or(address.len());
@@ -301,7 +302,8 @@ pub(super) fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis
     places.any(|place| element(place) == own || ends.contains(&element(place)))
 }
 
-/// One for each column of what a force does, per unit of its weight; told as a force whose mean square is that over all cases.
+/// Returns one parameter per column of `root`, with the effect of that pattern of forces on all rows. Its unit makes the report state an rms
+/// force over all cases.
 fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     let columns = effect * root;
     let number = |(k, column): (usize, nalgebra::DVectorView<'_, f64>)| {
@@ -352,7 +354,7 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
     }
 }
 
-/// At all places, or at one where the law of a cause leaves it.
+/// Finds the extra force of largest evidence, at all sites or, with `only`, as the misfit of a law at one site.
 fn most_spoken_for(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -438,7 +440,7 @@ fn most_spoken_for(
     })
 }
 
-/// Components of bushings that move, and free motions of joints.
+/// Returns the sites: components of bushings that deflect, and free motions of joints.
 fn places(survey: &Survey<'_>) -> Vec<Place> {
     let mut out = Vec::new();
     let mut put = |address: String, pair, axis: usize, deflection: Vec<f64>, force: f64| {
@@ -494,7 +496,7 @@ fn places(survey: &Survey<'_>) -> Vec<Place> {
     out
 }
 
-/// What the force may be a function of at a place.
+/// Returns the coordinates of which the force at a site may be a function.
 fn coordinates(
     subject: &DiagnosisProblem<'_>,
     place: &Place,
@@ -512,7 +514,7 @@ fn coordinates(
     out
 }
 
-/// How a unit force in each single case moves all rows: one column for each case.
+/// Returns the effect on all rows of a unit force in each single case, one column per case.
 fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
     let cases = survey.cases();
     let number = |case: usize| {

@@ -1,35 +1,35 @@
-//! What another solver makes of the same deck with the same numbers: before anything is said of a model, the two must agree.
+//! Difference between two solvers on the same deck with the same numbers. The solvers must agree before the model is judged.
 
 use serde::Serialize;
 
-/// A difference of the solvers below this part of the noise of a mark is none.
+/// Fraction of the mark noise below which the difference of the solvers is negligible.
 const NONE: f64 = 0.1;
 
-/// How far the solver of a study and the built-in one are apart.
+/// Difference between the solver of a study and the built-in solver.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct SolverDifference {
-    /// `command` or `replay`.
+    /// Name of the study's solver: `command` or `replay`.
     pub solver: &'static str,
-    /// Rms of the difference of one coordinate, in the deck's length unit: of marks, or of the origins of parts where there are none.
+    /// Rms difference of one coordinate, in the deck's length unit. Compares the marks, or the origins of parts if there are no marks.
     pub rms: f64,
-    /// The largest difference of a place.
+    /// Largest distance between two positions, in the deck's length unit.
     pub most: f64,
-    /// The case in which that is; `None` where no case was solved by both.
+    /// Label of the case with the largest distance; `None` where no case was solved by both.
     pub case: Option<String>,
-    /// Cases that one of the two did not solve.
+    /// Labels of the cases solved by only one of the solvers.
     pub unsolved: Vec<String>,
-    /// Rms of one mark coordinate, reading minus prediction, of the fitted model without tolerances: by the built-in solver and by the
-    /// other. `None` without marks.
+    /// Rms error of one mark coordinate by the built-in solver and by the other, for the fitted model without tolerances. `None` without
+    /// marks.
     pub residual_rms: Option<[f64; 2]>,
-    /// The same over the cases held out.
+    /// Rms error of one mark coordinate over the held-out cases, by the built-in solver and by the other.
     pub held_out_rms: Option<[f64; 2]>,
-    /// Rms of one mark coordinate, reading minus prediction of the other solver, of the extended model without tolerances, fitted to that
-    /// solver. `None` without marks, or where it was not fitted to it.
+    /// Rms error of one mark coordinate by the other solver, for the extended model fitted to that solver, without tolerances. `None` without
+    /// marks or without such a fit.
     pub refitted_rms: Option<f64>,
 }
 
 impl SolverDifference {
-    /// True if it is small against the noise of a mark.
+    /// Returns true if the difference is small against the noise of a mark.
     pub fn is_negligible(&self, sigma: f64) -> bool {
         self.unsolved.is_empty() && self.rms <= NONE * sigma
     }

@@ -2,32 +2,32 @@ use super::fit::FittedModel;
 use admire_identify::Problem;
 use admire_identify::global::UNIDENTIFIABLE;
 
-/// A stiffness as the wrong model had it and as the extended model has it.
+/// Stiffness as estimated by the original model and by the extended model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CorrectedStiffness {
-    /// Which.
+    /// Address in the deck.
     pub address: String,
-    /// Estimate and standard error of the model as it was.
+    /// Estimate and standard error of the original model.
     pub before: (f64, f64),
-    /// The same of the extended model.
+    /// Estimate and standard error of the extended model.
     pub after: (f64, f64),
 }
 
 impl CorrectedStiffness {
-    /// True where the readings determine it in both models; else its two estimates say nothing of each other.
+    /// Returns true if the readings determine the stiffness in both models. Otherwise the two estimates cannot be compared.
     pub fn is_identified(&self) -> bool {
         [self.before, self.after]
             .iter()
             .all(|(value, error)| *error <= UNIDENTIFIABLE * value)
     }
 
-    /// By how much the wrong model had biased it, as a part of the corrected value.
+    /// Returns the relative bias of the original model's estimate against the corrected value.
     pub fn bias(&self) -> f64 {
         self.before.0 / self.after.0 - 1.0
     }
 }
 
-/// All stiffnesses of a study, before and after.
+/// Returns all stiffnesses of a study as estimated by the original and the extended model.
 pub(super) fn corrected(
     problem: &Problem<'_>,
     before: &FittedModel,

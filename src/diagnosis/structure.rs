@@ -1,4 +1,4 @@
-//! Whether residuals still have structure, and where.
+//! Tests for structure in the residuals, and its location.
 
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
@@ -8,41 +8,41 @@ use admire_identify::global::Row;
 use admire_solver::mechanics::Vec3;
 use admire_study::orientation::chi_square_p_value;
 
-/// Structure is there when the hardest of all tests, corrected for their number, has a p-value below this: of readings that are as the
-/// model says, one study in a thousand. What a wrong model leaves is mostly far beyond.
+/// Significance level: the residuals have structure if the smallest p-value, corrected for the number of tests, is below it. A correct model
+/// fails the test over all readings in one study of a thousand, and any other test in one more. A wrong model is usually far below the level.
 const STRUCTURED: f64 = 0.001;
 
-/// What kind of structure a test looks for.
+/// Kind of structure that a test detects.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Aspect {
-    /// Whether all readings together scatter as they should.
+    /// Scatter of all readings together.
     All,
-    /// The same of a case, a part or a channel: one far reading makes it fail.
+    /// Scatter of the readings of one case, part or channel. A single outlier suffices to fail.
     Scatter,
-    /// One reading of one mark.
+    /// Error of one reading of one mark.
     Mark,
-    /// What goes through several readings.
+    /// Pattern across several readings.
     Pattern,
 }
 
-/// One test of structure.
+/// Result of one test of structure.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StructureTest {
-    /// What it looks for.
+    /// Kind of structure tested.
     pub aspect: Aspect,
-    /// What it looks at, as a person would say it.
+    /// Subject of the test, as text for the report.
     pub what: String,
-    /// Chi-square.
+    /// Chi-square statistic.
     pub value: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom.
     pub dof: usize,
-    /// Its p-value; for the worst of many, corrected for their number.
+    /// P-value. For the worst of several alternatives, it is corrected for their number.
     pub p_value: f64,
 }
 
-/// Tests of structure, smallest p first: chi-square over all rows, of every case, part, direction and channel; trends with each load,
-/// with the force in each element and with the order of application; loading against unloading; a rigid motion of all marks in one
-/// case; a constant or a single error of one mark.
+/// Runs all tests of structure and returns them with the smallest p-value first. They are: chi-square over all rows and of every case, part,
+/// wheel and channel; trends with each load, with the force in each element and with the order of application; loading against unloading; a
+/// rigid motion of all marks in one case; and a constant or a single error of one mark.
 pub(super) fn structure(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
@@ -63,8 +63,8 @@ pub(super) fn structure(
     out
 }
 
-/// The p-value of one of so many tests, corrected for their number. Whether all readings together agree is one question; where they do not,
-/// one of many.
+/// Returns the p-value of a test, corrected for the number of tests. The test over all readings is not corrected: it asks a single question,
+/// and the other tests are the follow-up.
 fn corrected(test: &StructureTest, count: usize) -> f64 {
     let asked = match test.aspect {
         Aspect::All => 1.0,
@@ -73,24 +73,23 @@ fn corrected(test: &StructureTest, count: usize) -> f64 {
     (test.p_value * asked).min(1.0)
 }
 
-/// True where one of so many tests shows structure.
+/// Returns true if a test is significant among `count` tests.
 pub(super) fn is_significant(test: &StructureTest, count: usize) -> bool {
     corrected(test, count) < STRUCTURED
 }
 
-/// The least p-value, corrected for the number of tests.
+/// Returns the smallest p-value, corrected for the number of tests.
 pub(super) fn least(tests: &[StructureTest]) -> f64 {
     let values = tests.iter().map(|test| corrected(test, tests.len()));
     values.fold(1.0, f64::min)
 }
 
-/// True where something is left that noise does not make.
+/// Returns true if noise does not explain the residuals.
 pub(super) fn is_structured(tests: &[StructureTest]) -> bool {
     least(tests) < STRUCTURED
 }
 
-/// True where readings are too far off, each for itself: one of them, or those of a case, a part or a channel, and nothing goes through
-/// several.
+/// Returns true if only isolated readings are significantly off: single marks, or the scatter of a case, part or channel, but no pattern.
 pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
     let significant = tests
         .iter()
@@ -105,7 +104,7 @@ pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
 struct Tests<'a> {
     subject: &'a DiagnosisProblem<'a>,
     influence: &'a ResidualCovariance<'a>,
-    /// One contrast for each direction of each part, for the wheel and for each channel.
+    /// Contrasts of each case: one for each direction of each part, for the wheel and for each channel.
     by_case: ByCase,
     out: Vec<StructureTest>,
 }
@@ -126,7 +125,7 @@ impl Tests<'_> {
         });
     }
 
-    /// Contrasts of every case, weighted by a number of each.
+    /// Adds a pattern test of the contrasts of every case, weighted by one number per case.
     fn put(&mut self, what: String, weights: &[f64]) {
         if let Some(statistic) = self.by_case.test(weights) {
             self.out.push(StructureTest {
@@ -139,7 +138,7 @@ impl Tests<'_> {
         }
     }
 
-    /// The worst of several, its p-value corrected for their number.
+    /// Runs several tests and adds the worst of them, with its p-value corrected for their number.
     fn worst(&mut self, aspect: Aspect, named: Vec<(String, Vec<Contrast>)>) {
         let count = named.len() as f64;
         let tests = named.into_iter().filter_map(|(what, contrasts)| {
@@ -159,7 +158,7 @@ impl Tests<'_> {
         self.out.extend(worst);
     }
 
-    /// All rows of a kind, each for itself.
+    /// Adds a scatter test of all accepted rows.
     fn rows(&mut self, what: String, accept: impl Fn(&Row) -> bool) {
         let rows = self.subject.rows.iter().enumerate();
         let rows: Vec<usize> = rows
@@ -285,7 +284,7 @@ impl Tests<'_> {
     }
 }
 
-/// One contrast in each case for each direction of each part, for the wheel and for each channel.
+/// Returns the contrasts of each case: one for each direction of each part, for the wheel and for each channel.
 fn by_case(subject: &DiagnosisProblem<'_>) -> Vec<Vec<Contrast>> {
     let measurement = subject.problem.measurement;
     let parts = measurement.parts.len();
@@ -306,8 +305,8 @@ fn by_case(subject: &DiagnosisProblem<'_>) -> Vec<Vec<Contrast>> {
     out
 }
 
-/// One for each case to which a load has risen and minus one for each to which it has fallen, as far as both ways met the same loads;
-/// zero elsewhere. `None` where the load has not been applied in both ways.
+/// Returns 1 for each case reached by increasing a load and -1 for each case reached by decreasing it, within the load range covered both
+/// ways. Other cases get zero. `None` where the load was not applied both ways.
 fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
     let way = |k: usize| match k.checked_sub(1).map(|before| values[k] - values[before]) {
         Some(step) if step > 0.0 => 1.0,
@@ -343,7 +342,7 @@ mod tests {
     fn a_load_that_only_goes_one_way_has_no_way_back() {
         assert_eq!(both_ways(&[5.0, 4.0, 3.0, 1.0]), None);
         assert_eq!(both_ways(&[1.0, 2.0, 2.0, 8.0]), None);
-        // It falls to where it had never been on the way up.
+        // The load falls to values that it never had on the way up.
         assert_eq!(both_ways(&[0.0, 5.0, 6.0, -1.0, -2.0]), None);
     }
 
@@ -353,7 +352,7 @@ mod tests {
         assert_eq!(ways, [0.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
     }
 
-    /// Readings that are as the model says: all together once in a thousand studies, and the worst of them once in a thousand.
+    /// Noise alone fails the test over all readings in one of a thousand studies, and the worst single test in another.
     #[test]
     fn noise_has_structure_in_two_of_a_thousand_studies() {
         let mut noise = Noise::new(5, "structure");
@@ -374,7 +373,7 @@ mod tests {
                 is_structured(&tests)
             })
             .count();
-        // The two share readings: 40 at most are expected, of a standard deviation of 6.
+        // The two tests share readings: at most 40 failures are expected, with a standard deviation of 6.
         assert!((20..=55).contains(&structured), "{structured}");
     }
 }

@@ -1,4 +1,4 @@
-//! The fit of a study by its own method: noise, stiffnesses, tolerances.
+//! Fit of a study by its own method: noise, stiffnesses, tolerances.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -15,11 +15,11 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::watch::ProgressObserver;
 
-/// Identifies the stiffnesses of a study: first the noise of sensors that the study does not state, then the fit, with tolerances beside
-/// the stiffnesses where they can be had.
+/// Identifies the stiffnesses of a study. First estimates the sensor noise that the study does not state, then runs the fit, with tolerances
+/// where the method supports them.
 ///
 /// # Errors
-/// Why there is no fit.
+/// The reason why there is no fit.
 pub fn identify(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
@@ -28,10 +28,11 @@ pub fn identify(
     identify_with(loaded, backend, watch, false).map(|(fit, _)| fit)
 }
 
-/// The same; with the sought numbers as a fit of their own, all else marginalised, if that is `wanted` and can be had.
+/// Identifies a study as [`identify`] does. If `wanted`, also returns the joint posterior of the unknowns with all else marginalised, where
+/// the method provides it.
 ///
 /// # Errors
-/// Why there is no fit.
+/// The reason why there is no fit.
 pub fn identify_with(
     loaded: &mut LoadedStudy,
     backend: &mut dyn Backend,
@@ -43,8 +44,8 @@ pub fn identify_with(
     among_tolerances(loaded, backend, watch, wanted)
 }
 
-/// Why a study has no answer but the numbers and intervals of its fit: only the built-in solver's joint fit can be repeated by the
-/// thousand.
+/// Returns an error if the study supports neither bootstrap nor posterior, otherwise `None`. Both repeat the fit thousands of times, which
+/// only the joint fit of the built-in solver allows.
 pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     let study = &loaded.study;
     let (message, keys, help) = if study.identify.method != Method::GaussNewton {
@@ -72,7 +73,7 @@ pub fn not_repeatable(loaded: &LoadedStudy) -> Option<Diagnostic> {
     Some(error.label(study.source.name(), place, ""))
 }
 
-/// What a study asks for that names no number, at its place.
+/// Returns the error for a study that names no parameter to identify, located at the setting.
 pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     let study = &loaded.study;
     let message = "the study names nothing to identify";
@@ -99,20 +100,21 @@ pub fn nothing_to_identify(loaded: &LoadedStudy) -> Diagnostic {
     )
 }
 
-/// Why nothing can be said of the curves of a study's wheel.
+/// Returns the error for a study without a wheel, for which wheel curves are not available.
 pub fn no_wheel() -> Diagnostic {
     let message = "the study names no wheel, and its loads act at no marker";
     Diagnostic::error(Code::MissingSetting, message)
         .help("name the wheel: a section [wheel] or [kc]")
 }
 
-/// Estimates what the study does not state of its sensors' noise, by the backend that solves it.
+/// Estimates the sensor noise that the study does not state, with the backend that solves the study.
 fn noise(loaded: &mut LoadedStudy, backend: &mut dyn Backend) -> Result<(), IdentifyError> {
     let external = loaded.study.solver.backend != BackendChoice::Native;
     estimate_noise(loaded, external.then_some(backend))
 }
 
-/// The fit with tolerances beside the stiffnesses, where they can be had: the intervals are those, and profiles would be for nothing.
+/// Runs the fit with tolerances where possible, otherwise the plain fit. The intervals then include the tolerances, so that profile
+/// likelihoods are not needed.
 fn among_tolerances(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
@@ -144,7 +146,7 @@ fn among_tolerances(
     Ok((fit, marginal))
 }
 
-/// Whether tolerances may be fitted beside the stiffnesses: by the built-in solver and the method that knows how exact it is.
+/// Returns true if tolerances can be fitted with the stiffnesses: Gauss-Newton with the built-in solver, and no frame errors in the settings.
 fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
     let settings = &loaded.study.identify;
     let frames = [0, 3].map(|axis| settings.frame_sd.of_axis(axis, &loaded.model.units));
@@ -154,11 +156,11 @@ fn allows_for_tolerances(loaded: &LoadedStudy) -> bool {
         && !frames
 }
 
-/// Runs the study's method on a backend, showing how it goes; with `profile`, poorly known numbers get intervals by profile likelihood
-/// if the built-in solver is behind it.
+/// Runs the study's method on a backend and reports progress. With `profile` and the built-in solver, poorly determined parameters get
+/// intervals by profile likelihood.
 ///
 /// # Errors
-/// Why there is no fit.
+/// The reason why there is no fit.
 pub fn fitted(
     loaded: &LoadedStudy,
     backend: &mut dyn Backend,
@@ -215,7 +217,7 @@ fn fitted_with(
             };
             let options = Options {
                 start: Start::Auto,
-                // Profile likelihood over an external program would take hundreds of runs.
+                // Profile likelihood with an external program would take hundreds of runs.
                 profile: profile && !external,
                 watch: Some(Box::new(each)),
             };
@@ -232,7 +234,7 @@ fn fitted_with(
     Ok((fit, marginal))
 }
 
-/// Breaks a run that was asked to stop.
+/// Breaks off a run that the observer stopped.
 fn flow(watch: &dyn ProgressObserver) -> ControlFlow<()> {
     if watch.goes_on() {
         ControlFlow::Continue(())

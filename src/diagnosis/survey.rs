@@ -10,20 +10,20 @@ use admire_solver::system::{Reading, Scratch};
 use admire_study::{CausePriors, Measurement};
 use admire_syntax::{Address, NewStatement};
 
-/// Where a part is held.
+/// Attachment point of a part, with the force that acts there.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Attachment {
-    /// The marker on the part.
+    /// Marker on the part.
     pub marker: MarkerIx,
-    /// Force on the part there in each case, ground axes.
+    /// Force on the part at the marker in each case, in ground axes.
     pub force: Vec<Vec3>,
 }
 
-/// Every load case at a fit: poses, deflections, forces, and how readings answer to small changes.
+/// State of every load case at a fit: poses, deflections, forces, and first-order responses of the readings.
 pub(super) struct Survey<'a> {
-    /// The deck as the study has it; what an extension added is no place for further hypotheses.
+    /// Deck of the study. Elements added by an extension are not sites for further candidates.
     pub model: &'a Model,
-    /// What was measured.
+    /// Measurement of the study.
     pub measurement: &'a Measurement,
     pub(super) subject: &'a DiagnosisProblem<'a>,
     pub(super) fitted: &'a FittedModel,
@@ -31,7 +31,7 @@ pub(super) struct Survey<'a> {
 }
 
 impl<'a> Survey<'a> {
-    /// At a fit.
+    /// Evaluates all force elements and constraints in every case of a fit.
     pub(super) fn new(subject: &'a DiagnosisProblem<'a>, fitted: &'a FittedModel) -> Self {
         let model = subject.problem.model;
         let system = &fitted.deck.prepared.system;
@@ -64,7 +64,7 @@ impl<'a> Survey<'a> {
                 readings[elements.len() + k].2.push(reading);
             }
         }
-        // What could not be read in every case is no place for a hypothesis.
+        // Elements that could not be evaluated in every case are not sites for candidates.
         readings.retain(|(_, _, read)| read.len() == fitted.states.len());
         Self {
             model,
@@ -85,37 +85,37 @@ impl<'a> Survey<'a> {
         self.fitted.states.len()
     }
 
-    /// All rows of the residual.
+    /// Returns all rows of the residual.
     pub(super) fn rows(&self) -> &[Row] {
         &self.subject.rows
     }
 
-    /// Prediction minus reading of a row, in units of its noise.
+    /// Returns prediction minus reading of a row, in units of its declared noise.
     pub(super) fn misfit(&self, row: usize) -> f64 {
         self.fitted.residual[row]
     }
 
-    /// Sd of a mark coordinate.
+    /// Returns the declared standard deviation of a mark coordinate, in the deck's length unit.
     pub(super) fn sigma(&self) -> f64 {
         self.subject.sigma
     }
 
-    /// One millimetre in the deck's length unit.
+    /// Returns one millimetre in the deck's length unit.
     pub(super) fn millimetre(&self) -> f64 {
         1e-3 / self.model.units.length.si
     }
 
-    /// One newton in the deck's force unit.
+    /// Returns one newton in the deck's force unit.
     pub(super) fn newton(&self) -> f64 {
         1.0 / self.model.units.force.si
     }
 
-    /// What the study drives.
+    /// Returns the loads that the study applies.
     pub(super) fn loads(&self) -> &[Load] {
         &self.subject.problem.programme.loads
     }
 
-    /// What a load of the study is in each case; zero for what it does not drive.
+    /// Returns the values of a load in all cases. They are zero for a load that the study does not apply.
     pub(super) fn load_values(&self, target: &Address) -> Vec<f64> {
         let programme = self.subject.problem.programme;
         let at = programme.loads.iter().position(|l| l.target == *target);
@@ -123,12 +123,12 @@ impl<'a> Survey<'a> {
         programme.cases.iter().map(|c| value(&c.values)).collect()
     }
 
-    /// Hardpoints of the deck.
+    /// Returns the hardpoints of the deck.
     pub(super) fn points(&self) -> &[Point] {
         &self.subject.layer.points
     }
 
-    /// Members of a group at an address with the names of their axes.
+    /// Returns the random effects of a group at an address, each with the name of its axis. Empty if the group is switched off.
     pub(super) fn members(&self, group: EffectGroup, address: &str) -> Vec<(usize, String)> {
         let layer = &self.subject.layer;
         if self.subject.sizes.group(group).is_none() {
@@ -138,8 +138,8 @@ impl<'a> Survey<'a> {
         layer.at(group, address).map(named).collect()
     }
 
-    /// Numbers of the deck that are taken as known, as members of the tolerance layer: place, address, group, and what one unit of
-    /// the member is.
+    /// Returns the random effects of deck parameters that the study takes as known. Each entry holds the index, address, group, and the
+    /// change of the parameter per unit of the effect.
     pub(super) fn numbers_of_the_deck(&self) -> Vec<(usize, String, EffectGroup, f64)> {
         let known = |group| {
             matches!(
@@ -159,7 +159,7 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
-    /// A force element in each case; empty if there is none.
+    /// Returns the state of a force element in each case. Empty if the element does not exist.
     pub(super) fn element(&self, kind: &str, id: u32) -> &[Reading] {
         self.readings
             .iter()
@@ -167,7 +167,8 @@ impl<'a> Survey<'a> {
             .map_or(&[], |(_, _, readings)| readings)
     }
 
-    /// Size of the force in every element and joint of the deck in each case, with its name; loads apart, which the study drives.
+    /// Returns the names of all elements and joints of the deck with the magnitude of their force in each case. The loads of the study are
+    /// left out.
     pub(super) fn forces(&self) -> Vec<(String, Vec<f64>)> {
         let loads = self.loads();
         let driven = |kind: &str, id: u32| {
@@ -185,12 +186,12 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
-    /// A constraint in each case; empty if there is none.
+    /// Returns the state of a constraint in each case. Empty if the constraint does not exist.
     pub(super) fn constraint(&self, kind: &str, id: u32) -> &[Reading] {
         self.element(kind, id)
     }
 
-    /// Deflections of a bushing in each case: three along the axes of J, three projected angles.
+    /// Returns the deflections of a bushing in each case: three translations along the axes of J, three projected angles.
     pub(super) fn bushing_deflections(&self, bushing: usize) -> Vec<[f64; 6]> {
         self.element("BUSHING", self.model.bushings[bushing].header.id)
             .iter()
@@ -201,7 +202,7 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
-    /// The six stiffnesses of a bushing at the fit.
+    /// Returns the six stiffnesses of a bushing at the fit.
     pub(super) fn stiffnesses(&self, bushing: usize) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let theta = &self.fitted.thetas[0];
@@ -214,17 +215,17 @@ impl<'a> Survey<'a> {
         })
     }
 
-    /// The id of a marker.
+    /// Returns the id of a marker.
     pub(super) fn marker_id(&self, marker: MarkerIx) -> u32 {
         self.model.markers[marker.0].header.id
     }
 
-    /// Pose of a part in a case.
+    /// Returns the pose of a part in a case.
     pub(super) fn pose(&self, case: usize, part: PartIx) -> Pose {
         self.fitted.states[case].poses[part.0]
     }
 
-    /// An id that no statement of this kind has yet.
+    /// Returns an id that no statement of this kind uses in the fit's deck.
     pub(super) fn free_id(&self, kind: &str) -> u32 {
         self.fitted
             .deck
@@ -237,7 +238,7 @@ impl<'a> Survey<'a> {
             .map_or(1, |id| id + 1)
     }
 
-    /// How a function reads a displacement of I as J sees it.
+    /// Returns the function expression for a displacement of I relative to J, in the axes of J.
     pub(super) fn deflection_function(&self, (i, j): (MarkerIx, MarkerIx), axis: usize) -> String {
         let word = ["DX", "DY", "DZ", "AX", "AY", "AZ"][axis];
         let (i, j) = (self.marker_id(i), self.marker_id(j));
@@ -248,7 +249,7 @@ impl<'a> Survey<'a> {
         }
     }
 
-    /// A GFORCE along some axes of J, with the floating marker it needs; and its id.
+    /// Returns a GFORCE with these functions along axes of J, together with the floating marker it needs, and its id.
     pub(super) fn vector_force(
         &self,
         (i, j): (MarkerIx, MarkerIx),
@@ -259,7 +260,7 @@ impl<'a> Survey<'a> {
         self.force_between(pair, (part, self.free_id("MARKER")), functions)
     }
 
-    /// The same between markers by their ids, J on this part, with the id of the floating marker.
+    /// Returns a GFORCE between two markers given by id, with a floating marker on the part of J, and its id.
     pub(super) fn force_between(
         &self,
         [i, j]: [u32; 2],
@@ -275,7 +276,7 @@ impl<'a> Survey<'a> {
         for (k, word) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].into_iter().enumerate() {
             let own = functions.iter().find(|(axis, _)| *axis == k);
             let text = own.map_or("0.0", |(_, function)| function);
-            // The continuation of ADAMS: components of a GFORCE are separated by a backslash.
+            // ADAMS separates the components of a GFORCE by a backslash, the continuation character.
             let end = if k < 5 { "\\" } else { "" };
             arguments.push((word, format!("{text}{end}")));
         }
@@ -284,8 +285,8 @@ impl<'a> Survey<'a> {
         (id, vec![marker, statement("GFORCE", id, &arguments)])
     }
 
-    /// Changes that give a marker of a part to a new, massless part, held to the old one by a bushing at `place` (in axes of the
-    /// part) with these translational stiffnesses; and the ids of the bushing and its two markers.
+    /// Returns the changes that move a marker of a part to a new, massless part. A bushing with these translational stiffnesses at `place`,
+    /// in axes of the old part, connects the two parts. Also returns the ids of the bushing and its two markers.
     pub(super) fn split(
         &self,
         part: u32,
@@ -353,7 +354,7 @@ impl<'a> Survey<'a> {
         (bushing, [first, first + 1], changes)
     }
 
-    /// Everything that holds a part.
+    /// Returns all attachment points of a part.
     pub(super) fn attachments(&self, part: PartIx) -> Vec<Attachment> {
         let owner = |marker: MarkerIx| self.model.markers[marker.0].part;
         self.readings
@@ -383,7 +384,7 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
-    /// False for what an extension has added.
+    /// Returns false for elements added by an extension.
     fn is_of_the_deck(&self, kind: &str, id: u32) -> bool {
         self.subject
             .problem
@@ -393,7 +394,7 @@ impl<'a> Survey<'a> {
     }
 }
 
-/// A statement with its arguments.
+/// Creates a statement from its arguments.
 pub(super) fn statement(kind: &str, id: u32, arguments: &[(&str, String)]) -> NewStatement {
     NewStatement {
         kind: kind.to_string(),

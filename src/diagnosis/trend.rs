@@ -1,25 +1,25 @@
-//! The residual that follows a force most closely: what a person looks at first.
+//! Residual that follows an element force most closely, for a plot in the report.
 
 use super::diagnose::Outcome;
 use super::survey::Survey;
 use admire_identify::global::Row;
 
-/// A residual against the force in an element.
+/// Residual as a function of the force in an element.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trend {
-    /// The element.
+    /// Name of the element.
     pub element: String,
-    /// What is left: a direction of a part's marks, or a channel.
+    /// Name of the residual: a direction of a part's marks, or a channel.
     pub what: String,
-    /// Its unit, if it has one.
+    /// Unit of the residual, if it has one.
     pub unit: Option<String>,
-    /// Force and mean residual of each case, as the model was; in the deck's units or those of the channel.
+    /// Force and mean residual (prediction minus reading) of each case in the original model. Units of the deck or of the channel.
     pub before: Vec<(f64, f64)>,
-    /// The same of the extended model.
+    /// Mean residual of each case in the extended model, paired with the same forces as in `before`.
     pub after: Vec<(f64, f64)>,
 }
 
-/// A mean residual by case.
+/// Group of rows of which the mean residual per case is taken.
 struct Group {
     what: String,
     unit: Option<String>,
@@ -28,7 +28,7 @@ struct Group {
 }
 
 impl Outcome<'_> {
-    /// The strongest trend of a residual with a force. `None` where nothing varies.
+    /// Returns the strongest trend of a residual with a force. `None` where nothing varies.
     pub fn trend(&self) -> Option<Trend> {
         let subject = &self.subject;
         let forces = Survey::new(subject, &self.baseline).forces();
@@ -53,7 +53,7 @@ impl Outcome<'_> {
                     .zip(&values)
                     .filter_map(|(x, y)| Some((*x, (*y)?)))
                     .collect();
-                // How much of the residual follows the force, in units of its noise.
+                // Strength of the trend in units of the noise.
                 let strength = slope_strength(&pairs) / group.scale;
                 if strength.is_finite() && best.is_none_or(|(old, ..)| strength > old) {
                     best = Some((strength, g, f));
@@ -122,7 +122,7 @@ impl Outcome<'_> {
     }
 }
 
-/// Root of the sum of squares that a straight line explains.
+/// Returns the square root of the sum of squares explained by a straight line.
 fn slope_strength(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len() as f64;
     let (mx, my) = pairs

@@ -1,5 +1,5 @@
-//! The unknowns of a fit with their priors: stiffnesses, tolerances, numbers of causes, frames and places of marks, and what acts on rows
-//! alone.
+//! Unknowns of a fit with their priors: stiffnesses, random effects, parameters of causes, frames, positions of marks, and effects that act
+//! on rows directly.
 
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{centroid, motions};
@@ -14,56 +14,58 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::system::{Parameters, Slot};
 use admire_syntax::Address;
 
-/// What another fit found.
+/// Unknowns of another fit, as a start.
 #[derive(Clone, Copy)]
 pub struct Known<'a> {
-    /// Its unknowns of the deck.
+    /// Unknowns of the other fit's deck.
     pub unknowns: &'a FitUnknowns,
-    /// What was in it.
+    /// Effects in the other fit.
     pub chosen: &'a [Hypothesis],
-    /// Where.
+    /// Index of each parameter of each effect among the other fit's unknowns.
     pub places: &'a [Vec<usize>],
-    /// Values of all unknowns.
+    /// Values of all unknowns of the other fit.
     pub x: &'a [f64],
 }
 
-/// What an unknown that acts on rows directly adds to each of them.
+/// Effect of an unknown that acts on rows directly.
 pub enum RowColumn {
-    /// So much per unit.
+    /// Fixed changes of rows per unit.
     Fixed(Vec<(usize, f64)>),
-    /// A factor on the prediction: 1 plus the unknown times this unit. With each row stands its reading in units of its noise.
+    /// Gain error: a factor of 1 plus unknown times the first field on the prediction. Each pair holds a row index and the reading in units
+    /// of its noise.
     Gain(f64, Vec<(usize, f64)>),
 }
 
 /// Unknowns of a fit.
 pub struct Unknowns {
-    /// The deck's numbers as they were.
+    /// Numerical parameters of the deck before the fit.
     pub deck: Parameters,
-    /// Stiffnesses, members of the layer in its order, numbers of causes.
+    /// Unknowns of the deck: stiffnesses, random effects in their order, parameters of causes.
     pub list: FitUnknowns,
-    /// Unknowns of the measurement.
+    /// Unknowns of the measurement: frames and positions of marks.
     pub layout: NuisanceLayout,
-    /// Columns that act on rows directly.
+    /// Effects that act on rows directly.
     pub rows: Vec<RowColumn>,
-    /// Contacts that remember.
+    /// History variables of laws with memory.
     pub memories: Vec<HysteresisState>,
-    /// Where each number of each hypothesis is.
+    /// Index of each parameter of each effect among all unknowns.
     pub places: Vec<Vec<usize>>,
-    /// Where the fit starts.
+    /// Start values of all unknowns.
     pub start: Vec<f64>,
-    /// Priors of all.
+    /// Priors of all unknowns.
     pub priors: Vec<tolerance::Coefficient>,
 }
 
 impl Unknowns {
-    /// Stiffnesses and numbers of causes, small errors left out: their places among the unknowns of the deck in ascending order.
+    /// Returns the indices of stiffnesses and parameters of causes among the unknowns of the deck, in ascending order. Plain random effects
+    /// are left out.
     pub(super) fn of_the_model(&self) -> Vec<usize> {
         let of_a_cause = |k: &usize| self.places.iter().flatten().any(|at| at == k);
         let is_own = |k: &usize| self.priors[*k].group.is_none() || of_a_cause(k);
         (0..self.list.len()).filter(is_own).collect()
     }
 
-    /// Of a deck extended by `chosen`, whose guesses are in units of their priors.
+    /// Collects the unknowns of a deck extended by the `chosen` effects. Their guesses are in units of the priors.
     pub fn new(
         (subject, problem): (&DiagnosisProblem<'_>, &Problem<'_>),
         prepared: &Prepared,
@@ -105,7 +107,7 @@ impl Unknowns {
             priors.push(tolerance::Coefficient::member(member.group));
         }
         let members = list.len();
-        // What another fit says of the same unknown: stiffnesses and members are the same everywhere.
+        // Values from another fit apply where available: stiffnesses and random effects have the same order in every fit.
         let mut start: Vec<f64> = match known {
             Some(known) => known.x[..members].to_vec(),
             None => list.iter().map(|unknown| unknown.start).collect(),
@@ -171,7 +173,7 @@ impl Unknowns {
                     (Parametrisation::Linear, Sensitivity::PerCase(pairs)) => {
                         Target::PerCase(per_case(pairs, number.sd, &slot)?)
                     }
-                    // A wrench is no number of a deck.
+                    // A wrench is not a parameter of the deck.
                     (Parametrisation::Linear, Sensitivity::Wrench(..) | Sensitivity::None) => {
                         return None;
                     }
@@ -257,12 +259,12 @@ impl Unknowns {
         })
     }
 
-    /// True of a model with causes.
+    /// Returns true if the model holds any cause.
     pub(super) fn has_causes(&self) -> bool {
         !self.places.is_empty()
     }
 
-    /// True for the logarithm of a stiffness.
+    /// Returns true if the unknown is the logarithm of a stiffness or another positive number.
     pub(super) fn is_logarithm(&self, k: usize) -> bool {
         matches!(self.list.list()[k].target, Target::Stiffness(_))
     }
@@ -276,8 +278,8 @@ const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
     }
 }
 
-/// Shifts and turns of the frame where they are looked for, and places of marks on their parts, unless the user says they are exact;
-/// with the group of each.
+/// Returns the unknowns of the measurement with the group of each: shifts and rotations of the frame, positions of marks on parts, and
+/// motions of the frame. Groups that are switched off are left out.
 fn of_the_measurement(
     subject: &DiagnosisProblem<'_>,
     first: usize,

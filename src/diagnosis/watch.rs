@@ -1,35 +1,35 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Is told how far a long computation is, and may end it.
+/// Observer of a long computation, which may also stop it.
 pub trait ProgressObserver {
-    /// The next stage begins.
+    /// Reports the start of a stage.
     fn stage(&self, stage: &str);
-    /// A remark on the stage.
+    /// Reports a detail of the current stage.
     fn detail(&self, detail: String);
-    /// So many are done, of how many at most, and of what.
+    /// Reports the number of completed units, their maximum if known, and the name of the unit.
     fn count(&self, done: usize, most: Option<usize>, what: &'static str);
-    /// False to end the computation after its present step.
+    /// Returns false to end the computation after its current step.
     fn goes_on(&self) -> bool;
-    /// A diagnosis begins, which counts by itself.
+    /// Reports the start of a diagnosis, which counts its own progress.
     #[doc(hidden)]
     fn diagnoses(&self, _progress: &crate::Progress) {}
 }
 
-/// Where a computation stands.
+/// State of a computation.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct ProgressSnapshot {
-    /// What is being done.
+    /// Name of the current stage.
     pub stage: String,
-    /// A remark on it.
+    /// Detail of the current stage.
     pub detail: String,
-    /// How much of it is done.
+    /// Number of completed units.
     pub done: usize,
-    /// Of how much at most, where that is known.
+    /// Maximum number of units, if known.
     pub most: Option<usize>,
 }
 
-/// A [`ProgressObserver`] that several threads share: one computes, another looks and may stop it.
+/// [`ProgressObserver`] shared between threads: one computes, another reads the progress and may stop the computation.
 #[derive(Clone, Debug, Default)]
 pub struct SharedProgress(Arc<Shared>);
 
@@ -41,7 +41,7 @@ struct Shared {
 }
 
 impl SharedProgress {
-    /// Where the computation stands.
+    /// Returns the current state of the computation.
     pub fn stand(&self) -> ProgressSnapshot {
         let diagnosis = self
             .0
@@ -59,7 +59,7 @@ impl SharedProgress {
         self.change(|stand| stand.clone())
     }
 
-    /// Asks the computation to end after its present step.
+    /// Requests the computation to end after its current step.
     pub fn stop(&self) {
         self.0.stopped.store(true, Ordering::Relaxed);
         let diagnosis = self

@@ -1,46 +1,46 @@
-//! The wheel, and what sensors read, while one load goes up and down: the hysteresis loops of a K&C rig.
+//! Readings of wheel and sensors while one load goes up and down: the hysteresis loops of a K&C rig.
 
 use super::diagnose::Outcome;
 use admire_identify::global::Row;
 
-/// Fewer cases in a row are no run.
+/// Minimum number of successive cases in a run.
 const LEAST: usize = 4;
-/// More sensors than that are no curves to look at.
+/// Maximum number of channels for which curves are drawn.
 const MOST: usize = 8;
-/// Rows of the wheel that hold angles.
+/// Angles of the wheel and their row components.
 const ANGLES: [(&str, usize); 2] = [("steer", 4), ("camber", 3)];
 
-/// A reading against one load, the others standing still.
+/// Readings along a run in which only one load changes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelRun {
-    /// Column of the load.
+    /// Name of the load.
     pub load: String,
-    /// `steer` or `camber` of the wheel, or the name of a channel.
+    /// Name of the reading: `steer` or `camber` of the wheel, or a channel.
     pub what: String,
-    /// Its unit, if it has one.
+    /// Unit of the reading, if it has one.
     pub unit: Option<String>,
-    /// Load and reading, in the order of application.
+    /// Load and measured reading, in the order of application.
     pub read: Vec<(f64, f64)>,
-    /// The same by the model as it was.
+    /// Load and prediction of the original model.
     pub before: Vec<(f64, f64)>,
-    /// The same by the extended model.
+    /// Load and prediction of the extended model.
     pub after: Vec<(f64, f64)>,
-    /// True if neither fit has seen these readings.
+    /// True if neither model was fitted to these readings.
     pub unseen: bool,
 }
 
-/// A reading of every case.
+/// Kind of reading of a case.
 #[derive(Clone, Copy)]
 enum Read {
-    /// An angle of the wheel, by its row.
+    /// Angle of the wheel, by its row component.
     Wheel(usize),
-    /// A channel.
+    /// Channel, by its index.
     Channel(usize),
 }
 
 impl Outcome<'_> {
-    /// For each load the longest run of cases in which it alone changes; of runs that no fit has seen, if there are any. The angles of
-    /// the wheel first, then each channel.
+    /// Returns for each load the longest run of cases in which only that load changes. Runs of held-out cases are preferred where there are
+    /// any. The wheel's angles come first, then each channel.
     pub fn wheel_runs(&self) -> Vec<WheelRun> {
         let (programme, measurement) = (
             self.subject.problem.programme,
@@ -115,7 +115,7 @@ impl Outcome<'_> {
         out
     }
 
-    /// The row of a reading of a case, its value, and the standard deviation it is in units of.
+    /// Returns the row of a reading of a case, its value, and the standard deviation that is the unit of the row.
     fn row(&self, read: Read, case: usize) -> Option<(usize, f64, f64)> {
         let measurement = self.subject.problem.measurement;
         let of = &measurement.cases[case];
@@ -148,7 +148,7 @@ impl Outcome<'_> {
     }
 }
 
-/// The longest run of cases of which each goes with the next.
+/// Returns the longest range of cases in which each case belongs together with the next.
 fn longest(count: usize, together: impl Fn(usize, usize) -> bool) -> std::ops::Range<usize> {
     let (mut best, mut start) = (0..0, 0);
     for end in 1..=count {

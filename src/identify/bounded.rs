@@ -1,13 +1,13 @@
-//! Least squares with lower and upper bounds, from normal equations.
+//! Bound-constrained least squares from normal equations.
 
 use nalgebra::{DMatrix, DVector};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// The minimum of `x^T A x / 2 - b^T x` with `lower <= x <= upper`, and which unknowns are at a bound.
+/// Minimises `x^T A x / 2 - b^T x` subject to `lower <= x <= upper`. Returns the minimiser and true for each unknown at a bound.
 ///
-/// `a` is symmetric and positive semidefinite. Bounds are exchanged by blocks (Portugal, Judice and Vicente 1994); where that does
-/// not end, an active-set method descends. Directions nothing determines stay at the least norm in the scale of the diagonal of `a`.
+/// `a` must be symmetric and positive semidefinite. Bounds are exchanged in blocks (Portugal, Judice and Vicente 1994); if this does not
+/// terminate, an active-set method follows. Undetermined directions get the solution of least norm, scaled by the diagonal of `a`.
 pub(super) fn solve(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -33,7 +33,7 @@ pub(super) fn solve(
     (inside, fixed.iter().map(Option::is_some).collect())
 }
 
-/// Rounds in which bounds are exchanged, and in which an active set descends.
+/// Maximum number of rounds of the block exchange and of the active-set method.
 const ROUNDS: (usize, usize) = (12, 400);
 
 struct Problem<'a> {
@@ -45,8 +45,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Exchanges all bounds that are wrong at once, until none is. Nearly always that takes a few rounds; it may also go round in
-    /// circles for ever: then `None`.
+    /// Exchanges all wrong bounds at once until none is left, usually within a few rounds. Returns `None` if the exchange cycles.
     fn exchanged(&self) -> Option<(DVector<f64>, Vec<Option<f64>>)> {
         let (lower, upper) = self.bounds;
         let mut fixed: Vec<Option<f64>> = vec![None; self.b.len()];
@@ -73,7 +72,7 @@ impl Problem<'_> {
         None
     }
 
-    /// A bound holds only while the gradient pushes against it.
+    /// Returns true if the gradient pulls the unknown away from its bound, so that the bound must be released.
     fn pulls_inside(&self, k: usize, at: f64, gradient: f64) -> bool {
         let outward = if at <= self.bounds.0[k] {
             gradient
@@ -83,8 +82,8 @@ impl Problem<'_> {
         outward / self.scale[k] < -self.tolerance
     }
 
-    /// Newton steps on the face of the bounds that hold, each lowering the objective: projected on the bounds where that does,
-    /// else as far as the first bound. A face left without a step is left by the bound that is wrong most.
+    /// Descends by Newton steps on the face of the active bounds. Each step is projected onto the bounds where that lowers the objective,
+    /// else shortened at the first bound. When a face allows no further step, the bound with the largest wrong multiplier is released.
     fn descended(&self) -> (DVector<f64>, Vec<Option<f64>>) {
         let (lower, upper) = self.bounds;
         let count = self.b.len();
@@ -115,7 +114,7 @@ impl Problem<'_> {
                 };
                 *fixed = (at_bound && !released).then_some(x[k]);
             }
-            // A free unknown at its bound that the step would lead out stays there after all.
+            // A free unknown at its bound that the step would move outside is fixed again.
             let step = loop {
                 let step = free_solution(self.a, self.b, &fixed, &self.scale) - &x;
                 let leaves = |k: usize| {
@@ -132,7 +131,7 @@ impl Problem<'_> {
                     break step;
                 }
             };
-            // How far the step stays inside, and where it first leaves.
+            // Length of the step up to each bound, and the first bound it reaches.
             let room = |k: usize| {
                 let bound = if step[k] < 0.0 { lower[k] } else { upper[k] };
                 if step[k] == 0.0 {
@@ -225,8 +224,8 @@ mod tests {
         assert_eq!(fixed, [false, false]);
     }
 
-    /// Ill-conditioned problems of which exchanging all bounds at once goes round in circles, too: the answer obeys the conditions
-    /// of Karush, Kuhn and Tucker, which only the minimum does.
+    /// Includes ill-conditioned problems on which the block exchange cycles. The result must satisfy the Karush-Kuhn-Tucker conditions,
+    /// which characterise the minimum.
     #[test]
     fn ill_conditioned_problems_end_at_their_minimum() {
         let mut noise = Noise::new(7, "bounded");

@@ -5,18 +5,18 @@ use admire_solver::mechanics::Pose;
 use admire_solver::model::{MarkerIx, Model};
 use admire_study::Measurement;
 
-/// How far a sweep is from what was read, over some of the cases.
+/// Differences between a sweep and the readings, over a set of cases.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ReadingMisfit {
     /// Rms of one mark coordinate; `None` without marks.
     pub marks_rms: Option<f64>,
-    /// How many mark coordinates.
+    /// Number of mark coordinates.
     pub coordinates: usize,
-    /// Rms of camber and steer, degrees; `None` without wheel readings.
+    /// Rms of camber and steer, in degrees; `None` without wheel readings.
     pub wheel_deg_rms: Option<[f64; 2]>,
-    /// Rms of a coordinate of the wheel centre.
+    /// Rms of one coordinate of the wheel centre; `None` without wheel readings.
     pub wheel_position_rms: Option<f64>,
-    /// How many cases with wheel readings.
+    /// Number of cases with wheel readings.
     pub wheels: usize,
 }
 
@@ -30,7 +30,7 @@ pub fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     poses[frame.part.0].compose(&local)
 }
 
-/// Compares a sweep with the readings of the chosen cases. Cases without an equilibrium are passed over.
+/// Compares a sweep with the readings of the given cases; cases without an equilibrium are skipped.
 pub fn compare(
     model: &Model,
     measurement: &Measurement,
@@ -71,7 +71,8 @@ pub fn compare(
     }
 }
 
-/// The chi-square test of a sweep over the cases a fit used: marks and wheel, less `parameters` numbers taken from them.
+/// Computes the chi-square test of a sweep from marks and wheel. `parameters` is the number of unknowns that were estimated from these
+/// readings.
 fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Option<FitTest> {
     let measurement = problem.measurement;
     let mut tally = Tally::default();
@@ -80,7 +81,7 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
             tally.add(kind, rms * rms * count as f64 / variance, count);
         }
     };
-    // The first session's errors are part of the noise of a mark.
+    // Position errors of the marks on their parts, from the first session, add to the noise of a mark.
     let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
     add(Kind::Marks, found.marks_rms, found.coordinates, variance);
     if let Some(wheel) = &measurement.wheel {
@@ -109,10 +110,10 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
     )
 }
 
-/// Fills marks, wheel and held-out cases of a fit from the sweeps with the initial and the final values in the deck, and nothing else that
-/// was fitted.
+/// Fills in the marks, wheel and held-out results of a fit from the sweeps of the decks with the initial and the final values. Other fitted
+/// unknowns are not applied.
 ///
-/// `parameters` is how many numbers the fit took from the marks: it lowers the degrees of freedom.
+/// `parameters` is the number of unknowns estimated from the marks; it is subtracted from the degrees of freedom.
 pub(crate) fn fill(
     fit: &mut Fit,
     problem: &Problem<'_>,
@@ -125,7 +126,7 @@ pub(crate) fn fill(
     fit.fit_test = tested(problem, &fitted, parameters);
     fit.marks = fitted.marks_rms.map(|rms| {
         let dof = fitted.coordinates.saturating_sub(parameters).max(1) as f64;
-        // The first session's errors are part of the noise of a mark.
+        // Position errors of the marks on their parts, from the first session, add to the noise of a mark.
         let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
         let squares = rms * rms * fitted.coordinates as f64;
         Marks {
@@ -137,14 +138,14 @@ pub(crate) fn fill(
     written(fit, problem, before, after);
 }
 
-/// Over the cases that are held out, or over the others.
+/// Compares a sweep with the readings of the held-out cases, or of the others.
 fn over(problem: &Problem<'_>, sweep: &Sweep, held_out: bool) -> ReadingMisfit {
     let cases = &problem.measurement.cases;
     let chosen = (0..cases.len()).filter(|&case| cases[case].held_out == held_out);
     compare(problem.model, problem.measurement, sweep, chosen)
 }
 
-/// Fills what the decks with the initial and with the final values achieve by themselves.
+/// Fills in the results of the plain decks with the initial and with the final values.
 pub fn written(fit: &mut Fit, problem: &Problem<'_>, before: &Sweep, after: &Sweep) {
     let measurement = problem.measurement;
     let of_fitted = [before, after].map(|sweep| over(problem, sweep, false).marks_rms);

@@ -7,67 +7,68 @@ use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
 use super::structure::LackOfFitTest;
 use admire_solver::statics::Balance;
 
-/// What is told of a fit that ended before its minimum.
+/// Remark on a fit that ended before its minimum.
 pub const NOT_CONVERGED: &str = "The fit did not converge; these are the values it had reached.";
 
-/// What became of a number.
+/// Outcome for one number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// Found.
+    /// The data determine the number.
     Identified,
-    /// Regression: the previous value was kept. Other methods: sd of ln K above 0.5.
+    /// Regression: the previous value was kept. Other methods: the standard deviation of ln K exceeds 0.5.
     Unidentifiable,
-    /// At a bound.
+    /// The number is at a bound.
     Bound,
 }
 
 /// One identified number, as `identification.json` shows it.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ParameterFit {
-    /// `BUSHING/1.K.1`.
+    /// Address, such as `BUSHING/1.K.1`.
     pub address: String,
-    /// Addresses of numbers that equal it by symmetry.
+    /// Addresses of numbers that are equal by symmetry.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tied: Vec<String>,
-    /// Its unit; KT is per radian.
+    /// Unit; rotational stiffnesses are per radian.
     pub unit: String,
-    /// Where it started.
+    /// Starting value.
     pub initial: f64,
-    /// The estimate.
+    /// Estimate.
     pub value: f64,
     /// Standard error, in the unit of the value.
     pub std_error: Option<f64>,
-    /// 95 percent interval; a side without a bound is `null`.
+    /// 95 percent interval; an unbounded side is `null`.
     pub interval95: [Option<f64>; 2],
-    /// Regression: r of equation 15. Other methods: the largest correlation with another number.
+    /// Regression: r of equation 15. Other methods: the correlation of largest magnitude with another number.
     pub correlation: Option<f64>,
-    /// Part of the variance behind `std_error` that is due to tolerances; `None` where the method knows none.
+    /// Share of the variance behind `std_error` that is due to tolerances; `None` for methods without tolerances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_share: Option<f64>,
-    /// 95 percent interval by profile likelihood with tolerances marginalised; only where the fit was repeated.
+    /// 95 percent profile-likelihood interval with tolerances marginalised; only where the fit was repeated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile95: Option<[Option<f64>; 2]>,
-    /// What fits of readings drawn anew say.
+    /// Result of repeated fits of simulated readings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<Repeated>,
-    /// What draws from the posterior say.
+    /// Result of draws from the posterior.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<Repeated>,
-    /// What became of it.
+    /// Outcome.
     pub status: Status,
 }
 
-/// The size of a group of tolerances.
+/// Estimated standard deviation of a group of tolerances.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ToleranceFound {
-    /// Standard deviation of one member.
+    /// Standard deviation of one member of the group.
     pub sd: f64,
-    /// What is usual.
+    /// Usual standard deviation of such a group.
     pub usual: f64,
-    /// Unit of both.
+    /// Unit of `sd` and `usual`.
     pub unit: &'static str,
-    /// Whether it is more than its prior allows, or of whole parts more than the noise of a mark: it may have taken up what the model lacks.
+    /// True if the size exceeds what its prior allows, or if pose noise exceeds the noise of a mark. The group may then have absorbed a
+    /// model error.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub strained: bool,
 }
@@ -75,84 +76,84 @@ pub struct ToleranceFound {
 /// Noise of mark coordinates.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NoiseFound {
-    /// As the study states it.
+    /// Standard deviation as stated by the study.
     pub declared: Option<f64>,
-    /// As the marks of rigid parts show it.
+    /// Standard deviation as estimated from the marks of rigid parts.
     pub estimated: Option<f64>,
-    /// Degrees of freedom of Student's t, where the tails ask for it.
+    /// Degrees of freedom of Student's t, if the tails are heavy.
     pub dof: Option<f64>,
 }
 
-/// The assembly offset of a bushing (equation 9).
+/// Assembly offset of a bushing (equation 9).
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct OffsetFit {
-    /// `BUSHING/1`.
+    /// Address, such as `BUSHING/1`.
     pub address: String,
-    /// Measured minus real deflection: three lengths, three angles in radians, J axes.
+    /// Measured minus true deflection: three lengths, three angles in radians, J axes.
     pub delta: [f64; 6],
-    /// Standard errors.
+    /// Standard errors of `delta`.
     pub std_error: [Option<f64>; 6],
 }
 
-/// A combination of logarithms of numbers the data say little about.
+/// A linear combination of logarithms of numbers that the data hardly determine.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct UnidentifiableDirection {
-    /// Unit vector over ln K, small components left out.
+    /// Unit vector over ln K by address, without small components.
     pub combination: BTreeMap<String, f64>,
-    /// Its standard deviation.
+    /// Standard deviation along the combination.
     pub sd_log: f64,
 }
 
-/// How the marks are explained.
+/// Fit statistics of the marks.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Marks {
-    /// Rms of one coordinate.
+    /// Rms residual of one coordinate.
     pub rms: Option<f64>,
     /// Chi-square per degree of freedom.
     pub chi2_per_dof: Option<f64>,
-    /// Sd of one coordinate.
+    /// Standard deviation of one coordinate.
     pub sigma: f64,
 }
 
-/// How far a deck is from the marks of the cases that were fitted, by itself: rms of one coordinate.
+/// Rms errors of one mark coordinate over the fitted cases, with the numbers of the deck applied and nothing else.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Written {
-    /// With the initial numbers.
+    /// Rms error with the initial numbers.
     pub marks_rms_before: f64,
-    /// With the identified numbers, and nothing else that was fitted.
+    /// Rms error with the identified numbers, without any other fitted unknown.
     pub marks_rms_after: f64,
 }
 
-/// What no fit saw.
+/// Results for held-out data, which no fit used.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct HeldOut {
-    /// Labels of the cases.
+    /// Labels of the held-out cases.
     pub cases: Vec<String>,
-    /// Rms mark error before.
+    /// Rms mark error with the initial numbers.
     pub marks_rms_before: Option<f64>,
-    /// Rms mark error after.
+    /// Rms mark error with the identified numbers.
     pub marks_rms_after: Option<f64>,
-    /// Curves that no fit saw.
+    /// Held-out curves.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub curves: Vec<CurveHeldOut>,
 }
 
-/// A channel that no fit saw.
+/// Results for a held-out channel, which no fit used.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct CurveHeldOut {
-    /// Its name.
+    /// Name of the channel.
     pub name: String,
-    /// Its unit.
+    /// Unit of the channel.
     pub unit: Option<String>,
-    /// How many readings it has.
+    /// Number of readings.
     pub count: usize,
-    /// Rms error before.
+    /// Rms error with the initial numbers.
     pub rms_before: f64,
-    /// Rms error after.
+    /// Rms error with the identified numbers.
     pub rms_after: f64,
 }
 
-/// How the wheel is explained.
+/// Rms errors of the wheel angles, before and after the identification.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[allow(missing_docs)] // The names are those of identification.json.
 pub struct WheelFit {
@@ -162,69 +163,69 @@ pub struct WheelFit {
     pub steer_deg_rms_after: f64,
 }
 
-/// The answer of an identification: what `identification.json` holds, and what only the report shows.
+/// Result of an identification: the contents of `identification.json`, and further data for the report.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Fit {
-    /// `gauss-newton`, `regression` or `direct`.
+    /// Method: `gauss-newton`, `regression` or `direct`.
     pub method: String,
-    /// `native`, `command` or `replay`.
+    /// Backend: `native`, `command` or `replay`.
     pub backend: String,
-    /// Whether the method's own test of convergence was met.
+    /// Whether the convergence test of the method was met.
     pub converged: bool,
-    /// Whether somebody ended the run before it was done.
+    /// Whether the run was stopped before it was complete.
     pub interrupted: bool,
     /// Addresses of the numbers whose value or interval the rest of the run would still have changed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub affected: Vec<String>,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// Equilibria asked of the solver: sweeps times cases.
+    /// Number of equilibria solved: sweeps times cases.
     pub solver_runs: usize,
-    /// What was left of the forces on a part at worst when they were summed anew; `None` if another solver ran.
+    /// Largest force imbalance of a part, recomputed from the solutions; `None` if another solver ran.
     pub balance: Option<Balance>,
-    /// SHA-256 over every input file.
+    /// SHA-256 over all input files.
     pub inputs_sha256: String,
-    /// One per unknown.
+    /// Results, one per unknown.
     pub parameters: Vec<ParameterFit>,
-    /// One per bushing, where offsets were estimated.
+    /// Assembly offsets, one entry per bushing, if they were estimated.
     pub assembly_offsets: Vec<OffsetFit>,
-    /// What the data do not tell apart.
+    /// Combinations of numbers that the data do not determine.
     pub unidentifiable_directions: Vec<UnidentifiableDirection>,
-    /// Sizes of tolerances the intervals allow for, by group; empty where the method knows none.
+    /// Sizes of the tolerances that the intervals include, by group; empty for methods without tolerances.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub tolerances: BTreeMap<String, ToleranceFound>,
-    /// The noise of the marks, as stated and as they show it.
+    /// Noise of the marks, stated and estimated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseFound>,
-    /// Whether what is left of the readings is no more than their noise; `None` for readings without any.
+    /// Chi-square test of the residuals against the noise; `None` for readings without noise.
     pub fit_test: Option<FitTest>,
-    /// Tests of structure in what is left.
+    /// Tests for structure in the residuals.
     pub structure: Vec<LackOfFitTest>,
-    /// How the marks are explained, with all that was fitted beside the numbers: offsets, errors of frame and marks.
+    /// Fit statistics of the marks with all fitted unknowns, including offsets, frame errors and mark errors.
     pub marks: Option<Marks>,
-    /// How the marks are explained by the deck as it is written.
+    /// Fit statistics of the marks with the identified numbers alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub written: Option<Written>,
-    /// What no fit saw.
+    /// Results for data that no fit used.
     pub held_out: HeldOut,
-    /// How the wheel is explained.
+    /// Fit statistics of the wheel.
     pub wheel: Option<WheelFit>,
-    /// How the fits of readings drawn anew were made.
+    /// Settings and summary of the bootstrap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bootstrap: Option<BootstrapMade>,
-    /// How the draws from the posterior were made.
+    /// Settings and summary of the posterior sampling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorMade>,
-    /// Values of the unknowns after every iteration, the initial ones first. For the report only.
+    /// Values of the unknowns at the start and after every iteration; for the report only.
     #[serde(skip)]
     pub history: Vec<Vec<f64>>,
-    /// What a person should know about this result, one sentence each. For report and console.
+    /// Remarks on the result for the reader, one sentence each; for report and console.
     #[serde(skip)]
     pub remarks: Vec<String>,
 }
 
 impl Fit {
-    /// The values of the unknowns.
+    /// Returns the values of the unknowns.
     pub fn values(&self) -> Vec<f64> {
         self.parameters
             .iter()
@@ -232,13 +233,13 @@ impl Fit {
             .collect()
     }
 
-    /// Marks a fit that was ended before its values had settled.
+    /// Marks the fit as interrupted before its values had converged.
     pub(super) fn cut_short(&mut self) {
         self.interrupted = true;
         self.affected = self.parameters.iter().map(|p| p.address.clone()).collect();
     }
 
-    /// `identification.json`.
+    /// Returns the contents of `identification.json`.
     pub fn to_json(&self) -> String {
         let text = serde_json::to_string_pretty(self);
         text.expect("a fit holds only names and numbers") + "\n"

@@ -1,11 +1,11 @@
-//! Free motions and what was read of them: answers of any solver moved to where the readings are.
+//! Placement of the solutions of any solver along free (zero-stiffness) motions, at the best fit of the readings.
 
 use super::global::{CaseChanges, Observed, STEPS, SeenMark, step};
 use admire_session::backend::{FreeMotions, Sweep, Twist};
 use admire_solver::mechanics::Pose;
 use admire_study::Measurement;
 
-/// Moves parts along the free motions to where these marks of the observed parts are met best.
+/// Moves the parts along the free motions to the best fit of these marks of the observed parts.
 pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, marks: &[SeenMark]) {
     if free.is_empty() {
         return;
@@ -31,7 +31,7 @@ pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, m
     }
 }
 
-/// Twists of the observed parts at these poses, as changes along each motion; channels are taken to stay.
+/// Returns the twists of the observed parts at these poses as changes along each free motion; channels are taken as constant.
 pub(crate) fn changes_along(
     free: &FreeMotions,
     poses: &[Pose],
@@ -49,7 +49,7 @@ pub(crate) fn changes_along(
     out
 }
 
-/// Moves the answers of all cases to where they meet the marks that were read best.
+/// Moves the solutions of all cases along the free motions to the best fit of the measured marks.
 pub fn meet_marks_of_all(free: &FreeMotions, sweep: &mut Sweep, measurement: &Measurement) {
     if free.is_empty() {
         return;

@@ -1,57 +1,57 @@
-//! Whether a fit leaves no more than noise: the chi-square test of its residuals.
+//! Chi-square test of the residuals of a fit: whether they exceed the noise.
 
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use admire_study::Measurement;
 
-/// A verdict against the fit is wrong in so many of its cases: one in a thousand.
+/// Significance level of the tests of a fit: probability of a false rejection.
 pub(crate) const LEVEL: f64 = 1e-3;
 
-/// What the test says.
+/// Verdict of the chi-square test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Residuals of the size of the stated noise.
+    /// The residuals agree with the stated noise.
     Noise,
-    /// Larger residuals than the stated noise leaves: the model lacks something, or the noise is larger.
+    /// The residuals exceed the stated noise: the model is deficient, or the noise is understated.
     Misfit,
-    /// Smaller residuals than the stated noise would leave: the noise is overstated, and so are the intervals.
+    /// The residuals are smaller than the stated noise: the noise is overstated, and the intervals are too wide.
     NoiseOverstated,
 }
 
-/// One kind of readings.
+/// Residuals of one kind of reading.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct ReadingsLeft {
-    /// `marks`, `wheel position`, `wheel angles` or a channel's name.
+    /// Kind: `marks`, `wheel position`, `wheel angles` or a channel's name.
     pub kind: String,
-    /// How many numbers were read.
+    /// Number of scalar readings.
     pub count: usize,
-    /// Rms of what is left of them over their noise.
+    /// Rms of the residuals over their noise.
     pub rms_over_sigma: f64,
 }
 
-/// The chi-square test of all readings a fit used.
+/// Chi-square test of all readings that a fit used.
 ///
-/// The statistic is the sum of squared residuals over their variances plus what the priors of the measurement's own errors cost. It has
-/// the chi-square distribution with one degree of freedom per reading less the stiffnesses that the readings determine; a stiffness they
-/// determine in part counts by that part.
+/// The statistic is the sum of squared residuals over their variances, plus the prior terms of the measurement's own errors. It follows the
+/// chi-square distribution. The degrees of freedom are the number of readings minus the effective number of stiffnesses; a stiffness that
+/// the readings determine in part counts as a fraction.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct FitTest {
-    /// The statistic.
+    /// Test statistic.
     pub chi2: f64,
-    /// Its degrees of freedom.
+    /// Degrees of freedom of the statistic.
     pub dof: f64,
-    /// Probability of a larger statistic if there is nothing but the stated noise.
+    /// Probability of a larger statistic under the stated noise alone.
     pub p_value: f64,
-    /// What it says.
+    /// Verdict of the test.
     pub verdict: Verdict,
-    /// Each kind of readings.
+    /// Residuals of each kind of reading.
     pub readings: Vec<ReadingsLeft>,
 }
 
 impl FitTest {
-    /// Tests a statistic. `None` without a degree of freedom.
+    /// Computes the test of a statistic; returns `None` without degrees of freedom.
     pub fn new(chi2: f64, dof: f64, readings: Vec<ReadingsLeft>) -> Option<Self> {
         let distribution = ChiSquared::new(dof).ok().filter(|_| chi2.is_finite())?;
         let (above, below) = (distribution.sf(chi2), distribution.cdf(chi2));
@@ -70,17 +70,17 @@ impl FitTest {
         })
     }
 
-    /// By which factor the noise would have to be larger for the statistic to be what it should be.
+    /// Returns the factor on the noise that would make chi-square equal to its degrees of freedom.
     pub fn noise_factor(&self) -> f64 {
         (self.chi2 / self.dof).sqrt()
     }
 }
 
-/// Sums of squared residuals over sigma, by kind of reading.
+/// Sums of squared whitened residuals, by kind of reading.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Tally(Vec<(Kind, f64, usize)>);
 
-/// A kind of reading.
+/// Kind of reading.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Kind {
     Marks,
@@ -90,7 +90,7 @@ pub(super) enum Kind {
 }
 
 impl Tally {
-    /// Counts `count` readings with this sum of squared residuals over sigma.
+    /// Adds `count` readings with their sum of squared whitened residuals.
     pub(super) fn add(&mut self, kind: Kind, squares: f64, count: usize) {
         match self.0.iter_mut().find(|(of, _, _)| *of == kind) {
             Some((_, sum, counted)) => {
@@ -101,7 +101,7 @@ impl Tally {
         }
     }
 
-    /// Sum over all kinds, and how many readings.
+    /// Returns the sum over all kinds and the number of readings.
     pub(super) fn total(&self) -> (f64, usize) {
         let (mut sum, mut count) = (0.0, 0);
         for (_, squares, readings) in &self.0 {
@@ -111,7 +111,7 @@ impl Tally {
         (sum, count)
     }
 
-    /// Each kind for a person.
+    /// Returns the residuals of each kind for display.
     pub(super) fn kinds(&self, measurement: &Measurement) -> Vec<ReadingsLeft> {
         let mut kinds = self.0.clone();
         kinds.sort_by_key(|(kind, _, _)| *kind);
@@ -145,7 +145,7 @@ mod tests {
             assert_eq!(verdict(0.999), Verdict::Noise, "{dof}");
             assert_eq!(verdict(1.001), Verdict::Misfit, "{dof}");
         }
-        // 1.29 per degree of freedom is nothing at 10, and 9 standard deviations at 1,850.
+        // 1.29 per degree of freedom is insignificant at 10 degrees, and 9 standard deviations at 1,850.
         let p = |dof: f64| FitTest::new(1.29 * dof, dof, Vec::new()).unwrap();
         assert_eq!(p(10.0).verdict, Verdict::Noise);
         assert_eq!(p(1850.0).verdict, Verdict::Misfit);

@@ -1,11 +1,11 @@
-//! Identification: numbers of a deck from what was measured on the rig.
+//! Identification: estimation of numbers of a deck from measurements on the rig.
 //!
-//! [`LoadedStudy`] is a study with its model, [`Problem`] the numbers to identify, [`Fit`] the result as in `identification.json`. Three methods
-//! share these: [`regression`] is the loop of the paper, [`direct`] a solution without iteration over equilibria, [`global`] a fit of all
-//! readings. [`tolerance`] is the error model: noise of the readings, tolerances of axle and rig, and their evidence. Effects that a model
-//! lacks are the subject of `admire-diagnosis`.
+//! [`LoadedStudy`] is a study with its model, [`Problem`] lists the numbers to identify, and [`Fit`] is the result as written to
+//! `identification.json`. Three methods share these types: [`regression`] is the iteration of the paper, [`direct`] a solution without
+//! equilibrium iterations, and [`global`] a fit of all readings. [`tolerance`] is the error model: noise of the readings, tolerances of axle
+//! and rig, and their evidence. Effects that are missing from a model are treated in `admire-diagnosis`.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -11,29 +11,29 @@ use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
-/// A study with its deck resolved: all that identification and diagnosis start from.
+/// A study with its deck resolved, the input of identification and diagnosis.
 #[derive(Clone, Debug)]
 pub struct LoadedStudy {
-    /// The study's settings and files.
+    /// Settings and files of the study.
     pub study: Study,
-    /// Its deck.
+    /// Deck of the study.
     pub dataset: Dataset,
-    /// The deck, resolved.
+    /// Model of the deck.
     pub model: Model,
-    /// What was measured.
+    /// Measured readings.
     pub measurement: Measurement,
     /// Loads and cases.
     pub programme: LoadProgramme,
-    /// Motions of the deck that nothing resists.
+    /// Free (zero-stiffness) motions of the deck.
     pub free: FreeMotions,
-    /// What is sought.
+    /// Numbers to identify.
     pub unknowns: Vec<Unknown>,
-    /// The reference deck, for reports only.
+    /// Reference deck, for reports only.
     pub reference: Option<Dataset>,
 }
 
 impl LoadedStudy {
-    /// Reads a study folder and everything it names. `None` when an error stands in the way of any fit.
+    /// Reads a study folder and all files it refers to. The value is `None` if an error prevents any fit.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let read = Study::read(folder);
         match read.value {
@@ -45,7 +45,7 @@ impl LoadedStudy {
         }
     }
 
-    /// The same study with another deck in place of its own.
+    /// Returns the same study with another deck.
     pub fn with_deck(&self, deck: Source) -> Checked<Option<Self>> {
         let mut study = self.study.clone();
         study.deck = deck;
@@ -72,7 +72,7 @@ impl LoadedStudy {
             let is_whole = !has_errors(&compiled.diagnostics);
             let external = study.solver.backend != BackendChoice::Native;
             own.extend(compiled.diagnostics.into_iter().map(|mut diagnostic| {
-                // What the built-in solver leaves out, another one may solve.
+                // Another solver may support elements that the built-in solver does not.
                 if external {
                     diagnostic.severity = diagnostic.severity.min(Severity::Warning);
                 }
@@ -93,7 +93,7 @@ impl LoadedStudy {
                     .clone()
                     .map(|source| Dataset::parse(source).value);
                 let measurement = measured.value;
-                // What is left out may be what resists.
+                // An unsupported element may resist a motion that otherwise appears free.
                 let loads = Loads::of(&system, &programme).ok().filter(|_| is_whole);
                 let free = loads.map(|loads| FreeMotions::new((&dataset, &model), &system, loads));
                 let loaded = Self {
@@ -119,7 +119,7 @@ impl LoadedStudy {
         }
     }
 
-    /// The problem every method works on.
+    /// Returns the problem for the identification methods.
     pub fn problem(&self) -> Problem<'_> {
         Problem {
             dataset: &self.dataset,
@@ -135,16 +135,16 @@ impl LoadedStudy {
         }
     }
 
-    /// The reference deck's value of each unknown, where there is one.
+    /// Returns the value of each unknown in the reference deck, if there is one.
     pub fn reference_values(&self) -> Vec<Option<f64>> {
         let of = |unknown: &Unknown| self.reference.as_ref()?.value_at(&unknown.address);
         self.unknowns.iter().map(of).collect()
     }
 
-    /// The deck with these values: one-line edits of the user's own file.
+    /// Returns the deck with these values, as one-line edits of the user's own file.
     ///
     /// # Errors
-    /// A value that cannot be written into the deck.
+    /// Fails if a value cannot be written into the deck.
     pub fn identified_deck(&self, values: &[f64]) -> Result<Vec<u8>, Diagnostic> {
         let unknowns = self.unknowns.iter().zip(values);
         let assigned: Vec<(Address, f64)> = unknowns
@@ -166,7 +166,7 @@ fn has_errors(diagnostics: &[Diagnostic]) -> bool {
         .any(|diagnostic| diagnostic.severity == Severity::Error)
 }
 
-/// Twelve significant digits: more than any estimate deserves, fewer than would make the edited lines unreadable.
+/// Rounds to twelve significant digits: more than any estimate warrants, and short enough for readable lines.
 fn significant(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }

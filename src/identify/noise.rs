@@ -1,19 +1,22 @@
-//! The noise of sensors whose study does not state it, from what a fit leaves of their readings.
+//! Noise of sensors for which the study states none, estimated from the residuals of a fit.
 
 use super::LoadedStudy;
 use super::global::{GlobalFit, Observations, Options, Prepared, Row, effective_dof, fit_study};
 use crate::IdentifyError;
 use admire_session::backend::Backend;
 
-/// Fits until the noise moves by less than this part of itself, or so often.
+/// Relative change of the noise below which the estimate has converged.
 const SETTLED: f64 = 0.01;
+/// Maximum number of fits.
 const ROUNDS: usize = 5;
 
-/// Replaces the noise of every channel without a stated one by the root of its squared residuals over their degrees of freedom, each
-/// channel bearing its share of the unknowns, and fits again until that settles. What a model cannot follow counts as noise here.
+/// Estimates the noise of every channel without a stated one from its squared residuals over their degrees of freedom, and repeats the fit
+/// until the estimates converge.
+///
+/// The unknowns reduce the degrees of freedom of all channels in proportion. Model errors count as noise here.
 ///
 /// # Errors
-/// As a fit.
+/// Fails if a fit fails, see [`fit_study`].
 pub fn estimate_noise(
     loaded: &mut LoadedStudy,
     mut backend: Option<&mut (dyn Backend + '_)>,
@@ -55,7 +58,7 @@ pub fn estimate_noise(
     Ok(())
 }
 
-/// Sd of the whitened residuals of each channel.
+/// Returns the standard deviation of the whitened residuals of each channel.
 fn sizes(found: &GlobalFit<'_>, channels: usize) -> Vec<Option<f64>> {
     let observations = &found.problem.observations;
     let share = effective_dof(&found.problem, &found.minimum) / observations.rows.len() as f64;
@@ -65,7 +68,7 @@ fn sizes(found: &GlobalFit<'_>, channels: usize) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// `None` where there are too few, or they vanish.
+/// Returns the standard deviation of one channel's whitened residuals; `None` if there are too few or all are zero.
 fn spread(observations: &Observations<'_>, residual: &[f64], k: usize, share: f64) -> Option<f64> {
     let of = observations.rows.iter().zip(residual);
     let of = of.filter(|(row, _)| matches!(row, Row::Channel { channel, .. } if *channel == k));

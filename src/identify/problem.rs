@@ -10,33 +10,33 @@ use admire_study::settings::{IdentifySettings, RegressionSettings};
 use admire_study::{CausePriors, Measurement, ToleranceSettings};
 use admire_syntax::{Address, Dataset};
 
-/// All an identification works with.
+/// Inputs of an identification.
 #[derive(Clone, Debug)]
 pub struct Problem<'a> {
-    /// The deck.
+    /// Deck.
     pub dataset: &'a Dataset,
-    /// The deck, lowered.
+    /// Model of the deck.
     pub model: &'a Model,
     /// Loads and cases; the cases are those of the measurement, in the same order.
     pub programme: &'a LoadProgramme,
-    /// What was measured.
+    /// Measured readings.
     pub measurement: &'a Measurement,
-    /// `[identify]`.
+    /// Settings of `[identify]`.
     pub settings: &'a IdentifySettings,
-    /// `[regression]`.
+    /// Settings of `[regression]`.
     pub regression: &'a RegressionSettings,
-    /// `[tolerances]`.
+    /// Settings of `[tolerances]`.
     pub tolerances: &'a ToleranceSettings,
     /// `[priors]`.
     pub priors: &'a CausePriors,
     /// Motions of the deck that nothing resists.
     pub free: &'a FreeMotions,
-    /// What is sought.
+    /// Numbers to identify.
     pub unknowns: Vec<Unknown>,
 }
 
 impl Problem<'_> {
-    /// Every address to set for these values of the unknowns.
+    /// Returns all addresses to set, with their numbers, for these values of the unknowns.
     pub(crate) fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
         self.unknowns
             .iter()
@@ -45,10 +45,10 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Solves all cases with these values of the unknowns. Along motions that nothing resists the parts are where the marks were read.
+    /// Solves all cases at these values of the unknowns. Along free motions, the parts are placed at the best fit of the measured marks.
     ///
     /// # Errors
-    /// [`BackendError`] when nothing could be solved.
+    /// Returns [`BackendError`] if nothing could be solved.
     pub fn sweep(&self, backend: &mut dyn Backend, values: &[f64]) -> Result<Sweep, BackendError> {
         let mut sweep = backend.sweep(&SweepRequest {
             dataset: self.dataset,
@@ -60,7 +60,7 @@ impl Problem<'_> {
         Ok(sweep)
     }
 
-    /// Where the unknowns start.
+    /// Returns the starting values of the unknowns.
     pub fn initial(&self) -> Vec<f64> {
         self.unknowns
             .iter()
@@ -68,7 +68,7 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// The six stiffnesses of a bushing, unknowns replaced by their values.
+    /// Returns the six stiffnesses of a bushing, with the unknowns replaced by their values.
     pub fn stiffnesses(&self, bushing: usize, values: &[f64]) -> [f64; 6] {
         let law = &self.model.bushings[bushing];
         let mut k = [0.0; 6];
@@ -84,7 +84,7 @@ impl Problem<'_> {
         k
     }
 
-    /// The bushings that hold an unknown, in the order of the unknowns.
+    /// Returns the bushings with at least one unknown, in the order of the unknowns.
     pub fn bushings(&self) -> Vec<usize> {
         let mut found = Vec::new();
         for (bushing, _) in self.unknowns.iter().flat_map(Unknown::axes) {
@@ -96,28 +96,28 @@ impl Problem<'_> {
     }
 }
 
-/// Told after every iteration: its number, the values so far, and a measure of what still moves. Breaking stops the run; what
-/// was found so far is kept.
+/// Callback after every iteration. Arguments: number of the iteration, current values, measure of the last change. `Break` stops the run and
+/// keeps the values so far.
 pub type Progress<'a> = dyn FnMut(usize, &[f64], f64) -> ControlFlow<()> + 'a;
 
-/// Why there is no result at all.
+/// Reason why an identification has no result.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum IdentifyError {
     /// The backend could not solve anything.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// No case the solver can reach has readings.
+    /// No load case has both an equilibrium and readings.
     #[error("no load case has both an equilibrium and readings{}", .0.as_ref().map_or_else(String::new, |why| format!(": {why}")))]
     NoCases(Option<admire_session::backend::CaseFailure>),
-    /// Nothing to identify.
+    /// The study has no numbers to identify.
     #[error("the study names nothing to identify")]
     NoUnknowns,
-    /// The method needs what the study does not have.
+    /// The study lacks an input of the method.
     #[error("method `{method}` needs {needs}")]
     NotPossible {
-        /// The method.
+        /// Name of the method.
         method: &'static str,
-        /// What it needs.
+        /// Description of the missing input.
         needs: &'static str,
     },
 }

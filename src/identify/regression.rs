@@ -1,5 +1,5 @@
-//! The paper's loop (section 3, equations 12 to 18): forces from the model, deflections from the measurement, one straight line
-//! per stiffness, again until nothing moves any more.
+//! The iteration of the paper (section 3, equations 12 to 18). Forces come from the model and deflections from the measurement; one straight
+//! line per stiffness is fitted, and this is repeated until the stiffnesses no longer change.
 
 use std::ops::ControlFlow;
 
@@ -10,33 +10,33 @@ use admire_solver::mechanics::{Pose, RelativeMotion, Vec3, Vec6};
 use admire_study::deflection::{DeflectionForm, deflection};
 use admire_study::settings::{Method, RegressionSettings, Slope, Weights};
 
-/// Readings of equations 5, 6 and 10 beyond those a study can choose: to show what the misprints do. The default is what works.
+/// Alternative interpretations of equations 5, 6 and 10, to show the effect of misprints. The default is the interpretation that works.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Reading {
-    /// Equations 5 and 6.
+    /// Form of equations 5 and 6.
     pub deflection: DeflectionForm,
-    /// Take the force as ADAMS reports it, on the I marker: every r becomes -1.
+    /// If true, takes the force that ADAMS reports, which acts on the I marker; every r then becomes -1.
     pub force_on_i: bool,
-    /// Take the torque at the J origin, which also holds `delta x F`.
+    /// If true, takes the torque about the J origin, which includes `delta x F`.
     pub torque_at_j: bool,
 }
 
-/// A straight line through (deflection, force) pairs: equations 13 to 15.
+/// A straight line through (deflection, force) pairs, equations 13 to 15.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Line {
-    /// Its slope.
+    /// Slope, the stiffness.
     pub stiffness: f64,
     /// delta0 of equation 12: mean(delta) - mean(F) / K (equation 13 prints the opposite sign).
     pub offset: f64,
-    /// Equation 15.
+    /// Correlation coefficient, equation 15.
     pub r: f64,
-    /// sum (F - mean F)^2: what equation 16 weighs by.
+    /// Sum of (F - mean F)^2, used as weight in equation 16.
     pub force_squares: f64,
-    /// How many pairs.
+    /// Number of pairs.
     pub count: usize,
 }
 
-/// Fits a line. `None` for fewer than three pairs or when nothing varies.
+/// Fits a line; returns `None` for fewer than three pairs or without any variation.
 pub fn line(pairs: &[(f64, f64)], slope: Slope) -> Option<Line> {
     let count = pairs.len();
     if count < 3 {
@@ -68,17 +68,16 @@ pub fn line(pairs: &[(f64, f64)], slope: Slope) -> Option<Line> {
     })
 }
 
-/// What the history says of the fixed point.
+/// Extrapolation of the iteration to its fixed point.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Prediction {
-    /// Per unknown, the change of ln K still to come if its steps go on shrinking at their present rate; `None` where they do
-    /// not shrink.
+    /// Remaining change of ln K of each unknown if its steps continue to shrink at the present rate; `None` where they do not shrink.
     pub remaining: Vec<Option<f64>>,
-    /// Per unknown, the ratio of its last steps.
+    /// Ratio of successive steps of each unknown.
     pub rate: Vec<Option<f64>>,
 }
 
-/// Estimates the contraction rate of each unknown from its last steps and sums the geometric series of the steps to come.
+/// Estimates the contraction rate of each unknown from its last steps and sums the geometric series of the remaining steps.
 pub fn predict(history: &[Vec<f64>]) -> Prediction {
     let count = history.first().map_or(0, Vec::len);
     let (mut remaining, mut rate) = (vec![None; count], vec![None; count]);
@@ -92,7 +91,7 @@ pub fn predict(history: &[Vec<f64>]) -> Prediction {
             remaining[k] = Some(0.0);
             continue;
         }
-        // Over up to five steps: a single ratio would be as rough as the slowest of several modes is slow.
+        // Average over up to five steps, because a single ratio is unreliable when several modes decay.
         let span = (steps.len() - 1).min(5);
         let first = steps[steps.len() - 1 - span];
         if span == 0 || first * last <= 0.0 {
@@ -107,7 +106,7 @@ pub fn predict(history: &[Vec<f64>]) -> Prediction {
     Prediction { remaining, rate }
 }
 
-/// Measured deflections of each identified bushing, per case: `[bushing][case]`.
+/// Returns the measured deflections of each identified bushing per case, as `[bushing][case]`.
 fn measured_deflections(
     problem: &Problem<'_>,
     bushings: &[usize],
@@ -135,7 +134,7 @@ fn measured_deflections(
     found
 }
 
-/// Force and torque of part 1 on part 2 in J axes (equation 10), recomputed from the poses by the BUSHING law.
+/// Computes the force and torque of part 1 on part 2 in J axes (equation 10) from the poses by the BUSHING law.
 fn bushing_force(
     problem: &Problem<'_>,
     bushing: usize,
@@ -148,7 +147,7 @@ fn bushing_force(
     let j = marker_pose(problem.model, poses, law.j);
     let motion = RelativeMotion::between(&i, &j, &Vec3::zeros());
     let (d, a) = (motion.p_ij_j, motion.angles);
-    // On I: F = -K d + F0. On J it is the opposite; its torque about the J origin has d x F besides.
+    // On I: F = -K d + F0. The force on J is the opposite; its torque about the J origin additionally contains d x F.
     let mut wrench = Vec6::zeros();
     for k in 0..3 {
         wrench[k] = stiffness[k] * d[k] - law.force[k];
@@ -164,13 +163,13 @@ fn bushing_force(
     if reading.force_on_i { -wrench } else { wrench }
 }
 
-/// Identifies by the paper's loop, with any backend.
+/// Identifies stiffnesses by the iteration of the paper, with any backend.
 ///
-/// Unknowns that are no bushing stiffness keep the deck's value: the loop has no line for them.
+/// Unknowns other than bushing stiffnesses keep the deck's value, because the iteration has no line for them.
 ///
 /// # Errors
-/// [`IdentifyError`] when the first sweep gives nothing to work with. A backend that fails later ends the loop; what was found
-/// so far is returned as not converged.
+/// Returns [`IdentifyError`] if the first sweep provides no usable case. If the backend fails later, the iteration ends and the values so
+/// far are returned as not converged.
 pub fn identify(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
@@ -179,7 +178,7 @@ pub fn identify(
     identify_as(problem, backend, Reading::default(), progress)
 }
 
-/// The same with other readings of the printed equations.
+/// Identifies stiffnesses by the iteration of the paper, with another interpretation of the printed equations.
 ///
 /// # Errors
 /// As [`identify`].
@@ -248,7 +247,7 @@ pub fn identify_as(
         }
         sweeps += 1;
     }
-    // The last values have not been solved yet; if that fails the sweep before stands for them.
+    // The last values have not been solved yet. If this fails, the previous sweep is used instead.
     let after = problem.sweep(backend, &values).unwrap_or(sweep);
     sweeps += 1;
     remarks.extend(stagnation(problem, &history, converged, settings));
@@ -302,7 +301,7 @@ fn all_lines(
     lines
 }
 
-/// The next values (equations 13, 15, 16), and for which unknowns the previous one was kept.
+/// Returns the next values (equations 13, 15, 16), and true for each unknown that keeps its previous value.
 fn step(
     problem: &Problem<'_>,
     bushings: &[usize],
@@ -336,7 +335,7 @@ fn step(
     (next, kept)
 }
 
-/// Equation 17 for every unknown.
+/// Returns true if every unknown passes the step test of equation 17.
 fn within_step_test(before: &[f64], after: &[f64], epsilon: f64) -> bool {
     before.iter().zip(after).all(|(before, after)| {
         let ratio = after / before;
@@ -349,7 +348,7 @@ fn largest_change(before: &[f64], after: &[f64]) -> f64 {
     before.iter().zip(after).map(change).fold(0.0, f64::max)
 }
 
-/// Equation 17 tests stagnation, not convergence: says what is still to come when the test fires.
+/// Returns remarks on unknowns that still move although the step test has passed: equation 17 tests for stagnation, not for convergence.
 fn stagnation(
     problem: &Problem<'_>,
     history: &[Vec<f64>],
@@ -365,7 +364,7 @@ fn stagnation(
         let Some(remaining) = prediction.remaining[k] else {
             continue;
         };
-        // Less than a few step sizes is what the test promises.
+        // A remaining change of a few step sizes is consistent with the test.
         if remaining.abs() > 3.0 * settings.epsilon {
             let rate = prediction.rate[k].unwrap_or(0.0);
             remarks.push(format!(
@@ -379,7 +378,7 @@ fn stagnation(
     remarks
 }
 
-/// Names the cases without an equilibrium: no line uses them.
+/// Returns a remark for each case without an equilibrium, which no line uses.
 fn unreachable(problem: &Problem<'_>, sweep: &Sweep) -> Vec<String> {
     let mut remarks = Vec::new();
     for (case, outcome) in problem.programme.cases.iter().zip(&sweep.cases) {
@@ -407,7 +406,7 @@ fn parameters(
                 lines.get(place)?[axis]
             })
             .collect();
-        // The slope's own scatter: the best of tied lines speaks for both.
+        // Scatter of the slope; for tied stiffnesses, the line with the highest correlation is used.
         let best = found.iter().copied().max_by(|a, b| a.r.total_cmp(&b.r));
         let identified = !kept[at] && unknown.place != Place::Number;
         let std_error = best.filter(|_| identified).map(|line| {
@@ -445,7 +444,7 @@ fn parameters(
     parameters
 }
 
-/// The two-sided 95 percent point of Student's t.
+/// Returns the 97.5 percent point of Student's t, for two-sided 95 percent intervals.
 fn student_t(dof: usize) -> f64 {
     use statrs::distribution::{ContinuousCDF, StudentsT};
     let distribution = StudentsT::new(0.0, 1.0, dof.max(1) as f64);
@@ -468,7 +467,7 @@ fn offsets(problem: &Problem<'_>, bushings: &[usize], lines: &Lines) -> Vec<Offs
         for axis in 0..6 {
             if let Some(line) = usable(&lines[axis]) {
                 offset.delta[axis] = line.offset;
-                // The scatter of one deflection about the line, averaged over the cases.
+                // Scatter of one deflection about the line, averaged over the cases.
                 let n = line.count as f64;
                 let spread = line.force_squares / n * (1.0 / (line.r * line.r) - 1.0).max(0.0);
                 offset.std_error[axis] = Some((spread / n).sqrt() / line.stiffness);
@@ -500,7 +499,7 @@ mod tests {
 
     #[test]
     fn noise_on_the_deflection_biases_the_printed_slope_by_r_squared() {
-        // NOTES 7. Deflection noise of half the deflection's own sd: r^2 = 1 / 1.25.
+        // NOTES 7. The deflection noise is half the standard deviation of the deflection: r^2 = 1 / 1.25.
         let mut noise = admire_study::noise::Noise::new(5, "attenuation");
         let pairs: Vec<(f64, f64)> = (0..100_000)
             .map(|_| {
@@ -517,7 +516,7 @@ mod tests {
 
     #[test]
     fn a_geometric_approach_is_extrapolated() {
-        // ln K_n = 2 + 0.9^n: after 30 steps 0.9^30 = 0.0424 is left.
+        // ln K_n = 2 + 0.9^n: after 30 steps, 0.9^30 = 0.0424 remains.
         let history: Vec<Vec<f64>> = (0..=30)
             .map(|n| vec![(2.0 + 0.9_f64.powi(n)).exp(), 5.0])
             .collect();

@@ -1,48 +1,48 @@
 use serde::Serialize;
 
-/// What fits of readings drawn anew, or draws from the posterior, say of one number.
+/// Distribution of one number over repeated fits of simulated readings, or over draws from the posterior.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Repeated {
     /// Median.
     pub median: f64,
     /// Standard deviation of ln K times the value, in the unit of the value.
     pub std_error: f64,
-    /// 2.5 and 97.5 percent of all.
+    /// 2.5 and 97.5 percentiles.
     pub interval95: [f64; 2],
-    /// Its width over that of the interval by profile likelihood, both of ln K; `None` where that has no bound.
+    /// Width of `interval95` relative to the profile-likelihood interval, both in ln K; `None` if the latter is unbounded.
     pub width_ratio: Option<f64>,
-    /// Posterior: how many independent draws the draws are worth.
+    /// Posterior only: effective number of independent draws.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_draws: Option<f64>,
-    /// Posterior: potential scale reduction of split chains; one where they agree.
+    /// Posterior only: potential scale reduction factor of split chains; 1 at convergence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub r_hat: Option<f64>,
 }
 
-/// How a bootstrap was made.
+/// Settings and summary of a bootstrap.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct BootstrapMade {
-    /// Fits.
+    /// Number of fits.
     pub replicates: u64,
-    /// Those of them without an answer.
+    /// Number of fits without a solution.
     pub without_answer: u64,
-    /// Seed.
+    /// Random seed.
     pub seed: u64,
-    /// Root of the mean square of the residuals that are drawn, whitened: one if noise and tolerances are as the fit has them.
+    /// Rms of the whitened residuals that are resampled; 1 if noise and tolerances agree with the fit.
     pub noise_ratio: f64,
 }
 
-/// How draws from the posterior were made.
+/// Settings and summary of a posterior sampling run.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct PosteriorMade {
-    /// Draws of all chains.
+    /// Number of draws over all chains.
     pub draws: u64,
-    /// Chains.
+    /// Number of chains.
     pub chains: u64,
-    /// Seed.
+    /// Random seed.
     pub seed: u64,
-    /// Mean probability with which the end of a trajectory was accepted.
+    /// Mean acceptance probability of a trajectory.
     pub acceptance: f64,
-    /// Leapfrog steps of a trajectory.
+    /// Leapfrog steps per trajectory.
     pub steps: usize,
 }

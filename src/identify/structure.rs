@@ -1,7 +1,7 @@
-//! Structure in what a fit leaves of the readings: what noise alone would not show.
+//! Tests for structure in the residuals of a fit that noise alone would not show.
 //!
-//! A model that lacks something may still pass the test of its chi-square: a small error that is the same in all cases drowns in the
-//! noise of many readings. These tests look where such errors gather. Knows no cause of any: that is diagnosis.
+//! A deficient model may still pass the chi-square test, because a small error common to all cases disappears in the noise of many readings.
+//! These tests look where such errors accumulate. They do not name causes; that is the task of diagnosis.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
@@ -14,39 +14,39 @@ use super::goodness::LEVEL;
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// One test.
+/// One lack-of-fit test.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LackOfFitTest {
-    /// What it looks at.
+    /// Description of the tested structure.
     pub what: String,
-    /// Probability of as much structure from noise alone.
+    /// Probability of at least this much structure under noise alone.
     pub p_value: f64,
 }
 
-/// True if the tests together show structure: the smallest p-value, corrected for their number, is below one in a thousand.
+/// Returns true if the tests together show structure: the smallest p-value, Bonferroni-corrected, is below 0.001.
 pub fn is_structured(tests: &[LackOfFitTest]) -> bool {
     worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LEVEL)
 }
 
-/// The test with the smallest p-value.
+/// Returns the test with the smallest p-value.
 pub fn worst(tests: &[LackOfFitTest]) -> Option<&LackOfFitTest> {
     tests.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
-/// Directions of which the fit has taken all but so little are no test of it.
+/// Residual variance of a contrast, relative to the noise, below which the fit has absorbed the contrast and it is not tested.
 const ABSORBED: f64 = 0.01;
-/// Marks of a part in a case that tell its pose apart from their noise.
+/// Minimum number of marks of a part in a case that separate its pose error from the noise of the marks.
 const MARKS: usize = 3;
-/// Degrees of freedom of the marks' own scatter below which nothing is compared with it.
+/// Minimum degrees of freedom of the scatter of the marks that serves as reference.
 const SCATTER: f64 = 12.0;
-/// Runs are counted in sequences of at least so many cases.
+/// Minimum number of cases of a series in which sign runs are counted.
 const SEQUENCE: usize = 6;
 
-/// Weights of rows.
+/// A linear combination of rows: indices with weights.
 type Contrast = Vec<(usize, f64)>;
 
-/// Whitened residuals of a fit. Their covariance is `I - Q Q'` with `Q = J L`, `L L'` the posterior covariance: that of a linear
-/// model with Gaussian priors.
+/// Whitened residuals of a fit, with the covariance `I - Q Q'` of a linear model with Gaussian priors. Here `Q = J L`, and `L L'` is the
+/// posterior covariance.
 pub struct Residuals<'a> {
     rows: &'a [Row],
     r: &'a DVector<f64>,
@@ -54,12 +54,12 @@ pub struct Residuals<'a> {
 }
 
 impl<'a> Residuals<'a> {
-    /// Of a minimum with its posterior covariance.
+    /// Takes the residuals of a minimum with its posterior covariance.
     pub(crate) fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
         let evaluation = &minimum.evaluation;
         let taken = &evaluation.jacobian * root(covariance);
         let (known, free) = (taken.ncols(), evaluation.free.len());
-        // Along free directions nothing is left at all.
+        // Along free directions, the residual vanishes.
         let mut Q = taken.resize_horizontally(known + free, 0.0);
         for (k, direction) in evaluation.free.iter().enumerate() {
             for (row, weight) in direction {
@@ -73,8 +73,8 @@ impl<'a> Residuals<'a> {
         }
     }
 
-    /// Chi-square of the residuals along these contrasts, and its degrees of freedom. Directions that the fit has absorbed do not
-    /// count.
+    /// Returns the chi-square of the residuals along these contrasts and its degrees of freedom. Directions that the fit has absorbed are
+    /// excluded.
     fn along(&self, contrasts: &[Contrast]) -> (f64, f64) {
         let mut C = DMatrix::zeros(self.rows.len(), contrasts.len());
         for (k, contrast) in contrasts.iter().enumerate() {
@@ -105,8 +105,8 @@ impl<'a> Residuals<'a> {
     }
 }
 
-/// Tests of the residuals of a fit over the cases it used: constant errors of parts, runs of signs and trends over the order of the
-/// cases, loading against unloading, and errors that the marks of a part share.
+/// Tests the residuals of a fit over the cases it used. The tests cover constant errors of parts, sign runs and trends over the order of the
+/// cases. They also compare loading with unloading, and pose errors of parts with the scatter of their marks.
 pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<LackOfFitTest> {
     let mut tests = Tests {
         problem,
@@ -135,7 +135,8 @@ impl Tests<'_> {
         }
     }
 
-    /// Which quantity a row reads, the same in all cases: direction of a part, of the wheel, or a channel.
+    /// Returns the index of the series a row belongs to. A series is one quantity over all cases: an axis of a part, a wheel component, or a
+    /// channel.
     fn sequence(&self, row: Row) -> usize {
         let measurement = self.problem.measurement;
         let parts = 3 * measurement.parts.len();
@@ -150,7 +151,7 @@ impl Tests<'_> {
         }
     }
 
-    /// A part, the wheel or a channel, and the first and last of its sequences.
+    /// Returns the name and the range of series of each part, the wheel and each channel.
     fn owners(&self) -> Vec<(String, std::ops::Range<usize>)> {
         let measurement = self.problem.measurement;
         let mut owners = Vec::new();
@@ -170,7 +171,7 @@ impl Tests<'_> {
         owners
     }
 
-    /// One contrast for each sequence of a range, its rows weighted by a number of each case.
+    /// Returns one contrast per series in the range, with rows weighted by the value of their case.
     fn contrasts(&self, range: &std::ops::Range<usize>, by_case: &[f64]) -> Vec<Contrast> {
         let mut contrasts = vec![Contrast::new(); range.len()];
         for (at, row) in self.left.rows.iter().enumerate() {
@@ -182,7 +183,7 @@ impl Tests<'_> {
         contrasts
     }
 
-    /// Constant errors, trends over the order of the cases, and runs of signs, of each part, the wheel and each channel.
+    /// Tests each part, the wheel and each channel for constant errors, trends over the order of the cases, and sign runs.
     fn parts(&mut self) {
         let cases = self.problem.measurement.cases.len();
         let constant = vec![1.0; cases];
@@ -207,7 +208,7 @@ impl Tests<'_> {
         }
     }
 
-    /// Test of Wald and Wolfowitz: fewer runs of equal signs than chance gives, over all sequences of a range together.
+    /// Wald-Wolfowitz runs test over all series of a range together: returns the probability of as few or fewer sign runs by chance.
     fn runs(&self, range: &std::ops::Range<usize>) -> Option<f64> {
         let (mut less, mut variance) = (0.0, 0.0);
         for sequence in range.clone() {
@@ -235,8 +236,8 @@ impl Tests<'_> {
             .map(|normal| normal.sf(z))
     }
 
-    /// Errors that all marks of a part share in a case are errors of its pose: the model can only err so, while the noise of the
-    /// marks goes all ways alike. Their mean squares are compared, so that the stated noise does not matter.
+    /// Compares pose errors of parts with the scatter of their marks by an F test, which does not depend on the stated noise. A model error
+    /// moves all marks of a part together, while the noise of the marks has no preferred direction.
     fn poses(&mut self) {
         let measurement = self.problem.measurement;
         let left = self.left;
@@ -255,7 +256,7 @@ impl Tests<'_> {
                     .push((at, read.x));
             }
         }
-        // Squares and how many of them noise of unit variance would leave: of whole parts, of all.
+        // Sum of squares and its expectation for unit noise: of the rigid motions, and in total.
         let (mut whole, mut all) = ((0.0, 0.0), (0.0, 0.0));
         for block in blocks.values().filter(|block| block.len() >= MARKS) {
             let rows: Vec<usize> = block.iter().flat_map(|(at, _)| *at..at + 3).collect();
@@ -293,7 +294,7 @@ impl Tests<'_> {
         }
     }
 
-    /// Loading against unloading, for each load that does both.
+    /// Compares loading with unloading, for each load that does both.
     fn hysteresis(&mut self) {
         let programme = self.problem.programme;
         let last = self.owners().last().map_or(0, |(_, range)| range.end);
@@ -308,8 +309,8 @@ impl Tests<'_> {
     }
 }
 
-/// +1 where a load grows, -1 where it has come down and is not gone, less what is a straight line or a parabola over the load.
-/// `None` unless both happen and something is left.
+/// Returns +1 where a load increases in magnitude and -1 where it decreases without reaching zero, orthogonalised against a parabola in the
+/// load. Returns `None` unless both occur and a contrast remains.
 fn hysteresis_contrast(values: &[f64]) -> Option<Vec<f64>> {
     let before = std::iter::once(0.0).chain(values.iter().copied());
     let steps: Vec<f64> = before
@@ -341,7 +342,7 @@ fn hysteresis_contrast(values: &[f64]) -> Option<Vec<f64>> {
     (left.norm() > 0.1 * before).then(|| left.as_slice().to_vec())
 }
 
-/// An orthonormal basis of the columns.
+/// Returns an orthonormal basis of the columns.
 fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     for column in columns.column_iter() {
@@ -364,7 +365,7 @@ fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&basis)
 }
 
-/// `L` with `L L' = C`, by Cholesky where it is definite.
+/// Returns `L` with `L L' = C`, by Cholesky factorisation if `C` is positive definite.
 fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
     if let Some(factor) = Cholesky::new(C.clone()) {
         return factor.l();
@@ -387,9 +388,9 @@ mod tests {
     #[test]
     fn a_load_that_only_grows_is_not_unloaded() {
         assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 4.0]).is_none());
-        // Back to nothing while another load begins: no unloading of anything.
+        // The load returns to zero while another load starts: no unloading.
         assert!(hysteresis_contrast(&[1.0, 2.0, 3.0, 0.0, 0.0, -1.0, -2.0]).is_none());
-        // To the other side: it grows there.
+        // The load changes sign and increases in the other direction.
         assert!(hysteresis_contrast(&[1.0, 2.0, -2.5, -3.0]).is_none());
         let loop_ =
             hysteresis_contrast(&[1.0, 2.0, 3.0, 2.0, 1.0, 0.0, -1.0, -2.0, -3.0, -2.0, -1.0])
@@ -397,7 +398,7 @@ mod tests {
         assert!(loop_[0] > 0.5 && loop_[4] < -0.5, "{loop_:?}");
     }
 
-    /// The p-value of structure that is not there is uniform; of structure that is, it is tiny.
+    /// A p-value is uniform without structure, and tiny with it.
     #[test]
     fn a_contrast_is_tested_against_what_the_fit_left() {
         let rows: Vec<Row> = (0..400)
@@ -428,7 +429,7 @@ mod tests {
             sum += chi2;
             assert_eq!(left.along(std::slice::from_ref(&absorbed)).1, 0.0);
         }
-        // The mean of chi-square with one degree of freedom is 1, its standard deviation sqrt(2 / 300).
+        // Chi-square with one degree of freedom has mean 1; the mean of 300 trials has standard deviation sqrt(2 / 300).
         assert!((sum / f64::from(trials) - 1.0).abs() < 0.25, "{sum}");
     }
 }

@@ -5,46 +5,46 @@ use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
-/// Where an unknown sits.
+/// Location of an unknown in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Place {
     /// A stiffness of a bushing.
     Bushing {
         /// Index into [`Model::bushings`].
         bushing: usize,
-        /// 0 to 5: Kx, Ky, Kz, KTx, KTy, KTz.
+        /// Axis 0 to 5: Kx, Ky, Kz, KTx, KTy, KTz.
         axis: usize,
     },
-    /// Another number of the deck.
+    /// Any other number of the deck.
     Number,
 }
 
-/// One number to identify.
+/// A number to identify.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unknown {
-    /// Its address.
+    /// Address of the number.
     pub address: Address,
-    /// Numbers that equal it by symmetry: Ky of a round bushing, whose `address` is Kx.
+    /// Addresses of numbers that are equal by symmetry, such as Ky of a round bushing whose `address` is Kx.
     pub tied: Vec<Address>,
-    /// Where it sits.
+    /// Location in the deck.
     pub place: Place,
-    /// Its unit as result files spell it.
+    /// Unit, as result files spell it.
     pub unit: String,
-    /// Where it starts.
+    /// Starting value.
     pub initial: f64,
-    /// The deck's own value.
+    /// Value in the deck.
     pub deck: f64,
 }
 
 impl Unknown {
-    /// The numbers to set for a value of this unknown.
+    /// Returns the addresses to set for a value of this unknown.
     pub(crate) fn assign(&self, value: f64) -> impl Iterator<Item = (Address, f64)> + '_ {
         std::iter::once(&self.address)
             .chain(&self.tied)
             .map(move |address| (address.clone(), value))
     }
 
-    /// The axes of its bushing that carry its value: one, or two where x and y are tied.
+    /// Returns the (bushing, axis) pairs that carry the value: one, or two where x and y are tied; none for other numbers.
     pub fn axes(&self) -> Vec<(usize, usize)> {
         match self.place {
             Place::Number => Vec::new(),
@@ -55,7 +55,7 @@ impl Unknown {
     }
 }
 
-/// The address of one number of a bushing: axes 0 to 2 are the first word's, 3 to 5 the second's.
+/// Returns the address of a number of a bushing; axes 0 to 2 belong to the first word, 3 to 5 to the second.
 pub(crate) fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address {
     Address {
         kind: "BUSHING".to_string(),
@@ -65,12 +65,12 @@ pub(crate) fn bushing_number(id: u32, words: [&str; 2], axis: usize) -> Address 
     }
 }
 
-/// The address of one stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
+/// Returns the address of a stiffness of a bushing; axes 0 to 2 are K, 3 to 5 KT.
 pub(crate) fn stiffness(id: u32, axis: usize) -> Address {
     bushing_number(id, ["K", "KT"], axis)
 }
 
-/// The index of the bushing with this address, id or view name.
+/// Returns the index of the bushing with this address, id or view name.
 fn bushing(name: &str, model: &Model) -> Option<usize> {
     let name = name.trim();
     let id = match name.split_once('/') {
@@ -87,9 +87,10 @@ fn bushing(name: &str, model: &Model) -> Option<usize> {
     })
 }
 
-/// The unknowns a study asks for, bushing by bushing. `number` gives the deck's value and dimension of other numbers.
+/// Returns the unknowns that a study selects, bushing by bushing. `number` returns the address, value and dimension of any other number of
+/// the deck.
 ///
-/// An address that names nothing is an error, located in `study.toml`.
+/// An address that matches nothing adds an error to `out`, located in `study.toml`.
 pub fn unknowns(
     study: &Study,
     model: &Model,
@@ -164,7 +165,7 @@ pub fn unknowns(
     unknowns
 }
 
-/// Force per length.
+/// Dimension force per length.
 const STIFFNESS: Dimension = Dimension::new(1, 0, -1, 0, 0);
 
 fn of_bushing(settings: &IdentifySettings, model: &Model, at: usize, round: bool) -> Vec<Unknown> {

@@ -74,7 +74,7 @@ impl Text<'_> {
         out
     }
 
-    /// `vertical = 4500, longitudinal = -4000`; loads of zero are left out.
+    /// Names a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
     fn case_text(&self, case: usize) -> String {
         let programme = self.outcome.subject.problem.programme;
         let of = &programme.cases[case];
@@ -83,12 +83,12 @@ impl Text<'_> {
         format!("case {} ({loads})", of.label)
     }
 
-    /// Of places of marks.
+    /// Returns the number format for positions of marks.
     pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.outcome.subject.mark_sigma())
     }
 
-    /// Of what is compared over cases held out.
+    /// Returns the number format for errors over the held-out cases.
     fn compared_decimals(&self) -> Decimals {
         match self.outcome.subject.compared() {
             ("mark", _) => self.decimals().finer(),
@@ -101,7 +101,7 @@ impl Text<'_> {
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
     }
 
-    /// Laws that follow no formula of the catalogue, and by how much.
+    /// Returns sentences on fitted laws that differ in detail from the true law, with the rms force difference.
     fn left_by_laws(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
@@ -114,7 +114,7 @@ impl Text<'_> {
         left.collect()
     }
 
-    /// Rms of what is left of the marks, and the worst of them.
+    /// Returns a sentence on the rms error of the marks, and on the worst mark if findings matter.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let residual = &self.outcome.baseline.residual;
@@ -161,7 +161,7 @@ impl Text<'_> {
         Some(text + ".")
     }
 
-    /// The worst angle of the wheel, as far as it is beyond its noise.
+    /// Returns sentences on the worst steer and camber error of the wheel, if above three standard deviations.
     fn worst_angle(&self) -> Vec<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let Some(wheel) = &measurement.wheel else {
@@ -235,7 +235,7 @@ impl Text<'_> {
         })
     }
 
-    /// How sure each cause is, and what else could be there.
+    /// Returns sentences on the probability of each cause and of its rivals.
     fn probabilities(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let acting = findings.filter(|f| !f.cause.is_told_by_marks());
@@ -277,7 +277,7 @@ impl Text<'_> {
         out
     }
 
-    /// Noise and tolerances, as the readings show them.
+    /// Returns sentences on noise and tolerances as estimated from the readings.
     fn exactness(&self) -> Vec<String> {
         let mut out = Vec::new();
         let noise = &self.outcome.diagnosis.noise;
@@ -361,7 +361,7 @@ impl Text<'_> {
         ))
     }
 
-    /// The extra force that what is left looks most like.
+    /// Returns a sentence on the extra force that best describes the remaining structure.
     fn remains(&self) -> Option<String> {
         let found = self.outcome.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
@@ -408,7 +408,7 @@ impl Text<'_> {
         ))
     }
 
-    /// What groups of cases say that are predicted from the others.
+    /// Returns sentences on the prediction of groups of cases from the others.
     fn cross_validated(&self) -> Vec<String> {
         let Some(found) = &self.outcome.diagnosis.cross_validation else {
             return Vec::new();
@@ -446,7 +446,7 @@ impl Text<'_> {
         out
     }
 
-    /// Rms of each channel in the cases held out.
+    /// Returns the change of the rms error of each channel in the held-out cases.
     fn channels_gained(&self) -> Vec<String> {
         let Some(unseen) = &self.outcome.unseen else {
             return Vec::new();
@@ -485,7 +485,7 @@ impl Text<'_> {
             .collect()
     }
 
-    /// Stiffnesses that the wrong model had wrong beyond doubt, the worst first.
+    /// Returns a sentence on the three largest significant biases of stiffnesses in the original model.
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
             .outcome
@@ -514,7 +514,7 @@ impl Text<'_> {
     }
 }
 
-/// A gain with its standard error, which a single case does not have.
+/// Formats a gain with its standard error, which does not exist for a single case.
 fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     let gain = decimals.told(gain);
     if std_error.is_finite() {
@@ -524,7 +524,7 @@ fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     }
 }
 
-/// Causes by name and place.
+/// Lists causes by name and site.
 fn chosen(causes: &[Hypothesis]) -> String {
     let names: Vec<String> = Hypothesis::causes(causes)
         .map(ToString::to_string)
@@ -536,7 +536,7 @@ fn chosen(causes: &[Hypothesis]) -> String {
     }
 }
 
-/// `case 7`, `cases 1 to 8` of the first and last, `cases 1, 4, 9`.
+/// Formats case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
 fn labels(cases: &[String]) -> String {
     match cases {
         [one] => format!("case {one}"),
@@ -547,7 +547,7 @@ fn labels(cases: &[String]) -> String {
     }
 }
 
-/// Loads as a person would say them.
+/// Lists the non-zero loads as text.
 fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
     let listed: Vec<String> = loads
         .filter(|(_, value)| *value != 0.0)
@@ -560,7 +560,7 @@ fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
     }
 }
 
-/// A probability as a person would say it.
+/// Formats a probability as a rounded percentage, with open ends below 1 and above 99 percent.
 fn percent(probability: f64) -> String {
     match 100.0 * probability {
         p if p > 99.0 => "above 99 percent".to_string(),

@@ -12,7 +12,7 @@ impl Text<'_> {
     /// Sizes of tolerances that the readings tell.
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
-        // Where the readings do not see points their size stays where it was.
+        // Where the readings are insensitive to hardpoints, their tolerance keeps its median.
         let usual = Size::HARDPOINTS;
         let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN_LN;
         if let Some(points) = self
@@ -101,7 +101,7 @@ impl Text<'_> {
         out
     }
 
-    /// Marks that do not sit where they are listed.
+    /// Returns sentences on marks that are misplaced or loose on their parts.
     pub(super) fn misplaced_in_words(&self) -> Vec<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let decimals = self.decimals().finer();

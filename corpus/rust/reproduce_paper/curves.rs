@@ -47,7 +47,7 @@ pub(super) fn read_reference(
     Ok(())
 }
 
-/// The reference deck of a study, lowered.
+/// Returns the model of a study's reference deck.
 pub(super) fn reference(
     study: &LoadedStudy,
 ) -> Result<(Model, &admire_syntax::Dataset), ReproductionError> {
@@ -58,13 +58,13 @@ pub(super) fn reference(
     Ok((Model::lower(dataset).value, dataset))
 }
 
-/// The paper's loop with the study's settings.
+/// Identifies by the iteration of the paper with the study's settings.
 pub(super) fn by_loop(study: &LoadedStudy) -> Result<Fit, IdentifyError> {
     let mut quiet = |_: usize, _: &[f64], _: f64| ControlFlow::Continue(());
     regression::identify(&study.problem(), &mut NativeBackend::new(), &mut quiet)
 }
 
-/// The global fit with the study's settings.
+/// Identifies by the global fit with the study's settings; returns the fit and the number of sweeps.
 pub(super) fn by_fit(study: &LoadedStudy) -> Result<(Fit, usize), IdentifyError> {
     let problem = study.problem();
     let prepared = Prepared::new(&problem)?;
@@ -73,7 +73,7 @@ pub(super) fn by_fit(study: &LoadedStudy) -> Result<(Fit, usize), IdentifyError>
     Ok((fit, sweeps))
 }
 
-/// The wheel of a study: the one it names, else the marker WC with its y axis.
+/// Wheel of a study: the one in its settings, else the marker WC with its y axis.
 pub(super) struct Wheel {
     marker: MarkerIx,
     spin: SpinDirection,
@@ -103,14 +103,14 @@ impl Wheel {
         Ok(Self { marker, spin })
     }
 
-    /// Camber and steer in degrees.
+    /// Returns camber and steer in degrees.
     fn angles(&self, model: &Model, poses: &[Pose]) -> [f64; 2] {
         let reading = self.spin.reading(&marker_pose(model, poses, self.marker));
         [reading.camber_deg, reading.steer_deg]
     }
 }
 
-/// Camber and steer over one load of a programme, with the deck's numbers replaced by `values` of the unknowns.
+/// Returns camber and steer over one load of a programme, with the unknowns set to `values`.
 pub(super) fn wheel_curves(
     (study, wheel): (&LoadedStudy, &Wheel),
     values: &[f64],
@@ -139,7 +139,7 @@ pub(super) fn wheel_curves(
     Ok(curves.map(Curve::since_zero))
 }
 
-/// The study's loads with only `name` varied over `values`, the vertical load at `vertical`.
+/// Returns the study's loads with only `name` varied over `values` and the vertical load fixed at `vertical`.
 pub(super) fn ramp(
     study: &LoadedStudy,
     name: &'static str,

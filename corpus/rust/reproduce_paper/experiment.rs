@@ -1,4 +1,4 @@
-//! Section 4.4: the pseudo McPherson on a rig whose bushings have friction and whose tie rod yields.
+//! Section 4.4: the pseudo McPherson on a rig, with friction in the bushings and a compliant tie rod.
 
 use super::curves::{Wheel, by_fit, by_loop, wheel_curves};
 use super::{
@@ -9,18 +9,18 @@ use admire_identify::{Fit, LoadedStudy, Status};
 use admire_session::backend::LoadProgramme;
 use admire_study::settings::{Slope, Weights};
 
-/// Table 3, nominal: Ktx of A is printed as 1300, its text says 13 000. Rotational stiffnesses per degree.
+/// Nominal stiffnesses of table 3, rotational ones per degree. Ktx of A is printed as 1300, while the text says 13 000.
 const NOMINAL: [[f64; 6]; 2] = [
     [13000.0, 13000.0, 1370.0, 11000.0, 11000.0, 4000.0],
     [310.0, 2400.0, 180.0, 4500.0, 1100.0, 1600.0],
 ];
-/// Table 3, identified; 10000 where the start was kept.
+/// Identified stiffnesses of table 3; 10000 where the start was kept.
 const IDENTIFIED: [[f64; 6]; 2] = [
     [7298.0, 10000.0, 10000.0, 10000.0, 6831.0, 5066.0],
     [365.0, 500.0, 10000.0, 10000.0, 3404.0, 4823.0],
 ];
 
-/// The loop, the fit, the curves.
+/// Number of stages: iteration, fit, curves.
 pub(super) const STAGES: usize = 3;
 
 pub(super) fn section(
@@ -138,7 +138,7 @@ pub(super) fn section(
     })
 }
 
-/// Table 3 for one bushing, rotational stiffnesses per degree.
+/// Returns table 3 for one bushing, rotational stiffnesses per degree.
 fn stiffnesses(
     (at, bushing): (usize, &str),
     nominal: &[f64],
@@ -182,7 +182,7 @@ fn stiffnesses(
     }
 }
 
-/// What the rig's wheel did in the cases whose label starts so, and those cases as a programme of their own.
+/// Returns the measured steer curve of the cases whose label begins with `start`, and these cases as a programme of their own.
 fn loop_of(
     study: &LoadedStudy,
     start: &str,
@@ -206,7 +206,7 @@ fn loop_of(
     (curve.points.len() > 2).then_some((curve, programme, column))
 }
 
-/// The largest difference between readings at the same load.
+/// Returns the largest difference between readings at the same load.
 fn hysteresis(curve: &Curve) -> f64 {
     let mut widest = 0.0_f64;
     for (at, (load, angle)) in curve.points.iter().enumerate() {

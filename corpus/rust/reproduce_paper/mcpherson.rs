@@ -11,7 +11,7 @@ use admire_study::settings::{Slope, Weights};
 const PAPER_A: [f64; 6] = [1.01, 0.89, 0.86, 0.91, 0.84, 0.89];
 const PAPER_ITERATIONS: usize = 24;
 
-/// The loop and the fit.
+/// Number of stages: iteration and fit.
 pub(super) const STAGES: usize = 2;
 
 pub(super) fn section(

@@ -1,6 +1,6 @@
-//! The paper's three validations, run again on our own axles and put beside what it printed.
+//! The three validations of the paper, repeated on our own axles and compared with the printed results.
 //!
-//! Knows the paper's published numbers and what of them can be compared at all. Prints nothing.
+//! Holds the published numbers of the paper and states which of them can be compared. Prints nothing.
 
 mod curves;
 mod experiment;
@@ -19,17 +19,17 @@ pub enum ReproductionError {
     /// The study of a section has errors.
     #[error("the study in {folder} cannot be used")]
     Study {
-        /// Its folder.
+        /// Folder of the study.
         folder: String,
-        /// What is wrong with it.
+        /// Errors of the study.
         diagnostics: Vec<Diagnostic>,
     },
-    /// A study that lacks what its section compares with.
+    /// A study lacks an input of its section.
     #[error("the study in {folder} has no {needs}")]
     Lacks {
-        /// Its folder.
+        /// Folder of the study.
         folder: String,
-        /// What.
+        /// Missing input.
         needs: &'static str,
     },
     /// An identification failed.
@@ -37,14 +37,14 @@ pub enum ReproductionError {
     Identify(#[from] IdentifyError),
 }
 
-/// How many things `reproduce` tells of.
+/// Number of progress reports of `reproduce`.
 pub const STAGES: usize = mcpherson::STAGES + multilink::STAGES + experiment::STAGES;
 
-/// Runs the paper's validations on the studies of a corpus: `pseudo-mcpherson`, `multilink` and, where it is there,
-/// `kc-experiment`. `progress` is told what runs, [`STAGES`] times.
+/// Repeats the paper's validations on the studies `pseudo-mcpherson`, `multilink` and `kc-experiment` of a corpus. `progress` is called
+/// [`STAGES`] times with a description of the running stage.
 ///
 /// # Errors
-/// A study that cannot be used, or an identification without any answer.
+/// Fails if a study cannot be used or an identification has no result.
 pub fn reproduce(
     corpus: &Path,
     progress: &mut dyn FnMut(&str),
@@ -65,7 +65,7 @@ fn study(corpus: &Path, name: &str) -> Result<LoadedStudy, ReproductionError> {
     })
 }
 
-/// The reference value of every unknown.
+/// Returns the reference value of every unknown.
 fn truth(study: &LoadedStudy) -> Result<Vec<f64>, ReproductionError> {
     let values: Option<Vec<f64>> = study.reference_values().into_iter().collect();
     values.ok_or_else(|| ReproductionError::Lacks {
@@ -74,13 +74,13 @@ fn truth(study: &LoadedStudy) -> Result<Vec<f64>, ReproductionError> {
     })
 }
 
-/// Numbers a fit leaves unidentified.
+/// Returns the number of unknowns that a fit does not identify.
 fn unidentified(fit: &Fit) -> usize {
     let open = |parameter: &&ParameterFit| parameter.status != Status::Identified;
     fit.parameters.iter().filter(open).count()
 }
 
-/// Identified over true, of the numbers the fit claims to have identified.
+/// Returns the ratio of identified to true value for each identified number.
 fn ratios(fit: &Fit, truth: &[f64]) -> Vec<f64> {
     let found = fit.parameters.iter().zip(truth);
     found
@@ -89,21 +89,21 @@ fn ratios(fit: &Fit, truth: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// `0.84 to 1.01`.
+/// Formats the range of ratios, such as `0.84 to 1.01`.
 fn range(ratios: &[f64]) -> String {
     let low = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     let high = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     format!("{low:.2} to {high:.2}")
 }
 
-/// The median of |ln ratio|.
+/// Returns the median of |ln ratio|.
 fn median_error(ratios: &[f64]) -> f64 {
     let mut errors: Vec<f64> = ratios.iter().map(|ratio| libm::log(*ratio).abs()).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// `40`, or `200, not converged`.
+/// Formats the iteration count, such as `40` or `200, not converged`.
 fn iterations(fit: &Fit) -> String {
     if fit.converged {
         fit.iterations.to_string()

@@ -1,4 +1,4 @@
-//! Section 4.3: an axle with twelve bushings and an additional camber mobility, marks with noise.
+//! Section 4.3: an axle with twelve bushings and an additional camber mobility, with noise on the marks.
 
 use super::curves::{Wheel, by_fit, by_loop, ramp, read_reference, wheel_curves};
 use super::{
@@ -8,11 +8,12 @@ use super::{
 use admire_identify::{Fit, LoadedStudy};
 use admire_study::settings::{Slope, Weights};
 
-/// What the paper prints: iterations to a step test of 0.05, and how many of how many kept their start.
+/// Printed number of iterations to a step test of 0.05.
 const PAPER_ITERATIONS: usize = 50;
+/// Printed number of stiffnesses, out of 48, that kept their start.
 const PAPER_UNIDENTIFIABLE: usize = 17;
 
-/// Three ways of the loop with and without noise but one, two fits, the curves.
+/// Number of stages: five runs of the iteration, two fits, the curves. The iteration has three variants with and without noise, minus one.
 pub(super) const STAGES: usize = 8;
 
 pub(super) fn section(
@@ -165,7 +166,7 @@ pub(super) fn section(
     })
 }
 
-/// The order of figure 9: without noise on the reference, with noise beside it, the initial model far away.
+/// Checks the order of the curves in figure 9: without noise closest to the reference, then with noise, and the initial model farthest away.
 fn ordering(curves: &[Curve], angle: &str) -> String {
     let reference = &curves[1];
     let mut order: Vec<(f64, &str)> = curves

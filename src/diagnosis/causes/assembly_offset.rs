@@ -1,6 +1,7 @@
-//! `assembly-offset`: the two sides of a bushing sit displaced from where the deck says, in every load case.
+//! `assembly-offset`: the two sides of a bushing are displaced from each other, relative to the deck, in every load case.
 //!
-//! Out of centre is a small error that every bushing has, and a finding when it stands out; askew is a cause of its own.
+//! A translational offset is a random effect of every bushing, and a finding if it exceeds its tolerance group. A rotational offset is a
+//! separate effect.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{

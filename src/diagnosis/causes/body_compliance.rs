@@ -1,6 +1,6 @@
 //! `body-compliance`: the ground-side attachment of a joint or spring yields.
 //!
-//! For a bushing it is part of the identified stiffness.
+//! For a bushing, this compliance is part of the identified stiffness.
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
@@ -12,7 +12,7 @@ use super::super::survey::Survey;
 /// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
 pub(super) const IN_LINE: &str = "holds a link";
 
-/// Every joint, primitive and spring with one side on ground: the same compliance in all directions.
+/// Adds the compliance of every joint and spring with one side on ground, equal in all directions.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     let Some(ground) = model.ground() else {

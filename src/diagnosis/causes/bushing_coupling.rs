@@ -1,4 +1,4 @@
-//! `bushing-coupling`: off-diagonal stiffness, as of a conical or inclined bushing, constant or growing with the deflection.
+//! `bushing-coupling`: off-diagonal stiffness of a conical or inclined bushing, constant or growing with the deflection.
 
 use admire_solver::mechanics::Vec6;
 use admire_syntax::{Expression, NewStatement};
@@ -9,7 +9,7 @@ use super::super::hypothesis::{
 };
 use super::super::survey::Survey;
 
-/// Names of the fifteen pairs.
+/// Pairs of coupled components, with their names.
 const PAIRS: [(usize, usize, &str); 15] = [
     (0, 1, "x-y"),
     (0, 2, "x-z"),
@@ -100,8 +100,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// What a coupling that is in the model does beyond its constant: to the energy `k u_a u_b` come `c u_a u_b^3` and `d u_a^3 u_b`, the next
-/// terms of a law that is the same both ways.
+/// Returns the growth of a coupling in the model with the deflection. The energy `k u_a u_b` gains the terms `c u_a u_b^3` and `d u_a^3 u_b`.
+/// They are the next terms of an energy that is even in the deflections.
 pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypothesis> {
     let (a, b, form) = *PAIRS.iter().find(|(.., form)| *form == constant.form)?;
     let at_place = |id: u32| {
@@ -121,7 +121,7 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
         return None;
     }
     let [u, v] = [a, b].map(|axis| survey.deflection_function(pair, axis));
-    // Forces along a and b of each term.
+    // Force texts along a and b for each of the two energy terms.
     let terms = [
         [format!("-0.0*{v}**3"), format!("-0.0*3*{u}*{v}**2")],
         [format!("-0.0*3*{u}**2*{v}"), format!("-0.0*{u}**3")],
@@ -152,7 +152,7 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
         format!("{first}-{second}{second}{second}"),
         format!("{first}{first}{first}-{second}"),
     ];
-    // As much at the largest deflection as the constant may well be.
+    // The prior allows a force at the largest deflection as large as the force of the constant coupling.
     let numbers = names
         .into_iter()
         .enumerate()

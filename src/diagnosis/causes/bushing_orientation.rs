@@ -1,4 +1,4 @@
-//! `bushing-orientation`: the bushing is mounted turned about an axis, both sides together, so that nothing is preloaded.
+//! `bushing-orientation`: the bushing is mounted with a rotation of both sides together, so that no preload arises.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{Hypothesis, SIX};

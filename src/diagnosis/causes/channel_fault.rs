@@ -1,4 +1,4 @@
-//! `channel-fault`: a reading's gain, zero or single value is wrong.
+//! `channel-fault`: the gain, the zero or a single value of a channel is wrong.
 
 use admire_identify::global::Row;
 
@@ -6,7 +6,7 @@ use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity};
 use super::super::survey::Survey;
 
-/// Every channel: its gain, its zero, and each single reading.
+/// Adds the gain, the zero and each single reading of every channel.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (channel, info) in measurement.channels.iter().enumerate() {
@@ -32,9 +32,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let off = |name: &str, rows: Vec<(usize, f64)>| {
             EffectParameter::linear(name, size, Sensitivity::Rows(rows))
         };
-        // The reading is (1 + gain) times the truth plus a zero. The truth is what the fit predicts: a factor on the reading itself
-        // would explain anything by making it nothing.
-        // A single number has no gain and zero of its own.
+        // A reading is (1 + gain) times the truth plus a zero, with the fit's prediction as the truth. A factor on the reading itself could
+        // explain anything by making the reading vanish. A channel that is a single number has neither gain nor zero.
         if info.summary.is_some() {
             for (at, ..) in &read {
                 put("value", off("value", vec![(*at, -1.0 / info.sigma)]));

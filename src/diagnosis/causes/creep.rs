@@ -1,4 +1,4 @@
-//! `creep`: rubber flows from case to case, `F = -K (u - c)`, where `c` goes a part of the way to `u` in every case.
+//! `creep`: rubber flows from case to case. The force is `F = -K (u - c)`, where `c` covers a fraction of its distance to `u` in every case.
 
 use admire_identify::global::Evolution;
 use admire_solver::mechanics::Vec6;
@@ -10,8 +10,8 @@ use super::super::hypothesis::{
 };
 use super::super::survey::{Survey, statement};
 
-/// The part of the way that the rubber flows in each case: where the fit starts. What has nearly ended within a case has done so before
-/// the reading: near one it would be a force by the last step, which equal steps cannot tell from friction.
+/// Fractions of the distance that flow in one case, as first guesses. They stay well below one, because faster flow has ended before the
+/// reading. With a fraction near one, the force would depend on the last load step only, which looks like friction if the steps are equal.
 const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.5, "fast")];
 
 /// Every component of every bushing.
@@ -56,7 +56,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     |id, value: String| statement("VARIABLE", id, &[("FUNCTION", value)]);
                 let new = [
                     variable(place, "0.0".to_string()),
-                    // The mean of its number is added to what stands here.
+                    // The prior mean of the parameter is added to this value.
                     variable(flow, "0.0".to_string()),
                 ];
                 let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));

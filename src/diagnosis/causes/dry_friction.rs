@@ -1,7 +1,7 @@
-//! `dry-friction`: rate-independent hysteresis, so that the answer depends on the order of the loads.
+//! `dry-friction`: rate-independent hysteresis, so that the response depends on the order of the loads.
 //!
-//! Elasto-slip: a spring in series with a slider, which moves when the spring is stretched further than its length `F / k`. Where the
-//! slider stands before the first case is unknown; from then on each case leaves it to the next.
+//! Elasto-slip law: a spring in series with a slider, which moves once the spring is stretched by more than its slip length `F / k`. The
+//! position of the slider before the first case is unknown. Each case then passes its slider position on to the next.
 
 use admire_identify::global::Evolution;
 use admire_solver::model::{JointKind, MarkerIx};
@@ -76,7 +76,8 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
     chosen.iter().enumerate().filter_map(of).collect()
 }
 
-/// The force of each case as a part of the limit, if the displacements were these: the spring of length `length` starts at `anchor`.
+/// Returns the force in each case as a fraction of the limit, for given displacements. The spring has slip length `length` and starts at
+/// `anchor`.
 fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
     u.iter()
         .map(|&u| {
@@ -87,7 +88,7 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Every component of every bushing, and the free motions of joints.
+/// Adds friction in every component of every bushing, and in the free motions of joints.
 pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -125,7 +126,7 @@ pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// A GFORCE `F max(-1, min(1, (anchor - u) / L))`; its anchor is a VARIABLE that each case leaves to the next.
+/// Adds a friction as the GFORCE `F max(-1, min(1, (anchor - u) / L))`. The anchor is a VARIABLE that each case passes on to the next.
 fn put(
     survey: &Survey<'_>,
     address: &str,
@@ -157,12 +158,12 @@ fn put(
         .map(Change::Add)
         .collect();
     let literal = |k: usize| number("GFORCE", force, FORCES[axis], Some(k));
-    // Ids of markers are literals too; the length is the last of all.
+    // Marker ids are literals too; the slip length is the last literal.
     let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
     let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
     for (share, first, form) in FORMS {
         let length = share * range;
-        // The force on I is against the stretch.
+        // The force on I opposes the stretch.
         let start = u[0] - first * length;
         let wrench = pattern(u, length, start)
             .into_iter()

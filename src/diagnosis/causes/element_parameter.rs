@@ -1,4 +1,4 @@
-//! `element-parameter`: a number of the deck taken as known is wrong.
+//! `element-parameter`: a deck parameter that the study takes as known is wrong.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
@@ -27,7 +27,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     free_lengths(survey, out);
 }
 
-/// A free length shifts the force of its spring by a constant, as a preload does.
+/// Adds the free lengths of preloaded springs. A wrong free length shifts the force by a constant, as a preload does.
 fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (_, address, group, force) in survey.numbers_of_the_deck() {
         if group != EffectGroup::Preloads {

@@ -11,7 +11,7 @@ use super::super::survey::Survey;
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {
-        // Three marks leave no freedom beyond the six.
+        // Three marks are too few to test a rigid motion in six parameters.
         if read.marks.len() < 4 {
             continue;
         }

@@ -1,6 +1,6 @@
-//! `free-play`: a joint of a part with two joints has play along their line.
+//! `free-play`: a joint of a part with two joints has play along the line through them.
 //!
-//! The part is split at one of its ends. Between both ends of the play little holds it, beyond them a contact.
+//! The part is split at one of its ends. Within the play a weak spring holds it, beyond the play a stiff contact.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
@@ -28,7 +28,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
         let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
         changes.extend(added.into_iter().map(Change::Add));
-        // The first literal is the stiffness of the contact, the last of both terms is half of the play.
+        // The first literal is the contact stiffness. The last literal of each of the two terms is half of the play.
         let first = admire_syntax::Expression::parse_str(&format!("{half})"));
         let first = first.map_or(0, |e| e.literals.len());
         let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);

@@ -1,7 +1,7 @@
-//! `hardpoint-error`: a connection point is not where the deck puts it.
+//! `hardpoint-error`: the location of a connection point differs from the deck.
 //!
-//! Either a point of the car, where all parts that meet there go along and nothing is strained, or one side of it: a part made wrong,
-//! assembled under strain. For a bushing the second is `assembly-offset`.
+//! Either a point of the car is displaced: all parts that meet there move together, and nothing is strained. Or one side of it is displaced:
+//! a part made wrong, assembled under strain. For a bushing the second is `assembly-offset`.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity, number};
@@ -50,7 +50,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let mut seen = Vec::new();
     for (header, i, j) in joints.chain(primitives).chain(springs) {
         for marker in [i, j] {
-            // Where nothing else meets it is the point itself.
+            // Where no other marker coincides, the end is the point itself.
             let alone = survey
                 .points()
                 .iter()

@@ -1,6 +1,7 @@
-//! `link-compliance`: a part deforms along the line of its two joints.
+//! `link-compliance`: a part deforms along the line through its two joints.
 //!
-//! The part is split at one of its ends by a bushing that yields along the line only; where the marks sit decides which end.
+//! The part is split at one of its ends by a bushing that yields along the line only. Both ends are candidates; the positions of the marks
+//! decide between them.
 
 use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
 use admire_syntax::Address;
@@ -15,21 +16,21 @@ use super::super::survey::Survey;
 pub(super) struct LinkEnd {
     /// Id of the part.
     pub part: u32,
-    /// Which of the two.
+    /// Name of the end: `first end` or `second end`.
     pub form: &'static str,
-    /// Id of its marker there.
+    /// Id of the marker of the part at this end.
     pub marker: u32,
-    /// Where that is on the part.
+    /// Position of the end on the part.
     place: Vec3,
-    /// Direction of the line, away from the other end, in axes of the part.
+    /// Unit vector along the line, away from the other end, in axes of the part.
     outward: Vec3,
-    /// The same in the axes in which the marker's QP is given.
+    /// The vector `outward` in the axes in which the marker's QP is given.
     written: Vec3,
     /// Force along the line in each case, positive in tension.
     pub tension: Vec<f64>,
 }
 
-/// Both ends of every such part.
+/// Returns both ends of every movable part with exactly two attachments.
 pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
     let mut out = Vec::new();
     for (part, body) in survey.model.parts.iter().enumerate() {
@@ -66,7 +67,7 @@ pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
 }
 
 impl LinkEnd {
-    /// The end moves outward by so much in each case.
+    /// Returns the changes of the marker's position if the end moves outward by `by(tension)` in each case.
     pub(super) fn moved(&self, by: impl Fn(f64) -> f64) -> Vec<(Address, Vec<f64>)> {
         let column = |k: usize| {
             let shift = self.tension.iter().map(|n| by(*n) * self.written[k]);
@@ -76,8 +77,8 @@ impl LinkEnd {
         (0..3).map(column).collect()
     }
 
-    /// The end goes over to a new part, which a bushing with its z axis along the line holds to the old one, along that by
-    /// `stiffness`: ids of the bushing and its markers.
+    /// Moves the end to a new part. A bushing with its z axis along the line connects it to the old part, with `stiffness` along the line and
+    /// rigid across it. Returns the ids of the bushing and its markers, and the changes.
     pub(super) fn split(
         &self,
         survey: &Survey<'_>,
@@ -97,7 +98,7 @@ impl LinkEnd {
     }
 }
 
-/// Every movable part with exactly two attachments.
+/// Adds the compliance of every movable part with exactly two attachments, at either end.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     for end in link_ends(survey) {

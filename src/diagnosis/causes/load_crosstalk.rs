@@ -1,4 +1,4 @@
-//! `load-crosstalk`: the rig applies part of one load along another.
+//! `load-crosstalk`: the rig applies a fraction of one load along another.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;

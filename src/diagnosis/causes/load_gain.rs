@@ -1,4 +1,4 @@
-//! `load-gain`: the rig's load is wrong by a factor.
+//! `load-gain`: a load of the rig is wrong by a factor.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Sensitivity};
@@ -29,7 +29,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// An error along `to` that grows with the square of the load `from`; its number is the part of the largest load.
+/// Returns an error along `to` that grows with the square of the load `from`. Its parameter is the error at the largest load, as a fraction
+/// of it.
 pub(super) fn growing(
     survey: &Survey<'_>,
     cause: Cause,

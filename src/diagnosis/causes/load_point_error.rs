@@ -1,4 +1,4 @@
-//! `load-point-error`: a load acts elsewhere than at its marker.
+//! `load-point-error`: a load acts at a point other than its marker.
 
 use super::super::cause::Cause;
 use super::super::hypothesis::Hypothesis;

@@ -1,6 +1,6 @@
-//! One file per cause: where in this deck it can occur, what it does to first order, and how the deck is extended by it.
+//! Catalogue of causes, one file per cause: its possible sites in the deck, its first-order effect, and its extension of the deck.
 //!
-//! Knows the deck, the measurement and the state of every load case at the fit; not how hypotheses are compared.
+//! Depends on the deck, the measurement and the state of every load case at the fit. Independent of the comparison of hypotheses.
 
 mod assembly_offset;
 mod body_compliance;
@@ -45,7 +45,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     frame_drift::hypotheses(survey, &mut out);
     channel_fault::hypotheses(survey, &mut out);
     let class = |h: &Hypothesis| match h.cause {
-        // A link that yields and what it is fixed to are one class: often they are the same in the data.
+        // A compliant link and its compliant attachments form one class, because the data often cannot tell them apart.
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),
     };

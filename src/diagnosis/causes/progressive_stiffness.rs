@@ -8,14 +8,14 @@ use super::super::hypothesis::{
 };
 use super::super::survey::Survey;
 
-/// Powers of the deflection beside the linear one; the force is odd.
+/// Powers of the deflection in addition to the linear term. The force is odd in the deflection.
 const FORMS: [(&str, &[i32]); 3] = [
     ("cubic", &[3]),
     ("quadratic", &[2]),
     ("cubic and quintic", &[3, 5]),
 ];
 
-/// Every component of every bushing.
+/// Adds a progressive law in every component of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
@@ -42,7 +42,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 let text = terms.concat();
                 let (gforce, changes) =
                     survey.vector_force((bushing.i, bushing.j), &[(axis, &text)]);
-                // Literals of the function: those of a term are its factor, its markers, its power.
+                // Each term has the same number of literals: its factor, its marker ids, and its power if written as one.
                 let each = admire_syntax::Expression::parse_str(&text)
                     .map_or(0, |text| text.literals.len())
                     / powers.len();

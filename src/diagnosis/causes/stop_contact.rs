@@ -10,7 +10,7 @@ use super::super::hypothesis::{
 };
 use super::super::survey::Survey;
 
-/// Where in the range of a displacement the stop may begin; the fit then moves it.
+/// First guesses of the clearance, as fractions of the displacement range. The fit then moves it.
 const GRID: [(f64, &str, &str); 4] = [
     (0.25, "above 0.25", "below 0.25"),
     (0.5, "above 0.50", "below 0.50"),
@@ -95,7 +95,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-/// Stops at both ends of a displacement `u` whose positive force acts along `directions`.
+/// Adds stops at both ends of a displacement `u`. A positive force acts along `directions`.
 fn stops(
     address: &str,
     (kind, argument): (&str, &str),
@@ -119,7 +119,7 @@ fn stops(
     }
     let mut ascending = u.to_vec();
     ascending.sort_by(f64::total_cmp);
-    // A stop that only one case reaches may begin anywhere between this and the next.
+    // A stop that only one case reaches may begin anywhere between that case and the next.
     let last = |next: usize, end: usize| 0.5 * (ascending[next] + ascending[end]);
     let ends = (u.len() > 2).then(|| {
         let count = u.len();
@@ -146,7 +146,7 @@ fn stops(
             let along = |(u, d): (&f64, &Vec6)| d * past(*u).signum() * past(*u).abs().powi(power);
             Sensitivity::Wrench(pair, u.iter().zip(directions).map(along).collect())
         };
-        // A literal has no sign of its own, so a negative clearance is added instead.
+        // Literals have no sign: a negative clearance is written as the addition of its magnitude.
         let (sign, size) = if clearance < 0.0 {
             ('+', -clearance)
         } else {
@@ -158,7 +158,7 @@ fn stops(
         } else {
             format!("+0.0*MAX(0.0,-({past_it}))")
         };
-        // A buffer hardens.
+        // A cubic term lets the buffer harden.
         let body = format!("{}{linear}**3", linear.trim_start_matches('+'));
         let toward = if clearance < 0.0 { -1.0 } else { 1.0 };
         let (id, added) = statements(&body);

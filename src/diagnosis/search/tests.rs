@@ -2,7 +2,7 @@ use super::super::fit::fit;
 use super::*;
 use crate::sought::tests::{of_the_axle, shipped_axle};
 
-/// A cause that only gains something because the fit without any went astray is not held to have gained it.
+/// A cause is rejected if it gains only because the fit without causes ended in a wrong minimum.
 #[test]
 fn a_fit_without_causes_that_went_astray_is_replaced() {
     let loaded = shipped_axle();
@@ -22,7 +22,7 @@ fn a_fit_without_causes_that_went_astray_is_replaced() {
     });
     let best = fits.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
     let with_cause = Arc::new(best.expect("one can be fitted"));
-    // Nothing acts in this study.
+    // No cause acts in this study.
     assert!(with_cause.ln_posterior() < none.ln_posterior());
     let mut astray = (*none).clone();
     astray.posterior.ln_z -= 0.5 * MODEST;
@@ -31,7 +31,7 @@ fn a_fit_without_causes_that_went_astray_is_replaced() {
     let found = search.held_against_none(Arc::clone(&with_cause));
     assert!(found.effects.is_empty());
     assert!((search.none.ln_posterior() - none.ln_posterior()).abs() < 0.1);
-    // Beside the true one it stays, for others to judge.
+    // Compared with the correct fit without causes, the cause is kept; later stages judge it.
     let mut search = Search::new(&subject, none, Data::All);
     let kept = search.held_against_none(Arc::clone(&with_cause));
     assert!(Arc::ptr_eq(&kept, &with_cause));

@@ -1,4 +1,4 @@
-//! Equilibrium of measured poses, linearised: one set of equations per load case.
+//! Linearised equilibrium equations at the measured poses, one set per load case.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,7 +10,7 @@ use admire_solver::system::{NoValue, Parameters, Scratch, Slot, State, System};
 use admire_study::Measurement;
 use admire_study::orientation::absolute_orientation;
 
-/// The measured poses of all moving parts in one case, and the current estimate of where they really were.
+/// Measured poses of all moving parts in one case, with the current estimate of their true values.
 #[derive(Clone)]
 pub(super) struct CaseState {
     /// Index of the case.
@@ -21,17 +21,17 @@ pub(super) struct CaseState {
     state: State,
 }
 
-/// `residual + columns * dtheta + (noise) = 0`, joint reactions eliminated, constraints included.
+/// Equations `residual + columns * dtheta + (noise) = 0`, with constraints and without joint reactions.
 pub(super) struct Linearised {
-    /// At the current poses and numbers, measured poses taken into account to first order.
+    /// Residual at the current poses and numbers; the difference to the measured poses is included to first order.
     pub residual: DVector<f64>,
-    /// By each number.
+    /// Derivatives with respect to each number.
     pub columns: DMatrix<f64>,
-    /// Covariance of the residual under pose noise.
+    /// Covariance of the residual due to pose noise.
     pub covariance: DMatrix<f64>,
-    /// Pose noise times the derivative: what moves the poses onto the equations.
+    /// Pose covariance times the transposed derivative, which moves the poses onto the equations.
     pub gain: DMatrix<f64>,
-    /// Misfit of the current poses to the measured ones.
+    /// Measured minus current poses.
     pub misfit: DVector<f64>,
 }
 
@@ -44,7 +44,7 @@ impl Sink for Entries {
 }
 
 impl CaseState {
-    /// `None` if the pose of a moving part is not measured in this case.
+    /// Creates the state of a case; returns `None` if the pose of a moving part is not measured in this case.
     pub(crate) fn new(
         system: &System,
         model: &Model,
@@ -71,7 +71,7 @@ impl CaseState {
                 return None;
             }
             state.poses[part.0] = fit.pose;
-            // That of the origin, as one of the point that the unknowns move: dp + dphi x arm.
+            // Converts the covariance of the origin to that of the part's reference point: dp + dphi x arm.
             let mut moved = Mat6::identity();
             let by_turn = -skew(&system.reference_arm(&state, part.0));
             moved.fixed_view_mut::<3, 3>(0, 3).copy_from(&by_turn);
@@ -88,7 +88,7 @@ impl CaseState {
         })
     }
 
-    /// Linearises at the current poses. Multipliers are set to what balances the parts best.
+    /// Linearises at the current poses. The multipliers are set to the values that balance the parts best.
     pub(crate) fn linearise(
         &mut self,
         system: &System,
@@ -102,7 +102,7 @@ impl CaseState {
         let mut g = vec![0.0; unknowns];
         let mut jacobian = Entries(DMatrix::zeros(unknowns, unknowns));
         system.assemble(parameters, &self.state, scratch, &mut g, &mut jacobian)?;
-        // Reactions enter linearly: G^T lambda. The basis of what they cannot balance, and the reactions that balance the rest.
+        // Reactions enter linearly as G^T lambda: their orthogonal complement, and the reactions that balance the rest.
         let reactions = jacobian.0.view((0, parts), (parts, equations)).into_owned();
         let (basis, free) = split(&reactions);
         let balance = DVector::from_column_slice(&g[..parts]);
@@ -151,7 +151,7 @@ impl CaseState {
         })
     }
 
-    /// Measured minus current poses, as changes of the part unknowns.
+    /// Returns measured minus current poses as changes of the part unknowns.
     fn misfit(&self, system: &System) -> DVector<f64> {
         let mut misfit = DVector::zeros(self.covariance.nrows());
         for (part, measured) in &self.measured {
@@ -167,7 +167,7 @@ impl CaseState {
         misfit
     }
 
-    /// Puts the poses back to where they were measured.
+    /// Resets the poses to the measured ones.
     pub(crate) fn as_measured(&mut self) {
         for (part, measured) in &self.measured {
             self.state.poses[part.0] = *measured;
@@ -182,7 +182,7 @@ impl CaseState {
     }
 }
 
-/// Orthonormal basis of what no column of `a` reaches, and the pseudo-inverse of `a`.
+/// Returns an orthonormal basis of the complement of the column space of `a`, and the pseudo-inverse of `a`.
 fn split(a: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
     let rows = a.nrows();
     if a.ncols() == 0 {

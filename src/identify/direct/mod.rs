@@ -1,10 +1,11 @@
-//! The direct solution: equilibrium of the measured poses is linear in the stiffnesses. No solver run.
+//! Direct solution: the equilibrium of the measured poses is linear in the stiffnesses, so that no solver run is needed.
 //!
-//! In every load case the forces on each part must balance where it was measured. Joint reactions are eliminated by projection on
-//! what they cannot balance; what remains is linear in stiffnesses and preloads (assembly offsets are preloads, `p = K delta0`).
-//! Pose noise makes the equations inexact with covariance `C = K_T Sigma K_T^T`: they are weighted by its inverse. Because the
-//! noise also sits in the deflections that multiply the stiffnesses, that solution is biased towards zero; moving the poses onto the equations within their
-//! covariance, again and again, removes most of it.
+//! In every load case, the forces on each part must balance at the measured pose. Joint reactions are eliminated by projection on their
+//! orthogonal complement. The remaining equations are linear in stiffnesses and preloads; an assembly offset is a preload, `p = K delta0`.
+//!
+//! Pose noise gives the equations the covariance `C = K_T Sigma K_T^T`, and they are weighted by its inverse. The noise also affects the
+//! deflections that multiply the stiffnesses, which biases this solution towards zero. Most of the bias is removed by repeatedly moving the
+//! poses onto the equations within their covariance.
 
 mod equations;
 mod report;
@@ -25,32 +26,32 @@ use admire_study::orientation::chi_square_p_value;
 use admire_study::settings::Method;
 use admire_syntax::Address;
 
-/// What is taken as the noise of exact readings: their weights must still be relative to something.
+/// Noise assigned to exact readings, whose weights would otherwise be infinite.
 const EXACT: f64 = 1e-6;
 /// Largest change of ln K in one round.
 const STEP: f64 = 1.5;
-/// Corrections of the poses for one set of numbers.
+/// Number of pose corrections for one set of values.
 const CORRECTIONS: usize = 3;
-/// Damping of a first step, what a rejected step multiplies it by and an accepted one divides it by.
+/// Initial damping, its factor after a rejected step, and its divisor after an accepted one.
 const DAMPING: (f64, f64, f64) = (1e-3, 8.0, 5.0);
-/// Damping beyond which there is no way down.
+/// Damping beyond which no descent is possible.
 const STUCK: f64 = 1e6;
-/// Values stay within this many e-folds of where they started.
+/// Largest distance of the values from their start, in e-folds.
 const WIDTH: f64 = 9.0;
-/// What still moves by less, or by less than this fraction of its standard deviation, is settled.
+/// Change of ln K that counts as converged: an absolute part, plus a part relative to the standard deviation.
 const SETTLED: (f64, f64) = (1e-7, 0.05);
-/// Rounds with the poses as measured before they are corrected, one attempt after the other: few keep weakly seen stiffnesses
-/// from collapsing, many bring strongly seen ones near.
+/// Number of rounds with the poses as measured before they are corrected, one entry per attempt. Few rounds keep poorly determined
+/// stiffnesses from collapsing; many rounds bring well-determined ones close to the solution.
 const ATTEMPTS: [usize; 2] = [2, 12];
-/// An attempt whose misfit is likelier than this is taken.
+/// P-value of the misfit above which an attempt is accepted.
 const BELIEVABLE: f64 = 1e-3;
 
-/// How the direct solution is found.
+/// Settings of the direct solution.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DirectSettings {
-    /// Most rounds in which the poses move onto the equations.
+    /// Maximum number of rounds in which the poses are moved onto the equations.
     pub rounds: usize,
-    /// Also solve with the poses as measured, to show the bias their noise would leave.
+    /// If true, also solves with the poses as measured, to show the bias due to their noise.
     pub show_bias: bool,
 }
 
@@ -63,35 +64,35 @@ impl Default for DirectSettings {
     }
 }
 
-/// The direct solution.
+/// Result of the direct solution.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DirectSolution {
-    /// One per unknown of the problem.
+    /// Values, one per unknown of the problem.
     pub values: Vec<f64>,
-    /// Values with the poses as measured, their noise uncorrected: what plain weighted least squares gives. Empty if not asked for.
+    /// Values with the poses as measured, as from plain weighted least squares; empty if not requested.
     pub uncorrected: Vec<f64>,
-    /// Which unknowns ended at the edge of what is allowed.
+    /// True for each unknown at the edge of its allowed range.
     pub at_bound: Vec<bool>,
-    /// Covariance of (ln of the values, offsets in the order of `offsets`).
+    /// Covariance matrix; its rows are the logarithms of the values, followed by the offsets in the order of `offsets`.
     pub covariance: DMatrix<f64>,
-    /// (bushing, axis, delta0) of equation 9 in J axes, lengths and radians; empty if offsets are switched off.
+    /// Assembly offsets (bushing, axis, delta0) of equation 9 in J axes, lengths and radians; empty if offsets are disabled.
     pub offsets: Vec<(usize, usize, f64)>,
-    /// How many rounds it took.
+    /// Number of rounds.
     pub rounds: usize,
-    /// True if nothing moved any more.
+    /// True if the solution converged.
     pub settled: bool,
-    /// Squared misfit of the poses moved onto the equations, in units of their covariance, priors included.
+    /// Squared misfit of the corrected poses over their covariance, including the prior terms.
     pub chi_square: f64,
-    /// Equations minus unknowns.
+    /// Number of equations minus number of unknowns.
     pub dof: usize,
-    /// Cases that took part.
+    /// Cases that were used.
     pub cases: Vec<usize>,
 }
 
 /// Solves for all unknowns of a problem.
 ///
 /// # Errors
-/// [`IdentifyError`] when no case has the poses of all moving parts, or the model cannot be compiled.
+/// Returns [`IdentifyError`] if no case has the poses of all moving parts, or if the model cannot be compiled.
 pub fn solve(
     problem: &Problem<'_>,
     settings: &DirectSettings,
@@ -119,7 +120,7 @@ pub fn solve(
     direct.run(settings, progress)
 }
 
-/// Where one attempt ended.
+/// Final state of one attempt.
 struct Attempt {
     x: DVector<f64>,
     information: DMatrix<f64>,
@@ -138,7 +139,7 @@ struct Direct<'a> {
     /// (bushing, axis) of each offset.
     offsets: Vec<(usize, usize)>,
     loads: Vec<Slot>,
-    /// (ln of the unknowns, offsets).
+    /// Logarithms of the unknowns, then offsets.
     x: DVector<f64>,
 }
 
@@ -262,7 +263,7 @@ impl<'a> Direct<'a> {
         })
     }
 
-    /// Weighting rounds to get near, then Levenberg and Marquardt's descent of the misfit of the corrected poses.
+    /// Approaches the solution by weighting rounds, then minimises the misfit of the corrected poses by the Levenberg-Marquardt method.
     fn attempt(
         &mut self,
         weighting: usize,
@@ -289,7 +290,7 @@ impl<'a> Direct<'a> {
             let (lower, upper) = self.bounds();
             let (step, _) = bounded::solve(&damped, &right, &lower, &upper);
             *rounds += 1;
-            // A change of the misfit nobody would notice: exact readings never get better than their last digit.
+            // A negligible predicted decrease of the misfit: exact readings are limited by their last digit.
             let unnoticed = step.dot(&right) < 1e-4 * (1.0 + 1e-2 * chi_square);
             let before = (self.x.clone(), self.cases.clone());
             self.x += &step;
@@ -327,7 +328,7 @@ impl<'a> Direct<'a> {
         })
     }
 
-    /// Moves the poses onto the equations of the present numbers; the equations there and the misfit.
+    /// Moves the poses onto the equations of the current values; returns the equations there and the misfit.
     fn corrected(&mut self) -> Result<(Vec<Linearised>, f64), IdentifyError> {
         let nothing = DVector::zeros(self.x.len());
         for _ in 0..CORRECTIONS {
@@ -339,7 +340,7 @@ impl<'a> Direct<'a> {
         Ok((linear, misfit))
     }
 
-    /// Squared misfit of the poses that obey the equations, in units of their covariance, and of the priors.
+    /// Returns the squared misfit of the corrected poses over their covariance, plus the prior terms.
     fn misfit(&self, linear: &[Linearised]) -> f64 {
         let mut sum = 0.0;
         for case in linear {
@@ -352,7 +353,7 @@ impl<'a> Direct<'a> {
         sum
     }
 
-    /// Mean and sd of every number before anything was read.
+    /// Returns the prior mean and standard deviation of every number.
     fn priors(&self) -> Vec<(f64, f64)> {
         let settings = self.problem.settings;
         let unknowns = self.problem.unknowns.iter();
@@ -364,7 +365,7 @@ impl<'a> Direct<'a> {
         stiffnesses.chain(offsets).collect()
     }
 
-    /// One step of weighted least squares from where the numbers and the poses are.
+    /// Takes one weighted least-squares step from the current values and poses.
     fn round(&mut self) -> Result<(), IdentifyError> {
         let linear = self.linearise()?;
         let (normal, right) = self.normal_equations(&linear);
@@ -373,7 +374,7 @@ impl<'a> Direct<'a> {
         Ok(())
     }
 
-    /// The values plain weighted least squares gives from here, poses as measured.
+    /// Returns the weighted least-squares values for the poses as measured, starting from the current values.
     fn as_measured(&mut self) -> Result<Vec<f64>, IdentifyError> {
         for case in &mut self.cases {
             case.as_measured();
@@ -384,7 +385,7 @@ impl<'a> Direct<'a> {
         Ok(self.values())
     }
 
-    /// Linearises every case in terms of (ln K, delta0). The preload of an offset is `F0 = K delta0`.
+    /// Linearises every case with respect to (ln K, delta0). The preload of an offset is `F0 = K delta0`.
     fn linearise(&mut self) -> Result<Vec<Linearised>, IdentifyError> {
         let count = self.problem.unknowns.len();
         let values = self.values();
@@ -440,7 +441,7 @@ impl<'a> Direct<'a> {
         Ok(linear)
     }
 
-    /// Normal equations of a step, priors included.
+    /// Returns the normal equations of a step, including the priors.
     fn normal_equations(&self, linear: &[Linearised]) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.slots.len();
         let (mut normal, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
@@ -457,7 +458,7 @@ impl<'a> Direct<'a> {
         (normal, right)
     }
 
-    /// Bounds of a step.
+    /// Returns the lower and upper bounds of a step.
     fn bounds(&self) -> (Vec<f64>, Vec<f64>) {
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
         for (k, unknown) in self.problem.unknowns.iter().enumerate() {
@@ -470,7 +471,7 @@ impl<'a> Direct<'a> {
         (lower, upper)
     }
 
-    /// Moves the poses to where they most probably were: `misfit - Sigma H^T C^-1 (residual + columns step)`.
+    /// Moves the poses to their most probable positions: `misfit - Sigma H^T C^-1 (residual + columns step)`.
     fn correct(&mut self, linear: &[Linearised], step: &DVector<f64>) {
         for (case, linear) in self.cases.iter_mut().zip(linear) {
             let open = &linear.residual + &linear.columns * step;
@@ -481,7 +482,7 @@ impl<'a> Direct<'a> {
     }
 }
 
-/// `C^-1 X`, whatever the units of its rows.
+/// Computes `C^-1 X`, scaled so that the units of the rows do not matter.
 fn weigh(covariance: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     let scale = covariance
         .diagonal()
@@ -495,7 +496,7 @@ fn weigh(covariance: &DMatrix<f64>, x: &DMatrix<f64>) -> DMatrix<f64> {
     }
     let mut solved = match scaled.clone().cholesky() {
         Some(factor) => factor.solve(&y),
-        // Redundant constraints say the same thing twice.
+        // Redundant constraints make the covariance singular.
         None => pseudo_inverse(scaled, 1e-12).map_or_else(|| y.clone(), |inverse| inverse * &y),
     };
     for (mut row, s) in solved.row_iter_mut().zip(scale.iter()) {

@@ -1,4 +1,4 @@
-//! The direct solution as `identification.json` shows it.
+//! Result of the direct solution as `identification.json` shows it.
 
 use std::collections::BTreeMap;
 use std::f64::consts::LN_10;
@@ -12,15 +12,15 @@ use crate::{
 use admire_session::backend::Backend;
 use admire_study::settings::Method;
 
-/// Sd of ln K beyond which a number is not identified.
+/// Standard deviation of ln K above which a number counts as unidentifiable.
 const UNIDENTIFIABLE: f64 = 0.5;
-/// Two-sided 95 percent point of the normal distribution.
+/// 97.5 percent point of the standard normal distribution, for two-sided 95 percent intervals.
 const NORMAL95: f64 = 1.959_963_984_540_054;
 
-/// Identifies by the direct solution. The backend only judges it: two sweeps, with the initial and the found values.
+/// Identifies by the direct solution. The backend only evaluates it, in one sweep with the initial and one with the identified values.
 ///
 /// # Errors
-/// [`IdentifyError`] when there is no direct solution or the backend solves nothing.
+/// Returns [`IdentifyError`] if there is no direct solution or the backend solves nothing.
 pub fn identify(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
@@ -78,7 +78,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
     let one = |(k, unknown): (usize, &crate::Unknown)| {
         let (value, sd) = (solution.values[k], sd_log(solution, k));
         let reach = NORMAL95 * sd;
-        // A side three decades away is no bound.
+        // A bound three decades away is not stated.
         let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
         ParameterFit {
             address: unknown.address.to_string(),
@@ -140,7 +140,7 @@ fn directions(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Unidentif
         .collect()
 }
 
-/// States the bias, and which cases could not take part.
+/// Returns remarks on the bias of plain least squares, on excluded cases, and on missing convergence.
 fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
     let mut remarks = Vec::new();
     let mut worst: Option<(usize, f64)> = None;

@@ -1,4 +1,4 @@
-//! How the scalar sensors of a study change with the unknowns of a fit.
+//! Sensitivities of a study's scalar sensors (channels) with respect to the unknowns of a fit.
 
 use nalgebra::DMatrix;
 
@@ -7,13 +7,14 @@ use admire_study::Channels;
 
 use super::unknown::Direction;
 
-/// Step of the difference that finds how a channel depends on theta where nothing moves: relative to one unit of the unknown.
+/// Central-difference step for the explicit dependence of a channel on theta, with all parts fixed, in units of the unknown.
 const STEP: f64 = 1e-5;
 
-/// Changes of all channels along each direction, one column each, given how the system's unknowns respond to it.
+/// Computes the changes of all channels along each direction, one column per direction. `responses` holds the changes of the system's
+/// unknowns along each direction.
 ///
 /// # Errors
-/// [`NoValue`] if a function is undefined there.
+/// [`NoValue`] if a function is undefined at the state.
 pub fn channel_changes(
     channels: Channels,
     system: &System,
@@ -38,7 +39,7 @@ pub fn channel_changes(
                 .sum();
         }
     }
-    // A spring's force depends on its stiffness, a place on a part on its marker, even where nothing moves.
+    // Explicit dependence with all parts fixed: a spring force depends on the stiffness, a point of a part on its marker.
     let mut near = theta.clone();
     for (mut changes, direction) in out.column_iter_mut().zip(directions) {
         if !reads(channels, system, direction, case) {
@@ -62,7 +63,7 @@ pub fn channel_changes(
     Ok(out)
 }
 
-/// True if a channel may change along a direction while nothing moves.
+/// Returns true if a channel may change along a direction while all parts are fixed.
 fn reads(channels: Channels, system: &System, direction: &Direction, case: usize) -> bool {
     let mut numbers = direction.in_case(case).filter(|(_, weight)| *weight != 0.0);
     let mut functions = (0..channels.count).map(|k| (channels.first + k, 1));

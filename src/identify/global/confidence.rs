@@ -1,4 +1,4 @@
-//! How well the unknowns of a fit are known: covariance and what the data cannot tell apart.
+//! Uncertainty of the unknowns of a fit: posterior covariance and poorly determined directions.
 
 use nalgebra::DMatrix;
 
@@ -7,10 +7,10 @@ use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// Half the 95 percent point of chi-square with one degree of freedom: 3.841 / 2.
 pub(super) const HALF_CHI2_95: f64 = 1.920_729;
-/// 97.5 percent point of the normal distribution.
+/// 97.5 percent point of the standard normal distribution.
 pub const NORMAL_975: f64 = 1.959_964;
 
-/// Posterior covariance of all unknowns: the inverse of data plus prior information. Zero for held ones.
+/// Computes the posterior covariance of all unknowns, the inverse of data plus prior information. Held unknowns get zero variance.
 pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
     let mut information = minimum.information.clone();
     for (k, held) in held.iter().enumerate() {
@@ -30,7 +30,7 @@ pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
     covariance
 }
 
-/// Inverse of a positive matrix; directions without any information get a variance that says so.
+/// Inverts an information matrix; directions without information get a very large variance.
 fn invert(information: &DMatrix<f64>) -> DMatrix<f64> {
     let mut jitter = 0.0;
     loop {
@@ -48,16 +48,16 @@ fn invert(information: &DMatrix<f64>) -> DMatrix<f64> {
     }
 }
 
-/// A combination of unknowns that the data leave open.
+/// A linear combination of unknowns that the data do not determine.
 #[derive(Clone, PartialEq, Debug)]
 pub struct OpenDirection {
-    /// Weight of each unknown that takes part noticeably, largest first; the squares of all weights sum to one.
+    /// Weight of each unknown with a magnitude above 0.15, largest first; the squares of all weights sum to one.
     pub weights: Vec<(usize, f64)>,
-    /// Standard deviation along it.
+    /// Standard deviation along the direction.
     pub sd: f64,
 }
 
-/// Eigenvectors of the covariance of the first `count` unknowns whose standard deviation exceeds `limit`, worst first.
+/// Returns the eigenvectors of the covariance of the first `count` unknowns whose standard deviation exceeds `limit`, largest first.
 pub(crate) fn open_directions(
     covariance: &DMatrix<f64>,
     count: usize,

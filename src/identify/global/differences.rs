@@ -1,4 +1,4 @@
-//! Any backend as a predictor: sensitivities by central differences of whole runs.
+//! Predictor for any backend: sensitivities by central differences of whole sweeps.
 
 use super::predictor::{CaseChange, CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::prepared::Prepared;
@@ -12,11 +12,11 @@ use admire_solver::system::{Parameters, Scratch, System};
 use admire_study::Channels;
 use admire_syntax::Address;
 
-/// Step of a difference, in units of an unknown: a thousandth of an e-fold, where truncation and the ten digits of a results file
-/// are about as bad.
+/// Central-difference step in units of an unknown; for ln K this is a relative change of 0.001. At this size, truncation error and the ten
+/// digits of a results file contribute about equally.
 const STEP: f64 = 1e-3;
 
-/// Predicts with a backend that only gives poses; channels are functions of these.
+/// Predictor for a backend that returns poses only; channels are evaluated from the poses.
 pub(crate) struct DifferencePredictor<'a> {
     problem: &'a Problem<'a>,
     system: &'a System,
@@ -29,18 +29,18 @@ pub(crate) struct DifferencePredictor<'a> {
     failure: Failure,
 }
 
-/// Where a case puts the parts, and what the channels read there.
+/// Poses of the parts in one case and the channel values there.
 #[derive(Clone, Debug)]
 struct Answer {
     poses: Vec<Pose>,
     channels: Vec<f64>,
 }
 
-/// Why the last run that gave no answer at all gave none.
+/// Error of the last sweep that failed as a whole, if any; a lasting error is kept.
 pub(super) type Failure = std::rc::Rc<std::cell::RefCell<Option<BackendError>>>;
 
 impl<'a> DifferencePredictor<'a> {
-    /// For a study's problem, its compiled deck and whoever solves it.
+    /// Creates the predictor from a study's problem, its compiled deck and the backend.
     pub(crate) fn new(
         problem: &'a Problem<'a>,
         prepared: &'a Prepared,
@@ -61,12 +61,12 @@ impl<'a> DifferencePredictor<'a> {
         }
     }
 
-    /// Where failures of whole runs are told.
+    /// Returns the shared cell in which failures of whole sweeps are recorded.
     pub(super) fn failure(&self) -> Failure {
         self.failure.clone()
     }
 
-    /// Every case at each of these numbers; the runs go side by side where the backend can.
+    /// Solves every case at each set of numbers; the backend may run the sets in parallel.
     fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<Answer>>> {
         let cases = self.problem.programme.cases.len();
         let lasting =
@@ -126,7 +126,7 @@ impl<'a> DifferencePredictor<'a> {
         out
     }
 
-    /// What the channels read where a case puts the parts; `None` where one has no value.
+    /// Evaluates the channels at the poses of a case; returns `None` if a channel has no value.
     fn read(
         &mut self,
         numbers: &Numbers,
@@ -135,7 +135,7 @@ impl<'a> DifferencePredictor<'a> {
     ) -> Option<Answer> {
         let mut theta = numbers.theta.clone();
         for (load, value) in programme.loads.iter().zip(&programme.cases[case].values) {
-            // A load that the built-in solver does not know changes nothing that it reads.
+            // A load without a slot in the built-in solver affects none of the channels.
             if let Ok(slot) = slot(self.system, &load.target) {
                 theta.set(slot, *value);
             }
@@ -147,7 +147,7 @@ impl<'a> DifferencePredictor<'a> {
         Some(Answer { poses, channels })
     }
 
-    /// The study's programme with what the unknowns add from case to case.
+    /// Returns the study's programme with the per-case contributions of the unknowns added.
     fn programme(&self, numbers: &Numbers) -> LoadProgramme {
         let mut programme = self.problem.programme.clone();
         for (slot, values) in &numbers.per_case {
@@ -176,7 +176,7 @@ impl<'a> DifferencePredictor<'a> {
     }
 }
 
-/// The numbers moved along a direction.
+/// Returns the numbers displaced along a direction.
 fn moved(numbers: &Numbers, direction: &Direction, step: f64) -> Numbers {
     let mut next = numbers.clone();
     for (slot, factor) in &direction.always {
@@ -243,7 +243,7 @@ impl Predictor for DifferencePredictor<'_> {
                 }
             }
         }
-        // A case whose neighbours have no equilibrium has no derivative and so no use.
+        // Without an equilibrium on both sides, a case has no derivatives and is dropped.
         let usable = |p: &CasePrediction| {
             let values = |c: CaseChange<'_>| {
                 let mut all = c.parts.iter().flatten().chain(c.channels);

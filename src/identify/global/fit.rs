@@ -1,4 +1,4 @@
-//! `method = "gauss-newton"` from a study's problem to its answer.
+//! `method = "gauss-newton"`: from the problem of a study to its result.
 
 use std::collections::BTreeMap;
 
@@ -25,31 +25,31 @@ use admire_session::backend::{CaseFailure, Sweep};
 use admire_solver::system::{Equilibrium, System};
 use admire_study::settings::{Loss, Method};
 
-/// sd of ln K above which a number counts as unidentifiable (guide/study.md).
+/// Standard deviation of ln K above which a number counts as unidentifiable (guide/study.md).
 pub const UNIDENTIFIABLE: f64 = 0.5;
-/// sd of ln K above which the normal interval is replaced by profile likelihood.
+/// Standard deviation of ln K above which a profile-likelihood interval replaces the normal interval.
 pub const POOR_NORMAL: f64 = 0.3;
-/// A reading of pure noise is taken for an outlier in so many of the studies.
+/// Probability that pure noise produces an outlier somewhere in a study.
 const OUTLIER: f64 = 1e-3;
-/// ln K may move so far from where it starts.
+/// Distance of ln K from its prior mean at which a number counts as being at a bound.
 const REACH: f64 = 14.0;
 
-/// Numbers to start from.
+/// Starting values of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct StartValues {
-    /// One per unknown of the problem.
+    /// One value per unknown of the problem.
     pub values: Vec<f64>,
-    /// (bushing, axis, delta0) of assembly offsets; the others start at zero.
+    /// Assembly offsets as (bushing, axis, delta0); all others start at zero.
     pub offsets: Vec<(usize, usize, f64)>,
 }
 
-/// A fit with what later steps build on.
+/// A fit together with its problem, for further evaluations.
 pub struct GlobalFit<'a> {
-    /// The answer as `identification.json` shows it.
+    /// Result as `identification.json` shows it.
     pub fit: Fit,
-    /// The problem, at hand for more evaluations.
+    /// Problem, ready for further evaluations.
     pub problem: GlobalProblem<'a>,
-    /// The minimum.
+    /// Minimum of the objective.
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
@@ -57,15 +57,15 @@ pub struct GlobalFit<'a> {
 
 /// A fit without the problem it solved.
 pub struct Found {
-    /// The answer as `identification.json` shows it.
+    /// Result as `identification.json` shows it.
     pub fit: Fit,
-    /// The minimum.
+    /// Minimum of the objective.
     pub minimum: Minimum,
     /// Posterior covariance of all unknowns.
     pub covariance: DMatrix<f64>,
 }
 
-/// The fit's unknowns of a study: ln K of each number sought, then the assembly offsets of their bushings.
+/// Returns the unknowns of a study's fit: ln K of each number to identify, then the assembly offsets of the bushings.
 pub fn fit_unknowns(
     problem: &Problem<'_>,
     system: &System,
@@ -105,7 +105,7 @@ pub fn fit_unknowns(
                 })
             })
             .collect();
-        // A stiffness of zero in the deck has no logarithm; it starts as soft as makes no difference.
+        // A stiffness of zero has no logarithm; it starts at 1 in its own unit.
         let usable = |value: f64| if value > 0.0 { libm::log(value) } else { 0.0 };
         let mean = usable(unknown.initial);
         for (component, axis) in components.iter().zip(&axes) {
@@ -140,7 +140,7 @@ pub fn fit_unknowns(
     FitUnknowns::new(list)
 }
 
-/// The global problem of a study over the given cases.
+/// Assembles the global problem of a study from its observations, unknowns and predictor.
 pub fn global_problem<'a>(
     problem: &Problem<'a>,
     observations: Observations<'a>,
@@ -164,14 +164,15 @@ pub fn global_problem<'a>(
     }
 }
 
-/// Fits everything that was read in the cases that are not held out. `profile`: whether intervals may be refined by profile
-/// likelihood, which costs solver runs.
+/// Fits all readings of the cases that are not held out. If `profile` is true, intervals may be refined by profile likelihood, which costs
+/// solver runs.
 ///
-/// A fit that starts elsewhere and does not converge is tried again from the initial values. Cases without an equilibrium where the
-/// fit starts are left out, unless the stiffnesses found bring them within reach, and named.
+/// If a fit from other starting values does not converge, it is repeated from the initial values. Cases without an equilibrium at the start
+/// are left out and named in a remark, unless they have one at the stiffnesses found.
 ///
 /// # Errors
-/// [`IdentifyError::NoUnknowns`], or [`IdentifyError::NoCases`] when the solver cannot reach a case where the fit starts.
+/// [`IdentifyError::NoUnknowns`] without unknowns, or [`IdentifyError::NoCases`] if there are no readings or no case can be solved at the
+/// start.
 pub fn identify<'a>(
     problem: &Problem<'a>,
     global: &mut GlobalProblem<'a>,
@@ -201,7 +202,7 @@ pub fn identify<'a>(
                 |cases: &[usize]| Observations::fitted(problem.measurement, problem.model, cases);
             global.observations = see(&kept(&left_out));
             best = attempt(global, &starts);
-            // With the stiffnesses found more cases may be within reach.
+            // At the stiffnesses found, more cases may have an equilibrium.
             if let Some(found) = best.take() {
                 let still = unreached(global, &found.x, &left_out);
                 let more = still.len() < left_out.len();
@@ -235,7 +236,7 @@ pub fn identify<'a>(
         .map(|x| x[..count].iter().map(|x| libm::exp(*x)).collect())
         .collect();
     fit.history.dedup();
-    // The deck that is written holds the numbers sought and nothing else of what was found.
+    // The written deck contains the identified numbers and no other fitted unknowns.
     let mut end = initial.clone();
     end[..count].copy_from_slice(&minimum.x[..count]);
     let [before, after] = [&initial, &end].map(|x| swept(global, x));
@@ -270,8 +271,8 @@ pub fn identify<'a>(
     })
 }
 
-/// Fits from the first start; from the next where that does not converge; where the readings are missed by far, from a place to which the
-/// last one is carefully led. The best minimum of them.
+/// Fits from each start in turn until a fit converges, and returns the best minimum. If the readings are missed by far, a further fit starts
+/// from the result of [`homotopy_start`].
 fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimum> {
     let mut best: Option<Minimum> = None;
     for (at, start) in starts.iter().enumerate() {
@@ -297,7 +298,7 @@ fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimu
     best
 }
 
-/// The minimum from a start if it is lower than the one known; the history is that of the one returned.
+/// Minimises from a start and returns the lower of this minimum and the known one; the history follows the returned minimum.
 fn better(
     global: &mut GlobalProblem<'_>,
     start: &[f64],
@@ -320,7 +321,7 @@ fn better(
     }
 }
 
-/// Which of these cases have no equilibrium at x.
+/// Returns the given cases that have no equilibrium at x.
 fn unreached(global: &mut GlobalProblem<'_>, x: &[f64], cases: &[usize]) -> Vec<usize> {
     let numbers = global.unknowns.numbers(&global.deck, x);
     let prediction = global.predictor.predict(&numbers, None);
@@ -328,7 +329,7 @@ fn unreached(global: &mut GlobalProblem<'_>, x: &[f64], cases: &[usize]) -> Vec<
     cases.filter(|case| prediction[*case].is_none()).collect()
 }
 
-/// All load cases at these unknowns.
+/// Solves all load cases at these unknowns.
 fn swept(global: &mut GlobalProblem<'_>, x: &[f64]) -> Sweep {
     let numbers = global.unknowns.numbers(&global.deck, x);
     let of = |prediction: Option<CasePrediction>| match prediction {
@@ -358,7 +359,7 @@ fn answer(
     let count = problem.unknowns.len();
     let (priors, scale, held) = (global.priors(), global.scale(), global.held());
     let mut parameters = Vec::with_capacity(count);
-    // Numbers whose values or intervals are not what the whole run would have given.
+    // Numbers whose value or interval a complete run would still have changed.
     let mut unrefined = Vec::new();
     for (k, unknown) in problem.unknowns.iter().enumerate() {
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
@@ -441,7 +442,7 @@ fn answer(
     }
 }
 
-/// Assembly offsets gathered by bushing.
+/// Collects the assembly offsets by bushing.
 fn offsets(
     problem: &Problem<'_>,
     global: &GlobalProblem<'_>,
@@ -479,7 +480,7 @@ fn offsets(
     if any { found } else { Vec::new() }
 }
 
-/// How the marks are explained, the degrees of freedom shared out over all rows alike.
+/// Returns the fit statistics of the marks; the degrees of freedom are distributed evenly over all rows.
 fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
     let observations = &global.observations;
     let of_marks = |row: &Row| matches!(row, Row::Mark { .. });
@@ -503,7 +504,7 @@ fn marks(global: &GlobalProblem<'_>, minimum: &Minimum) -> Option<Marks> {
     })
 }
 
-/// The chi-square test of all rows of a fit. Where the loss allows for outliers they are left out of it, and counted in a remark.
+/// Computes the chi-square test of all rows of a fit. Under a loss that allows for outliers, these are excluded and counted in a remark.
 fn tested(
     global: &GlobalProblem<'_>,
     minimum: &Minimum,
@@ -566,7 +567,7 @@ fn tested(
     FitTest::new(chi2, dof, tally.kinds(measurement))
 }
 
-/// Rows less the unknowns the data really determine: the trace of data information over total information.
+/// Returns the number of rows minus the effective number of unknowns. The latter is the trace of data information over total information.
 pub(crate) fn effective_dof(global: &GlobalProblem<'_>, minimum: &Minimum) -> f64 {
     let rows = (global.observations.rows.len() - minimum.evaluation.free.len()) as f64;
     let covariance = covariance(minimum, &global.held());

@@ -1,61 +1,64 @@
-//! Free motions: those that nothing in a model resists, such as the spin of a link with a ball joint at each end.
+//! Treatment of free motions: zero-stiffness motions such as the spin of a link with a ball joint at each end.
 //!
-//! No model says where a part is along a free motion; on a rig friction decides. It is a nuisance of each load case: predictions are taken
-//! where they meet the readings of the case best, and what is left is compared without it. Let `F` hold the rows' derivatives by the free
-//! motions of a case. Residuals and derivatives become `r - F F+ r` and `J - F F+ J`, `F+ = (F'WF)^-1 F'W`: variable projection (Golub and
-//! Pereyra, SIAM J. Numer. Anal. 10 (1973) 413) with Kaufman's derivative.
+//! A model does not determine the position along a free motion; on a rig, friction does. The position is a nuisance parameter of each load
+//! case. Predictions are placed where they fit the readings of the case best, and the remaining residual is compared.
+//!
+//! Let `F` hold the derivatives of the rows with respect to the free motions of a case. Residuals and derivatives become `r - F F+ r` and
+//! `J - F F+ J` with `F+ = (F'WF)^-1 F'W`. This is variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413) with
+//! Kaufman's derivative.
 
 use nalgebra::{DMatrix, DVector};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// A reading that is off by more than this many times the median of its case is weighed down in proportion: one wrong mark must not turn a part.
+/// Residual beyond which a reading is downweighted, as a multiple of the median of its case. A single wrong mark must not rotate a part.
 const WILD: f64 = 3.0;
-/// Weights are found in so many passes.
+/// Maximum number of passes to determine the weights.
 const PASSES: usize = 4;
-/// Squares of motions below this share of the largest are round-off.
+/// Relative eigenvalue of a free motion below which it counts as round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Predictions are moved along free motions until a step is below so much of one radian, or of the size of the model,
+/// Step along a free motion, in radians or model lengths, below which a prediction counts as placed.
 const CLOSE: f64 = 1e-4;
-/// in so many steps at most, none of which is longer than this.
+/// Maximum number of steps to place a prediction along its free motions.
 pub(crate) const STEPS: usize = 20;
+/// Longest step along a free motion, in radians or model lengths.
 const LONGEST: f64 = 0.5;
 
-/// A mark on an observed part and where it was read.
+/// A mark on an observed part and its measured position.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SeenMark {
     /// Index into [`Observed::parts`](super::Observed::parts).
     pub part: usize,
-    /// In the part's frame.
+    /// Position in the part's frame.
     pub local: Vec3,
-    /// In ground.
+    /// Measured position in ground.
     pub x: Vec3,
 }
 
-/// Rows of some readings by the free motions of a case.
+/// Readings of a case that its free motions affect, as rows.
 #[derive(Clone, Debug)]
 pub(super) struct FreeRows {
-    /// Derivatives, one column for each motion.
+    /// Derivatives of the rows, one column per motion.
     F: DMatrix<f64>,
-    /// Rows that are one reading: the first and how many.
+    /// Rows that form one reading: the first row and their number.
     readings: Vec<(usize, usize)>,
 }
 
-/// How free motions are taken off rows.
+/// Projection that removes the free motions from rows.
 pub(super) struct Projection<'a> {
     F: &'a DMatrix<f64>,
-    /// `(F'WF)^-1 F'W`.
+    /// Weighted pseudo-inverse `(F'WF)^-1 F'W`.
     inverse: DMatrix<f64>,
 }
 
 impl FreeRows {
-    /// Of derivatives; `readings` are rows that belong together, by the first and their number.
+    /// Creates the rows from their derivatives; `readings` lists the first row and the number of rows of each reading.
     pub(super) fn new(F: DMatrix<f64>, readings: Vec<(usize, usize)>) -> Self {
         Self { F, readings }
     }
 
-    /// The projection at which these residuals, prediction minus reading, are least.
+    /// Returns the weighted projection that fits these residuals (prediction minus reading) best.
     pub(super) fn projection(&self, residual: &DVector<f64>) -> Projection<'_> {
         let mut weights = DVector::from_element(residual.len(), 1.0);
         let mut out = Projection::new(&self.F, &weights);
@@ -81,7 +84,7 @@ impl FreeRows {
         out
     }
 
-    /// An orthonormal basis of the derivatives.
+    /// Returns an orthonormal basis of the columns of `F`.
     pub(super) fn basis(&self) -> DMatrix<f64> {
         let eigen = symmetric_eigen(self.F.tr_mul(&self.F));
         let largest = eigen.eigenvalues.max();
@@ -114,21 +117,23 @@ impl<'a> Projection<'a> {
         }
     }
 
-    /// How far along each motion the best fit of a residual lies.
+    /// Returns the amounts of each motion in the best fit of a residual.
     fn amounts(&self, residual: &DVector<f64>) -> DVector<f64> {
         &self.inverse * residual
     }
 
-    /// Takes the free motions off columns of these rows.
+    /// Removes the free motions from columns of these rows.
     pub(super) fn apply(&self, columns: &mut DMatrix<f64>) {
         let along = &self.inverse * &*columns;
         *columns -= self.F * along;
     }
 }
 
-/// The steps along free motions to where predictions meet the marks of a case best; `None` where there is nothing to move, or no more.
+/// Returns the steps along the free motions that fit the marks of a case best; `None` if no motion affects a mark or the steps are
+/// negligible.
 ///
-/// `poses` are those of the observed parts, `motions` their twists along each motion: velocity of the origin, angular velocity, ground axes.
+/// `poses` returns the poses of the observed parts. `motions` holds their twists along each motion: velocity of the origin and angular
+/// velocity, ground axes.
 pub(crate) fn step(
     marks: &[SeenMark],
     poses: &dyn Fn(usize) -> Pose,

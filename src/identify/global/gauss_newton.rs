@@ -1,61 +1,61 @@
-//! Gauss-Newton with a trust region on whitened residuals with Gaussian priors.
+//! Gauss-Newton minimiser with a trust region for whitened residuals and Gaussian priors.
 //!
-//! Knows neither decks nor marks: only a function that gives residuals and their derivatives.
+//! Independent of decks and marks: the problem is only a function that returns residuals and their derivatives.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::observation::Evaluation;
 use crate::bounded;
 
-/// A sum of squares to minimise: `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
+/// A least-squares problem: minimise `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
 pub trait LeastSquares {
-    /// Residuals, with the Jacobian when asked for. `None` where the model has no answer.
+    /// Evaluates the residuals and, on request, the Jacobian; returns `None` where the model has no solution.
     fn evaluate(&mut self, x: &[f64], with_jacobian: bool) -> Option<Evaluation>;
 
-    /// Remembers what the last evaluation ended with, for the next ones to begin there.
+    /// Stores the solver state of the last evaluation as the starting point of later ones.
     fn checkpoint(&mut self) {}
 
-    /// Lets the next evaluation begin with what was remembered last: that of a trial may be of another equilibrium.
+    /// Restores the stored solver state for the next evaluation, because a trial may have reached another equilibrium.
     fn rollback(&mut self) {}
 
-    /// Weight of each residual at these residuals; 1 for a Gaussian likelihood.
+    /// Returns the weight of each residual at these residuals; 1 for a Gaussian likelihood.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         DVector::from_element(residual.len(), 1.0)
     }
 
-    /// Where a step of the linear model leads.
+    /// Returns the unknowns after a step of the linear model.
     fn retract(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         x.iter().zip(step.iter()).map(|(x, s)| x + s).collect()
     }
 
-    /// The step that leads from one place to another.
+    /// Returns the step from one set of unknowns to another, the inverse of [`Self::retract`].
     fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
         DVector::from_iterator(from.len(), to.iter().zip(from).map(|(to, from)| to - from))
     }
 
-    /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
+    /// Returns the lower and upper bounds of a step that moves no unknown by more than `reach` natural units.
     fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let upper: Vec<f64> = scale.iter().map(|scale| reach * scale).collect();
         (upper.iter().map(|u| -u).collect(), upper)
     }
 
-    /// Called after every accepted step with its number, x and the objective. `false` stops the fit there.
+    /// Reports an accepted step with its number, x and the objective; returns `false` to stop the fit.
     fn progress(&mut self, _iteration: usize, _x: &[f64], _objective: f64) -> bool {
         true
     }
 }
 
-/// Prior of one unknown.
+/// Gaussian prior of one unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Prior {
-    /// Mean.
+    /// Prior mean.
     pub mean: f64,
-    /// Standard deviation; infinite for none.
+    /// Prior standard deviation; infinite for no prior, zero for a held unknown.
     pub sd: f64,
 }
 
 impl Prior {
-    /// False for what is free, and for what is held: that has no share in the objective.
+    /// Returns false for an unknown without prior and for a held one; neither contributes to the objective.
     fn has_width(self) -> bool {
         self.sd.is_finite() && self.sd > 0.0
     }
@@ -68,7 +68,7 @@ impl Prior {
         }
     }
 
-    /// Slope of its share of the objective.
+    /// Returns the derivative of the prior term of the objective.
     pub fn pull(self, x: f64) -> f64 {
         if self.has_width() {
             (x - self.mean) / (self.sd * self.sd)
@@ -77,101 +77,101 @@ impl Prior {
         }
     }
 
-    /// Its share of the objective.
+    /// Returns the prior term of the objective.
     pub fn cost(self, x: f64) -> f64 {
         0.5 * self.pull(x) * (x - self.mean)
     }
 }
 
-/// When to stop.
+/// Termination criteria.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Tolerances {
-    /// Newton decrement: the objective the next step would still gain.
+    /// Predicted decrease of the objective by the next step (Newton decrement) below which the fit has converged.
     pub decrement: f64,
-    /// Largest step of any unknown, in units of its scale.
+    /// Largest step of any unknown, in units of its scale, below which the fit has converged.
     pub step: f64,
-    /// Steps tried at most, rejected ones included.
+    /// Maximum number of trial steps, including rejected ones.
     pub max_iterations: usize,
 }
 
 impl Default for Tolerances {
     fn default() -> Self {
         Self {
-            // The next step would move nothing by more than a hundredth of its standard deviation.
+            // The next step would move no unknown by more than about a hundredth of its standard deviation.
             decrement: 1e-4,
-            // Convergence is quadratic near the end: after a step of a millionth nothing worth a sweep is left.
+            // Convergence is nearly quadratic: after a step of 1e-6, a further sweep gains nothing.
             step: 1e-6,
             max_iterations: 100,
         }
     }
 }
 
-/// Why a fit ended.
+/// Reason why a fit ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ending {
     /// A tolerance was met.
     Converged,
-    /// Out of iterations.
+    /// The maximum number of iterations was reached.
     MaxIterations,
-    /// No step lowers the objective any more although the tolerances are not met.
+    /// No step reduces the objective although no tolerance is met.
     Stalled,
-    /// The caller asked to stop.
+    /// The caller stopped the fit.
     Stopped,
-    /// The model has no answer where the fit starts.
+    /// The model has no solution at the start.
     NoAnswer,
 }
 
-/// The end of a fit.
+/// Final state of a fit.
 #[derive(Clone, Debug)]
 pub struct Minimum {
     /// Unknowns.
     pub x: Vec<f64>,
-    /// Objective there.
+    /// Objective at `x`.
     pub objective: f64,
-    /// Residuals and Jacobian there.
+    /// Residuals and Jacobian at `x`.
     pub evaluation: Evaluation,
-    /// Weights there.
+    /// Weights of the residuals at `x`.
     pub weights: DVector<f64>,
-    /// Information of the data plus that of the priors.
+    /// Information of the data plus information of the priors.
     pub information: DMatrix<f64>,
-    /// What the objective would still gain by one more step.
+    /// Predicted decrease of the objective by one more step.
     pub decrement: f64,
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub iterations: usize,
-    /// Why it ended.
+    /// Reason why the fit ended.
     pub ending: Ending,
 }
 
-/// A step moves no unknown by more natural units than this: one and a half e-folds of a stiffness.
+/// Largest trust-region size in natural units: 1.5 e-folds of a stiffness.
 const REACH: f64 = 1.5;
-/// The reach shrinks by this after steps that led nowhere.
+/// Factor on the trust-region size after rejected steps.
 const SHRINK: f64 = 0.3;
-/// Steps shorter than this are lost in round-off.
+/// Trust-region size below which round-off hides any progress.
 const LEAST_REACH: f64 = 1e-9;
-/// So often a step that led uphill is followed further before it is given up.
+/// Maximum number of steps that follow an uphill step before all of them are rejected.
 const CHANCES: usize = 3;
 
-/// A step that promises less than this is near the end: the objective is half a chi-square, so all its unknowns together move by
-/// two standard deviations.
+/// Predicted decrease below which a step counts as late. The objective is half a chi-square, so that all unknowns together then move by at
+/// most two standard deviations.
 const LATE: f64 = 2.0;
-/// ... and only if it leaves most of the objective: residuals that vanish take their curvature with them.
+/// Fraction of the objective that must remain after a step for it to count as late. Where the residuals nearly vanish, their curvature has
+/// no effect.
 const REMAINS: f64 = 0.9;
-/// So often a late step is tried again with what the last one taught before the reach is shortened.
+/// Maximum number of late steps retried with the updated curvature before the trust region shrinks.
 const RETRIES: usize = 6;
 
-/// Curvature of the residuals themselves, which the linear model leaves out.
+/// Secant estimate of the second-order term `sum r_i H_i` of the Hessian, which Gauss-Newton neglects.
 ///
-/// Times the noise it is as large as the information along directions that the data hardly determine: there the linear model's
-/// steps overshoot, and go on overshooting from one side to the other. What a step really did along itself tells how much is
-/// missing; it is blamed on the unknowns that moved most in natural units. (The secants of Dennis, Gay and Welsch's NL2SOL, 1981,
-/// reduced to what keeps the model positive.)
+/// Along poorly determined directions, this term can be as large as the information. Gauss-Newton steps then overshoot and oscillate. The
+/// observed change of the objective along a step reveals the missing curvature, which is attributed to the unknowns that moved most in
+/// natural units. Source: secant updates of NL2SOL (Dennis, Gay and Welsch, 1981), reduced to a positive semidefinite correction.
 struct SecantCorrection(DMatrix<f64>);
 
-/// What a step did over what the model said of its curvature: beyond these more is missing, or less.
+/// Ratio of observed to predicted curvature below which the correction is halved, and above which it is increased.
 const MISJUDGED: (f64, f64) = (0.7, 1.1);
 
 impl SecantCorrection {
-    /// After a step with this slope and curvature in the model, and the rise it really made.
+    /// Updates the correction from a step: its slope and curvature in the model, and the observed rise of the objective.
     fn update(&mut self, step: &DVector<f64>, scale: &[f64], (slope, bend): (f64, f64), rise: f64) {
         let seen = 2.0 * (rise - slope);
         if !(seen / bend).is_finite() {
@@ -187,7 +187,7 @@ impl SecantCorrection {
     }
 }
 
-/// Where a fit stands.
+/// An iterate with its residuals, objective, information and gradient.
 struct Point {
     x: Vec<f64>,
     evaluation: Evaluation,
@@ -198,7 +198,7 @@ struct Point {
 }
 
 impl Point {
-    /// The step of the linear model within limits, and what it would gain.
+    /// Returns the bounded step of the linear model and its predicted decrease.
     fn step(
         &self,
         missing: Option<&SecantCorrection>,
@@ -224,7 +224,7 @@ impl Point {
     }
 }
 
-/// Objective of weighted residuals and priors.
+/// Returns the objective of weighted residuals and priors.
 pub(super) fn objective(
     evaluation: &Evaluation,
     weights: &DVector<f64>,
@@ -244,7 +244,7 @@ pub(super) fn objective(
         .sum::<f64>()
 }
 
-/// `J^T W J` plus the information of the priors, and the gradient.
+/// Returns `J^T W J` plus the information of the priors, and the gradient.
 fn normal_equations(
     evaluation: &Evaluation,
     weights: &DVector<f64>,
@@ -255,7 +255,7 @@ fn normal_equations(
     for (mut row, w) in weighted.row_iter_mut().zip(weights) {
         row *= w.sqrt();
     }
-    // A product by blocks; `tr_mul` takes five times as long.
+    // A blocked product, about five times as fast as `tr_mul`.
     let mut information = weighted.transpose() * &weighted;
     let mut gradient = evaluation
         .jacobian
@@ -267,12 +267,16 @@ fn normal_equations(
     (information, gradient)
 }
 
-/// Minimises from `start`. `scale` is the size of a natural step of each unknown; `held` unknowns stay where they are.
+/// Minimises the objective from `start`. `scale` is the natural step of each unknown; `held` unknowns are fixed.
 ///
-/// Each step minimises the linear model within a box of natural units, so that what little the data say of one unknown does not
-/// hold back the others. Near the end the curvature of the residuals is learnt from the steps, see `SecantCorrection`. A step that leads
-/// uphill is followed a few times more before it is given up (the watchdog of Chamberlain, Powell and others, 1982): a long step
-/// along a narrow curved valley climbs its wall, the next one falls to its floor further on; a shorter first step would crawl. `None` only if the model has no answer at the start.
+/// Each step minimises the linear model within a box of natural units, so that a poorly determined unknown does not restrict the others.
+/// Near the end, the second-order curvature is estimated from the steps, see `SecantCorrection`.
+///
+/// An uphill step is followed by up to three more before all of them are rejected (watchdog technique of Chamberlain, Powell and others,
+/// 1982). In a narrow curved valley, a long step climbs the wall and the next one returns to the floor further along, while short steps
+/// would progress slowly.
+///
+/// Returns `None` only if the model has no solution at the start.
 pub fn minimise(
     problem: &mut dyn LeastSquares,
     start: &[f64],
@@ -363,7 +367,7 @@ pub fn minimise(
         problem.rollback();
         reach = SHRINK * reach.min(first);
         if reach < LEAST_REACH {
-            // Round-off hides any further gain: at a minimum this is convergence.
+            // Round-off hides any further decrease; at a minimum this counts as convergence.
             let (_, left) = best.step(Some(&missing), &problem.limits(scale, REACH), held);
             ending = if left <= 1e-3 {
                 Ending::Converged
@@ -386,20 +390,21 @@ pub fn minimise(
     })
 }
 
-/// A stage of [`approach`] takes so many steps at most, and there are so many stages.
+/// Maximum number of steps in a stage of [`homotopy_start`].
 const STEPS_OF_A_STAGE: usize = 8;
+/// Maximum number of stages of [`homotopy_start`].
 const STAGES: usize = 12;
-/// A stage that leaves more than this of the misfit was the last one.
+/// Ratio of successive misfits above which the stages end.
 const STALLED: f64 = 0.8;
-/// Louder noise than this hides how far away the answer is.
+/// Rms of the whitened residuals above which a fit counts as far from its solution.
 pub(crate) const LOUD: f64 = 3.0;
 
-/// A place from which a fit goes on well, for starts that miss the readings by much more than their noise.
+/// Returns a good starting point for a fit that initially misses the readings by much more than their noise.
 ///
-/// Far away the readings seem to say more than they do: what they hardly determine would run off by orders of magnitude after what the
-/// linear model misses, and not come back. So the noise counts as the misfit there is, and every unknown has a prior of one natural unit
-/// about the start; stage by stage the misfit falls and the readings count more. (Levenberg's damping by the square of the misfit, as of
-/// Yamashita and Fukushima, 2001.)
+/// Far from the solution, the linear model overstates the information of the readings: poorly determined unknowns would diverge by orders of
+/// magnitude. Each stage therefore takes the current misfit as the noise level and gives every unknown a prior of one natural unit about the
+/// start. As the misfit falls from stage to stage, the readings gain weight. Source: Levenberg damping proportional to the squared misfit
+/// (Yamashita and Fukushima, 2001).
 pub fn homotopy_start(
     problem: &mut dyn LeastSquares,
     start: &[f64],
@@ -445,7 +450,7 @@ pub fn homotopy_start(
     x
 }
 
-/// A problem whose noise is so many times as large.
+/// A problem with its noise multiplied by `noise`.
 struct InflatedNoise<'a> {
     problem: &'a mut dyn LeastSquares,
     noise: f64,
@@ -486,7 +491,7 @@ impl LeastSquares for InflatedNoise<'_> {
     }
 }
 
-/// The largest displacement between two places, in natural units.
+/// Returns the largest displacement between two points, in natural units.
 fn longest(from: &[f64], to: &[f64], scale: &[f64]) -> f64 {
     from.iter()
         .zip(to)

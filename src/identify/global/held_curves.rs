@@ -1,4 +1,4 @@
-//! Curves that no fit saw, against what a model says of them.
+//! Comparison of held-out curves with the predictions of a model.
 
 use nalgebra::DVector;
 
@@ -7,7 +7,7 @@ use super::problem::GlobalProblem;
 use crate::{CurveHeldOut, Problem};
 use admire_study::Channel;
 
-/// How far two models are from the curves that are held out; those of which a case has no equilibrium are left out.
+/// Returns the rms errors of two sets of unknowns on the held-out curves. The result is empty if a case has no equilibrium.
 pub(super) fn held_curves(
     problem: &Problem<'_>,
     global: &mut GlobalProblem<'_>,

@@ -1,9 +1,10 @@
-//! The numbers that are sought alone, with everything else marginalised: tolerances, places of marks, assembly offsets.
+//! Fit of the identified numbers alone, with tolerances, mark positions and assembly offsets marginalised.
 //!
-//! The small errors `t` of axle and rig have Gaussian priors `N(0, T)` and act linearly: `r(x, t) = r(x, t0) + J_t (t - t0)`. With rows
-//! of unit noise, what is left is `r(x) = r(x, t0) - J_t t0` with the covariance `V = I + A A'`, `A = J_t T^1/2`. Rows are brought to
-//! independence by the symmetric root `V^-1/2 = I + A U f U' A'`, `A'A = U diag(l) U'`, `f = (1/sqrt(1 + l) - 1)/l`: each row stays near
-//! the reading it came from. The sought numbers stay nonlinear, with exact derivatives.
+//! The small errors `t` of axle and rig have Gaussian priors `N(0, T)` and act linearly: `r(x, t) = r(x, t0) + J_t (t - t0)`. With rows of
+//! unit noise, the residual is `r(x) = r(x, t0) - J_t t0` with the covariance `V = I + A A'`, `A = J_t T^1/2`.
+//!
+//! The symmetric root `V^-1/2 = I + A U f U' A'` makes the rows independent, with `A'A = U diag(l) U'` and `f = (1/sqrt(1 + l) - 1)/l`. It
+//! keeps each row close to the reading it came from. The identified numbers remain nonlinear, with exact derivatives.
 
 use std::sync::Arc;
 
@@ -23,49 +24,49 @@ use admire_solver::model::Model;
 use admire_solver::system::{Parameters, State};
 use admire_study::Measurement;
 
-/// A joint fit, from which the sought numbers are taken.
+/// A joint fit, from which the identified numbers are extracted.
 #[derive(Clone, Debug)]
 pub struct Joint {
-    /// The deck, compiled.
+    /// Compiled deck.
     pub prepared: Arc<Prepared>,
-    /// Unknowns of the deck; the sought numbers come first.
+    /// Unknowns of the deck; the identified numbers come first.
     pub unknowns: FitUnknowns,
     /// Unknowns of the measurement.
     pub layout: NuisanceLayout,
     /// Values of all unknowns.
     pub x: Vec<f64>,
-    /// Prior of each.
+    /// Prior of each unknown.
     pub priors: Vec<Prior>,
-    /// How many are sought.
+    /// Number of identified numbers.
     pub sought: usize,
-    /// The cases whose readings are the rows.
+    /// Cases whose readings are the rows.
     pub cases: Vec<usize>,
-    /// Equilibria of all load cases with their numbers, where they are known.
+    /// Equilibria of all load cases with the numbers they were solved at, where known.
     pub starts: Vec<(State, Parameters)>,
-    /// What turns rows to independence; `None` if they are independent.
+    /// Transformation to independent rows; `None` if the rows are independent.
     pub whitening: Option<Arc<Whitening>>,
-    /// One over the standard deviation of each turned row; zero where it is not used.
+    /// Reciprocal standard deviation of each whitened row; zero where it is not used.
     pub weights: DVector<f64>,
-    /// Derivatives of all rows by all unknowns.
+    /// Derivatives of all rows with respect to all unknowns.
     pub jacobian: DMatrix<f64>,
 }
 
-/// The sought numbers with all else marginalised.
+/// Identified numbers with all other unknowns marginalised.
 #[derive(Clone, Debug)]
 pub struct Marginal {
     joint: Joint,
-    /// Rows that are used, with their weights.
+    /// Indices of the used rows, with their weights.
     used: Vec<(usize, f64)>,
-    /// Whitened effect of each small error of one standard deviation.
+    /// Whitened effect of each small error of one standard deviation, the matrix `A`.
     small: DMatrix<f64>,
-    /// `U f U'` of the head of the file.
+    /// Matrix `U f U'` of the module documentation.
     root: DMatrix<f64>,
-    /// What the small errors of the fit do to the rows.
+    /// Effect of the fitted small errors on the rows.
     found: DVector<f64>,
 }
 
 impl Marginal {
-    /// Of a joint fit.
+    /// Extracts the identified numbers from a joint fit.
     pub fn new(joint: Joint) -> Self {
         let weights = joint.weights.iter().copied().enumerate();
         let used: Vec<(usize, f64)> = weights.filter(|(_, weight)| *weight > 0.0).collect();
@@ -74,7 +75,7 @@ impl Marginal {
             .collect();
         let mut columns = joint.jacobian.select_columns(&small);
         for (mut column, k) in columns.column_iter_mut().zip(&small) {
-            // What has no prior has one that says nothing.
+            // An unknown without a prior gets a very wide one.
             column *= joint.priors[*k].sd.min(WIDE);
         }
         let columns = picked(&joint, &used, &columns);
@@ -106,7 +107,7 @@ impl Marginal {
         }
     }
 
-    /// Of a fit in which everything but the sought numbers has a prior.
+    /// Extracts the identified numbers from a fit in which all other unknowns have priors.
     pub fn of(fit: &GlobalFit<'_>, prepared: Arc<Prepared>, sought: usize) -> Self {
         let global = &fit.problem;
         Self::new(Joint {
@@ -124,25 +125,25 @@ impl Marginal {
         })
     }
 
-    /// How many numbers are sought.
+    /// Returns the number of identified numbers.
     #[expect(clippy::len_without_is_empty, reason = "a fit has unknowns")]
     pub fn len(&self) -> usize {
         self.joint.sought
     }
 
-    /// The rows that are used, by their places among all rows of the cases.
+    /// Iterates over the indices of the used rows among all rows of the cases.
     pub fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.used.iter().map(|(row, _)| *row)
     }
 
-    /// The readings that the rows are.
+    /// Returns the readings that correspond to the rows.
     pub fn observations<'m>(
         &self,
         measurement: &'m Measurement,
         model: &Model,
     ) -> Observations<'m> {
         let cases = &self.joint.cases;
-        // Where rows are turned, those that are not used have no weight; elsewhere they are no rows.
+        // With whitening, unused rows have zero weight; without it, they do not exist.
         if self.joint.whitening.is_some() {
             Observations::new(measurement, model, cases)
         } else {
@@ -150,17 +151,17 @@ impl Marginal {
         }
     }
 
-    /// Where the fit found them.
+    /// Returns the values of the identified numbers in the joint fit.
     pub fn start(&self) -> Vec<f64> {
         self.joint.x[..self.len()].to_vec()
     }
 
-    /// Their priors.
+    /// Returns the priors of the identified numbers.
     pub fn priors(&self) -> &[Prior] {
         &self.joint.priors[..self.len()]
     }
 
-    /// Natural steps of a fit.
+    /// Returns the natural step of each identified number.
     pub fn scale(&self) -> Vec<f64> {
         self.priors()
             .iter()
@@ -168,10 +169,10 @@ impl Marginal {
             .collect()
     }
 
-    /// A fit of them whose answers depend on what is asked of it alone, not on what was asked of another.
+    /// Creates a fit of the identified numbers with its own predictor, whose results are independent of other fits.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// Fails if the solver cannot change the number that a load drives.
     pub fn problem<'a>(
         &'a self,
         problem: &Problem<'a>,
@@ -201,10 +202,10 @@ impl Marginal {
     }
 }
 
-/// The prior of an unknown that has none, in its own unit.
+/// Prior standard deviation of an unknown that has no prior, in the unknown's own unit.
 const WIDE: f64 = 1e6;
 
-/// Turned and weighted rows, those that are used.
+/// Returns the used rows after whitening and weighting.
 fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<f64> {
     let turned = joint
         .whitening
@@ -216,24 +217,24 @@ fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<
     })
 }
 
-/// The sought numbers as a fit: residuals are independent with unit variance if the model is right.
+/// Least-squares problem of the identified numbers. The residuals are independent with unit variance if the model is right.
 pub struct MarginalProblem<'a> {
     marginal: &'a Marginal,
     unknowns: FitUnknowns,
     deck: Parameters,
     observations: Observations<'a>,
     predictor: NativePredictor<'a>,
-    /// What is taken off the residuals: errors of readings that are drawn anew.
+    /// Errors subtracted from the residuals, for simulated readings.
     shift: Option<DVector<f64>>,
 }
 
 impl MarginalProblem<'_> {
-    /// With other readings: `shift` is taken off every residual.
+    /// Simulates other readings by subtracting `shift` from the residuals.
     pub fn shift(&mut self, shift: DVector<f64>) {
         self.shift = Some(shift);
     }
 
-    /// Fits from `start` with priors of these means and standard deviations.
+    /// Fits the identified numbers from `start` with the given priors.
     pub fn minimise(
         &mut self,
         start: &[f64],

@@ -1,7 +1,7 @@
-//! What a load case leaves to the next: where the spring of a slider, or rubber that flows, is unstretched.
+//! State carried from one load case to the next: the anchor of a friction or creep element, at which its spring is unstretched.
 //!
-//! The force law itself is an ordinary FUNCTION of the deck; only where its spring is unstretched is carried along here, with its
-//! derivatives, so that a fit of a whole load sequence has exact sensitivities.
+//! The force law itself is an ordinary FUNCTION of the deck. Only the anchor is carried along here, with its derivatives, so that a fit of a
+//! whole load sequence has exact sensitivities.
 
 use nalgebra::DMatrix;
 
@@ -9,39 +9,39 @@ use super::unknown::Direction;
 use admire_solver::element::Slip;
 use admire_solver::system::{Parameters, Slot};
 
-/// How the place moves on after a case in which the displacement was `u`.
+/// Evolution of an anchor after a case with the displacement `u`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Evolution {
-    /// By the return map of [`Slip`]; the number is the length the spring stretches before the slider moves.
+    /// Return map of [`Slip`]; the parameter is the spring stretch at which the slider moves.
     Slider,
-    /// `c + r (u - c)`; the number is `r`, a part of the way between zero and one.
+    /// Relaxation `c + r (u - c)` of the anchor `c`; the parameter `r` is a fraction between zero and one.
     Flow,
 }
 
-/// A spring of the deck that remembers.
+/// A spring of the deck with memory.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct HysteresisState {
-    /// The displacement at which its spring is unstretched; what the deck says holds before the first case.
+    /// Slot of the anchor, the displacement at which the spring is unstretched; the deck gives its value before the first case.
     pub anchor: Slot,
-    /// How that moves on.
+    /// Evolution law of the anchor.
     pub carries: Evolution,
-    /// The number it moves on by.
+    /// Slot of the parameter of the evolution law.
     pub by: Slot,
-    /// The channel that measures the displacement.
+    /// Index of the channel that measures the displacement.
     pub channel: usize,
 }
 
-/// Where the anchors stand before a case, and how that depends on the unknowns.
+/// Anchors before a case and their derivatives with respect to the unknowns.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<'a> {
     memories: &'a [HysteresisState],
     anchors: Vec<f64>,
-    /// Per memory one derivative per direction.
+    /// Derivatives of each anchor, one per direction.
     by: Vec<Vec<f64>>,
 }
 
 impl<'a> Carried<'a> {
-    /// Before the first case.
+    /// Returns the anchors and derivatives before the first case.
     pub(super) fn new(
         memories: &'a [HysteresisState],
         theta: &Parameters,
@@ -64,14 +64,14 @@ impl<'a> Carried<'a> {
         }
     }
 
-    /// Puts the anchors into the numbers of a case.
+    /// Writes the anchors into the numbers of a case.
     pub(super) fn apply(&self, theta: &mut Parameters) {
         for (memory, anchor) in self.memories.iter().zip(&self.anchors) {
             theta.set(memory.anchor, *anchor);
         }
     }
 
-    /// The directions of one case with the anchors' share, made in `room`.
+    /// Returns the directions of one case including the anchor derivatives; `room` is reused storage.
     pub(super) fn directions<'d>(
         &self,
         directions: &'d [Direction],
@@ -96,8 +96,8 @@ impl<'a> Carried<'a> {
         room
     }
 
-    /// Moves the anchors on after a case: `channels` are its values, the columns of `changes` their change along each of the case's
-    /// `directions`; empty if nobody asked.
+    /// Advances the anchors after a case. `channels` holds the channel values, `changes` one column of channel changes per entry of
+    /// `directions`. `directions` and `changes` are empty if no derivatives are needed.
     pub(super) fn advance(
         &mut self,
         theta: &Parameters,
@@ -107,10 +107,10 @@ impl<'a> Carried<'a> {
         for (k, memory) in self.memories.iter().enumerate() {
             let (u, number) = (channels[memory.channel], theta.get(memory.by));
             let before = self.anchors[k];
-            // What the anchor becomes, and its derivatives by itself before, by u and by the number.
+            // New anchor, and its derivatives with respect to the old anchor, to u and to the parameter.
             let (after, by_anchor, by_u, by_number) = match memory.carries {
                 Evolution::Slider => {
-                    // A spring of unit stiffness slides at a force that is its length.
+                    // With unit stiffness, the slip force equals the slip stretch.
                     let slip = Slip::at(u, &[1.0, number.abs(), before]);
                     if !slip.slides(before) {
                         continue;

@@ -1,7 +1,7 @@
-//! `method = "gauss-newton"`: one fit of everything that was read.
+//! `method = "gauss-newton"`: a single fit of all readings.
 //!
-//! Unknowns are logarithms of stiffnesses, assembly offsets, and what the measurement itself gets wrong; predictions come with
-//! sensitivities from the built-in solver, or with differences from any backend.
+//! The unknowns are logarithms of stiffnesses, assembly offsets, and errors of the measurement itself. Predictions come with exact
+//! sensitivities from the built-in solver, or with finite differences from any backend.
 
 mod channel;
 pub mod confidence;

@@ -1,4 +1,4 @@
-//! The built-in solver as a predictor: each case starts from its own last answer, moved along the tangent.
+//! Predictor based on the built-in solver: each case starts from its own last solution, extrapolated along the tangent.
 
 use super::channel::channel_changes;
 use std::collections::BTreeMap;
@@ -17,24 +17,24 @@ use admire_solver::statics::{Balance, Settings, Tangent, displace, twist};
 use admire_solver::system::{Parameters, Scratch, Slot, State, System};
 use admire_study::Channels;
 
-/// What the last answer of one case was found at, and how it moves with theta.
+/// Last solution of one case: its numbers and its sensitivities.
 #[derive(Clone, Debug)]
 struct Answer {
     theta: Parameters,
-    /// The unknowns of the fit.
+    /// Unknowns of the fit at the solution.
     x: Vec<f64>,
-    /// Some of those, and the change of the unknowns of the system by each, one column for each.
+    /// Sensitivities: indices of unknowns of the fit, and the change of the system's unknowns per unit of each, one column per index.
     response: (Vec<usize>, DMatrix<f64>),
 }
 
-/// The answers of all cases at some time.
+/// Stored solutions of all cases.
 #[derive(Clone, Debug, Default)]
 struct Kept {
     states: Vec<Option<State>>,
     answers: Vec<Option<Arc<Answer>>>,
 }
 
-/// Predicts with the built-in solver.
+/// Predictor that uses the built-in solver.
 #[derive(Debug)]
 pub struct NativePredictor<'a> {
     system: &'a System,
@@ -42,21 +42,21 @@ pub struct NativePredictor<'a> {
     observed: Observed,
     channels: Channels,
     scratch: Scratch,
-    /// Directions of one case.
+    /// Reused storage for the directions of one case.
     directions: Vec<Direction>,
     answers: Vec<Option<Arc<Answer>>>,
     kept: Kept,
     memories: Vec<HysteresisState>,
-    /// Weights of parts that spin.
+    /// Weight forces of parts that spin freely.
     weights: Vec<HeldWeight>,
-    /// True if the deck has free motions.
+    /// True if the deck has free (zero-stiffness) motions.
     has_free_motions: bool,
     sweeps: usize,
     runs: usize,
 }
 
 impl<'a> NativePredictor<'a> {
-    /// For a compiled deck, its loads and what is observed.
+    /// Creates the predictor for a compiled deck, its loads and the observed parts.
     pub(crate) fn new(
         system: &'a System,
         loads: Loads,
@@ -80,14 +80,14 @@ impl<'a> NativePredictor<'a> {
         }
     }
 
-    /// With contacts that remember; their channels are among those of [`Self::new`].
+    /// Adds elements with memory; their channels must be among the channels passed to [`Self::new`].
     #[must_use]
     pub fn remembering(mut self, memories: Vec<HysteresisState>) -> Self {
         self.memories = memories;
         self
     }
 
-    /// With the free motions of the deck. The weight of a part that spins acts on the parts that carry it.
+    /// Adds the free motions of the deck. The weight of a freely spinning part then acts on the parts that carry it.
     #[must_use]
     pub(crate) fn with_free_motions(mut self, free: &FreeMotions) -> Self {
         self.weights = free.held_weights(self.system);
@@ -98,7 +98,7 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// With other values of the loads.
+    /// Replaces the load values of the cases.
     #[must_use]
     pub fn with_cases(mut self, cases: Vec<Vec<f64>>) -> Self {
         self.answers = vec![None; cases.len()];
@@ -106,7 +106,7 @@ impl<'a> NativePredictor<'a> {
         self
     }
 
-    /// Lets the first solve of a case start from this state of the same system.
+    /// Sets the state, of the same system, from which the first solve of a case starts.
     pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
         self.answers[case] = Some(Arc::new(Answer {
@@ -116,13 +116,13 @@ impl<'a> NativePredictor<'a> {
         }));
     }
 
-    /// The last answer of a case with the numbers it was solved at.
+    /// Returns the last solution of a case with the numbers it was solved at.
     pub fn answer(&self, case: usize) -> Option<(&State, &Parameters)> {
         let answer = self.answers[case].as_ref()?;
         Some((self.sweeper.answer(case)?, &answer.theta))
     }
 
-    /// Solves one case from its own last answer, moved along its tangent.
+    /// Solves one case from its own last solution, extrapolated along its tangent.
     fn solve(&mut self, case: usize, theta: &Parameters, x: &[f64]) -> Option<State> {
         self.runs += 1;
         let mut own = self.sweeper.answer(case).cloned();
@@ -134,8 +134,8 @@ impl<'a> NativePredictor<'a> {
         self.sweeper.solve(self.system, theta, case, own).ok()
     }
 
-    /// Moves an equilibrium along its free motions to the best fit of the marks of its case. Gives the free motions there, one column each,
-    /// and the tangent if it was made.
+    /// Moves an equilibrium along its free motions to the best fit of the marks of its case. Returns the free motions there, one column
+    /// each, and the tangent if it was computed.
     fn settle_free(
         &mut self,
         case: usize,
@@ -144,7 +144,8 @@ impl<'a> NativePredictor<'a> {
     ) -> (DMatrix<f64>, Option<Tangent>) {
         let (mut motions, mut last) = (Vec::new(), None);
         for taken in 0..=STEPS {
-            // The factors of the last iteration are not those of the equilibrium, and may show no free motion.
+            // The last Newton factorisation precedes the equilibrium and may miss a free motion, so that the deck's own flag is checked as
+            // well.
             if !(self.has_free_motions || self.sweeper.solver().has_free_motions()) {
                 break;
             }
@@ -180,7 +181,7 @@ impl<'a> NativePredictor<'a> {
         (motions, last)
     }
 
-    /// Changes of the unknowns of the system along each direction, one column each; by the tangent there if that is known.
+    /// Returns the changes of the system's unknowns along each direction, one column each; uses `tangent` if given.
     fn responses(
         &mut self,
         case: usize,
@@ -196,7 +197,7 @@ impl<'a> NativePredictor<'a> {
         let n = self.system.unknowns();
         let mut column = vec![0.0; n];
         let mut here = self.system.evaluate(theta, state, &mut self.scratch).ok()?;
-        // Directions share numbers: a marker that moves along x and one that moves along y on a part that stands askew.
+        // Directions may share slots, such as the coordinates of a marker on a rotated part, so that each slot is evaluated once.
         let mut known: BTreeMap<Slot, usize> = BTreeMap::new();
         let mut by_slot: Vec<f64> = Vec::new();
         let mut out = DMatrix::zeros(n, directions.len());
@@ -221,7 +222,7 @@ impl<'a> NativePredictor<'a> {
                 }
             }
         }
-        // What acts in other cases alone changes nothing here.
+        // Directions that act only in other cases have zero columns here.
         let acting: Vec<usize> = (0..directions.len())
             .filter(|k| out.column(*k).iter().any(|value| *value != 0.0))
             .collect();
@@ -238,7 +239,8 @@ impl<'a> NativePredictor<'a> {
         Some(out)
     }
 
-    /// Solves the first `common` load cases in their order, then sequences of so many cases each, every one as if it alone followed them.
+    /// Solves the first `common` load cases in order, then independent sequences with the given numbers of cases. Each sequence starts from
+    /// the state after the common cases.
     pub fn predict_apart(
         &mut self,
         numbers: &Numbers,
@@ -269,7 +271,7 @@ impl<'a> NativePredictor<'a> {
         out
     }
 
-    /// Solves one load case after what was `carried` from those before.
+    /// Solves one load case with the hysteresis state `carried` from the preceding cases.
     fn case(
         &mut self,
         case: usize,
@@ -351,8 +353,8 @@ impl<'a> NativePredictor<'a> {
     }
 }
 
-/// First-order change of the unknowns of the system since the last answer; `None` where the unknowns of the fit are not the same
-/// ones.
+/// Returns the first-order change of the system's unknowns since the last solution; `None` if the numbers of unknowns differ or a step is
+/// too large.
 fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
     let (unknowns, responses) = &answer.response;
     if unknowns.is_empty() || answer.x.len() != x.len() {
@@ -361,7 +363,7 @@ fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
     let mut correction = vec![0.0; responses.nrows()];
     for (unknown, response) in unknowns.iter().zip(responses.column_iter()) {
         let step = x[*unknown] - answer.x[*unknown];
-        // Far steps are better started from the old answer than from a wild extrapolation.
+        // After a long step, the old solution is a better start than an extrapolation.
         if !step.is_finite() || step.abs() > 0.5 {
             return None;
         }
@@ -382,8 +384,8 @@ impl Predictor for NativePredictor<'_> {
         self.predict_apart(numbers, directions, all, &[])
     }
 
-    /// A unit force within the spring deflects it by c = e^T T^-1 e, the tangent T holding the spring itself: its share is K c. Taken
-    /// in the first case that has an answer; shares hardly depend on the load.
+    /// Computes the share `K c` of each spring. A unit force within the spring deflects it by `c = e^T T^-1 e`, where the tangent `T`
+    /// includes the spring itself. The first solved case is used, because shares hardly depend on the load.
     fn shares(&mut self, springs: &[Component]) -> Option<Vec<f64>> {
         let case = self.answers.iter().position(Option::is_some)?;
         let theta = &self.answers[case].as_ref()?.theta;

@@ -1,7 +1,7 @@
-//! Readings against predictions: whitened residuals and their derivatives.
+//! Comparison of readings with predictions: whitened residuals and their derivatives.
 //!
-//! Besides the deck's unknowns it knows those of the measurement itself: a shift of the measuring frame in each case, how it moves through
-//! all cases, and errors of the marks' places on their parts. Knows no solver.
+//! Besides the unknowns of the deck, the residuals depend on unknowns of the measurement: a displacement of the measuring frame in each
+//! case, motions of the frame through all cases, and position errors of the marks on their parts. Independent of the solver.
 
 use nalgebra::{DMatrix, DVector, Dyn, U1};
 
@@ -12,31 +12,31 @@ use admire_solver::model::Model;
 use admire_study::wheel::{camber_deg, steer_deg};
 use admire_study::{Case, Measurement, Over, Summary};
 
-/// A row of a Jacobian.
+/// Mutable row of a Jacobian.
 type RowViewMut<'a, T> = nalgebra::MatrixViewMut<'a, T, U1, Dyn, U1, Dyn>;
 
-/// What one residual compares.
+/// Reading that a residual belongs to.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Row {
-    /// A mark coordinate: indices into the measurement's cases, that case's marks, axis.
+    /// A mark coordinate.
     Mark {
-        /// Case.
+        /// Index of the case.
         case: usize,
-        /// Index into the case's readings.
+        /// Index into the case's mark readings.
         reading: usize,
-        /// 0, 1, 2 for x, y, z in ground.
+        /// Axis 0, 1, 2 for x, y, z in ground.
         axis: usize,
     },
-    /// The wheel: 0 to 2 position, 3 camber, 4 steer.
+    /// A wheel reading.
     Wheel {
-        /// Case.
+        /// Index of the case.
         case: usize,
-        /// Which of the five.
+        /// Component: 0 to 2 position, 3 camber, 4 steer.
         component: usize,
     },
-    /// A channel.
+    /// A channel reading.
     Channel {
-        /// Case.
+        /// Index of the case.
         case: usize,
         /// Index into the measurement's channels.
         channel: usize,
@@ -44,7 +44,7 @@ pub enum Row {
 }
 
 impl Row {
-    /// The load case.
+    /// Returns the index of the load case.
     pub const fn case(self) -> usize {
         match self {
             Self::Mark { case, .. } | Self::Wheel { case, .. } | Self::Channel { case, .. } => case,
@@ -52,44 +52,45 @@ impl Row {
     }
 }
 
-/// How the measuring frame moves through the cases: a sum of motions, each with six unknowns and a factor in each case.
+/// Motion of the measuring frame through the cases: a sum of motions, each with six unknowns and one factor per case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrameMotions {
-    /// First of six unknowns of each motion: shift, rotation vector.
+    /// Index of the first of six unknowns of the first motion: translation, then rotation vector.
     pub first: usize,
-    /// What it turns about.
+    /// Centre of rotation.
     pub centre: Vec3,
-    /// Radians of one unit of a rotation vector.
+    /// Rotation per unit of a rotation-vector unknown, in radians.
     pub turn: f64,
-    /// By motion and case.
+    /// Factors by motion and case.
     pub factors: Vec<Vec<f64>>,
 }
 
 impl FrameMotions {
-    /// The first unknown of each motion of a case, and its factor.
+    /// Iterates over the motions in a case: index of the first unknown, and factor.
     pub fn of(&self, case: usize) -> impl Iterator<Item = (usize, f64)> {
         let each = self.factors.iter().enumerate();
         each.map(move |(k, factors)| (self.first + 6 * k, factors[case]))
     }
 }
 
-/// Unknowns of the measurement itself, after those of the deck.
+/// Layout of the measurement's unknowns (nuisance parameters), which follow those of the deck.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct NuisanceLayout {
-    /// First of six per case: translation, rotation vector about the centroid of the case's marks; `None` if off.
+    /// First of six unknowns per case: translation, and rotation vector about the centroid of the case's marks; `None` if absent.
     pub frames: Option<usize>,
-    /// Those that go through all cases; `None` if off.
+    /// Frame motions through all cases; `None` if absent.
     pub motions: Option<FrameMotions>,
-    /// First of three per mark of every part; `None` if off.
+    /// First of three unknowns per mark of every part; `None` if absent.
     pub marks: Option<usize>,
-    /// First mark of each marked part in that list.
+    /// Index of the first mark of each marked part in that list.
     pub first_mark: Vec<usize>,
-    /// Prior standard deviation of each.
+    /// Prior standard deviation of each unknown of the measurement.
     pub sd: Vec<f64>,
 }
 
 impl NuisanceLayout {
-    /// Which are on: `frame_sd` (length, radians) zero is off, and so is a zero `sigma_on_parts` of the measurement.
+    /// Creates the layout. A `frame_sd` (length, radians) of zero in both entries removes the frame unknowns; a zero `sigma_on_parts`
+    /// removes the mark unknowns.
     pub(crate) fn new(
         measurement: &Measurement,
         deck_unknowns: usize,
@@ -120,42 +121,42 @@ impl NuisanceLayout {
     }
 }
 
-/// Whitened residuals (prediction minus reading over sigma) and their derivatives.
+/// Whitened residuals (prediction minus reading, over sigma) and their derivatives.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
-    /// One per row.
+    /// One residual per row.
     pub residual: DVector<f64>,
-    /// Rows by unknowns; empty columns unless derivatives were predicted.
+    /// Derivatives, rows by unknowns; without columns unless derivatives were predicted.
     pub jacobian: DMatrix<f64>,
-    /// Directions of rows along which nothing is compared, as a motion that nothing resists leads along them: rows and their weights,
-    /// orthonormal.
+    /// Orthonormal row directions along which free (zero-stiffness) motions move the readings, as pairs of row and weight. Residuals along
+    /// them are not compared.
     pub free: Vec<Vec<(usize, f64)>>,
 }
 
-/// The readings of the cases a fit sees, in a fixed order.
+/// Readings of the cases that a fit uses, in a fixed order.
 #[derive(Clone, Debug)]
 pub struct Observations<'a> {
     measurement: &'a Measurement,
     /// Rows in order.
     pub rows: Vec<Row>,
-    /// What the predictor has to report.
+    /// Parts and marks that the predictor must report.
     pub observed: Observed,
-    /// Index into `observed.parts` of each marked part, then of the wheel's part.
+    /// Index into `observed.parts` of each marked part.
     place: Vec<usize>,
     wheel_place: usize,
     wheel_frame: Pose,
-    /// Standard deviation of a mark coordinate that is used; never zero.
+    /// Standard deviation of a mark coordinate as used in the fit; never zero.
     pub sigma: f64,
 }
 
-/// A free motion of one radian, or as long as the model, that moves a reading by less than so much of its noise leaves it where it is.
+/// Change of a reading per unit free motion (one radian or one model length), over its noise, below which the reading counts as unaffected.
 const UNMOVED: f64 = 1e-3;
 
-/// Readings that claim no noise still carry the digits of their file: so much of the largest coordinate.
+/// Smallest noise of a mark coordinate, relative to the largest coordinate, for readings that are declared free of noise.
 const EXACT: f64 = 1e-12;
 
 impl<'a> Observations<'a> {
-    /// All readings of these cases.
+    /// Collects all readings of these cases.
     pub fn new(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
         let mut observed = Observed::of(measurement);
         let parts = measurement.parts.iter();
@@ -201,7 +202,8 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// The readings of these cases that a fit may see: no curve that is held out, and no summary of cases that are not all among these.
+    /// Collects the readings of these cases that a fit may use: without held-out curves and without summaries of cases that are not all
+    /// included.
     pub fn fitted(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
         let mut new = Self::new(measurement, model, cases);
         let is_seen = |case: usize| cases.contains(&case);
@@ -212,19 +214,19 @@ impl<'a> Observations<'a> {
         new
     }
 
-    /// The cases whose readings are compared, in their order.
+    /// Returns the cases whose readings are compared, in their order.
     pub(crate) fn cases(&self) -> Vec<usize> {
         let mut cases: Vec<usize> = self.rows.iter().map(|row| row.case()).collect();
         cases.dedup();
         cases
     }
 
-    /// The measurement the readings belong to.
+    /// Returns the measurement that the readings belong to.
     pub(crate) fn measurement(&self) -> &'a Measurement {
         self.measurement
     }
 
-    /// All cases with the marks where these residuals of all rows, prediction minus reading, have them.
+    /// Returns all cases with the marks at their predicted positions, given the residuals (prediction minus reading) of all rows.
     pub fn predicted(&self, residual: &DVector<f64>) -> Vec<Case> {
         let mut out = self.measurement.cases.clone();
         for (row, residual) in self.rows.iter().zip(residual.iter()) {
@@ -240,10 +242,10 @@ impl<'a> Observations<'a> {
         out
     }
 
-    /// Residuals of all rows, and derivatives by so many unknowns, the first `columns` of `x`: those of the deck, then the nuisances. Further
-    /// columns stay zero.
+    /// Computes the residuals of all rows and their derivatives with respect to the first `columns` unknowns of `x`.
     ///
-    /// `None` if a case that is compared has no prediction.
+    /// The unknowns of the deck precede the nuisance parameters. Columns for which the prediction has no derivative stay zero. Returns
+    /// `None` if a compared case has no prediction.
     pub fn evaluate(
         &self,
         prediction: &[Option<CasePrediction>],
@@ -257,7 +259,7 @@ impl<'a> Observations<'a> {
             let case = row.case();
             let predicted = prediction[case].as_ref()?;
             match *row {
-                // Three rows are filled at once, at the first.
+                // All three rows of a mark are filled at the first one.
                 Row::Mark {
                     reading, axis: 0, ..
                 } => {
@@ -303,7 +305,7 @@ impl<'a> Observations<'a> {
         })
     }
 
-    /// Takes what motions that nothing resists do off residuals and derivatives; the directions of rows that this concerns.
+    /// Removes the effect of free motions from residuals and derivatives; returns the row directions concerned.
     fn without_free(
         &self,
         prediction: &[Option<CasePrediction>],
@@ -342,8 +344,8 @@ impl<'a> Observations<'a> {
         out
     }
 
-    /// Which of the rows of a case its free motions move, and how; `None` if they move none. Numbers that are taken from several cases are
-    /// compared as they are.
+    /// Returns the rows of a case that its free motions move, with their derivatives; `None` if no row moves. Summaries over several cases
+    /// are not corrected.
     fn free_rows(
         &self,
         rows: &[Row],
@@ -403,7 +405,7 @@ impl<'a> Observations<'a> {
         })
     }
 
-    /// A number taken from a channel in several cases.
+    /// Evaluates a quantity that summarises a channel over several cases.
     fn summary(
         &self,
         summary: &Summary,
@@ -542,7 +544,7 @@ impl<'a> Observations<'a> {
         }
     }
 
-    /// The change of the five rows of the wheel.
+    /// Returns the whitened change of the five wheel rows due to a change of the parts.
     fn wheel_change(&self, predicted: &CasePrediction, change: &CaseChange<'_>) -> [f64; 5] {
         let Some(wheel) = &self.measurement.wheel else {
             return [0.0; 5];
@@ -560,19 +562,19 @@ impl<'a> Observations<'a> {
         [dp.x, dp.y, dp.z, camber, steer]
     }
 
-    /// Centroid of the marks read in a case: the frame's shift is stated about it, so that its turn and translation are not confused.
+    /// Returns the centroid of the marks read in a case. The frame rotates about it, so that rotation and translation remain uncorrelated.
     fn centroid(&self, case: usize) -> Vec3 {
         let marks = &self.measurement.cases[case].marks;
         marks.iter().map(|m| m.x).sum::<Vec3>() / marks.len().max(1) as f64
     }
 }
 
-/// The change of a point with this arm on a part that moves.
+/// Returns the displacement of the point at `arm` from the origin of a part, given the part's translation and rotation vector.
 fn moved(six: &[f64; 6], arm: &Vec3) -> Vec3 {
     Vec3::new(six[0], six[1], six[2]) + Vec3::new(six[3], six[4], six[5]).cross(arm)
 }
 
-/// An angle difference in (-180, 180].
+/// Wraps an angle difference to (-180, 180] degrees.
 fn wrapped_deg(angle: f64) -> f64 {
     let wrapped = angle.rem_euclid(360.0);
     if wrapped > 180.0 {

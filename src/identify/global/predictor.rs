@@ -1,6 +1,6 @@
-//! What a model says of every load case, and how that changes with the unknowns.
+//! Predictions of a model for every load case, with their sensitivities to the unknowns.
 //!
-//! Knows no fits.
+//! Independent of fits.
 
 use std::ops::Range;
 
@@ -14,30 +14,29 @@ use admire_solver::statics::Balance;
 use admire_solver::system::{State, System};
 use admire_study::{MarkReading, Measurement};
 
-/// One load case at equilibrium.
+/// Prediction for one load case at equilibrium.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CasePrediction {
     /// Pose of each part of the model, by [`PartIx`].
     pub poses: Vec<Pose>,
     /// One value per channel.
     pub channels: Vec<f64>,
-    /// One per unknown; empty unless asked for.
+    /// Changes per unknown; empty unless derivatives were requested.
     pub by_unknown: CaseChanges,
-    /// One per motion that nothing resists.
+    /// Changes per free (zero-stiffness) motion.
     pub free: CaseChanges,
 }
 
-/// How one load case changes per unit of an unknown.
+/// Change of the results of one load case per unit of an unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct CaseChange<'a> {
-    /// (translation of the part origin, rotation vector) of each observed part, ground axes; in the order of
-    /// [`Observed::parts`].
+    /// Translation of the part origin and rotation vector of each observed part, ground axes, in the order of [`Observed::parts`].
     pub parts: &'a [[f64; 6]],
     /// Change of each channel.
     pub channels: &'a [f64],
 }
 
-/// Changes of one load case, one after the other.
+/// Changes of the results of one load case, stored contiguously.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct CaseChanges {
     count: usize,
@@ -46,7 +45,7 @@ pub struct CaseChanges {
 }
 
 impl CaseChanges {
-    /// None yet, with room for so many of so many parts and channels.
+    /// Creates an empty list with room for `count` changes of `parts` parts and `channels` channels.
     pub(crate) fn with_capacity(count: usize, parts: usize, channels: usize) -> Self {
         Self {
             count: 0,
@@ -55,7 +54,7 @@ impl CaseChanges {
         }
     }
 
-    /// Adds one; each has as many parts and channels as the first.
+    /// Appends a change; all changes must have the same numbers of parts and channels.
     pub(crate) fn push(
         &mut self,
         parts: impl IntoIterator<Item = [f64; 6]>,
@@ -66,17 +65,17 @@ impl CaseChanges {
         self.channels.extend(channels);
     }
 
-    /// How many there are.
+    /// Returns the number of changes.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// True if there are none.
+    /// Returns true if there are no changes.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// The one of unknown `k`.
+    /// Returns the change of unknown `k`.
     pub fn get(&self, k: usize) -> CaseChange<'_> {
         let (parts, channels) = self.each();
         CaseChange {
@@ -85,12 +84,12 @@ impl CaseChanges {
         }
     }
 
-    /// In the order of the unknowns.
+    /// Iterates over the changes in the order of the unknowns.
     pub fn iter(&self) -> impl Iterator<Item = CaseChange<'_>> {
         (0..self.count).map(|k| self.get(k))
     }
 
-    /// Some that follow one another.
+    /// Returns a contiguous range of the changes.
     #[must_use]
     pub fn range(&self, range: Range<usize>) -> Self {
         let (parts, channels) = self.each();
@@ -101,25 +100,25 @@ impl CaseChanges {
         }
     }
 
-    /// Numbers of parts and channels of each.
+    /// Returns the numbers of parts and channels of each change.
     fn each(&self) -> (usize, usize) {
         let count = self.count.max(1);
         (self.parts.len() / count, self.channels.len() / count)
     }
 }
 
-/// What of a model is compared with measurements.
+/// Parts and marks of a model that are compared with measurements.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Observed {
-    /// Parts whose pose matters.
+    /// Parts whose poses are observed.
     pub parts: Vec<PartIx>,
-    /// Marks of those parts by load case: predictions are taken where these are met best along motions that nothing resists. Cases beyond the
-    /// last have none.
+    /// Marks of these parts by load case. Along free (zero-stiffness) motions, a prediction is placed where it fits these marks best. Cases
+    /// beyond the last entry have no marks.
     pub marks: Vec<Vec<SeenMark>>,
 }
 
 impl Observed {
-    /// The marked parts of a measurement, and where their marks were read.
+    /// Returns the marked parts of a measurement with the readings of their marks.
     pub fn of(measurement: &Measurement) -> Self {
         let mut new = Self::default();
         let place: Vec<usize> = measurement
@@ -139,7 +138,7 @@ impl Observed {
         new
     }
 
-    /// Where a part is among those observed, which it is from now on.
+    /// Returns the index of a part among the observed parts, and adds the part if it is missing.
     pub(super) fn place(&mut self, part: PartIx) -> usize {
         let known = self.parts.iter().position(|own| *own == part);
         known.unwrap_or_else(|| {
@@ -148,7 +147,7 @@ impl Observed {
         })
     }
 
-    /// What is observed of changes of the system's unknowns at a state and of the channels, columns of both.
+    /// Converts changes of the system's unknowns at a state into changes of the observed parts and the channels; one column per change.
     pub fn changes(
         &self,
         (system, state): (&System, &State),
@@ -165,35 +164,37 @@ impl Observed {
     }
 }
 
-/// Every load case in the order of application; `None` where there is no equilibrium.
+/// Predictions of all load cases in the order of application; `None` where a case has no equilibrium.
 pub type Prediction = Vec<Option<CasePrediction>>;
 
-/// Predicts all load cases: the built-in solver with exact sensitivities, or any backend with differences.
+/// A predictor of all load cases: the built-in solver with exact sensitivities, or any backend with differences.
 pub trait Predictor {
-    /// The system whose numbers are changed.
+    /// Returns the system whose numbers are changed.
     fn system(&self) -> &System;
 
-    /// Solves every load case at these numbers; with changes along `directions` when given.
+    /// Solves every load case at these numbers, with sensitivities along `directions` if given.
     fn predict(&mut self, numbers: &Numbers, directions: Option<&[Direction]>) -> Prediction;
 
-    /// For each spring which share of a force along it it carries itself, at the last answers: 1 in series, where its deflection
-    /// goes with 1/K, nearly 0 where other elements impose its deflection. `None` if the backend does not know.
+    /// Returns the load share of each spring at the last solutions; `None` if the backend cannot tell.
+    ///
+    /// The load share is the fraction of a force along the spring that the spring itself carries. A spring in series has share 1, and its
+    /// deflection is proportional to 1/K. Where other elements impose the deflection, the share is nearly 0.
     fn shares(&mut self, _springs: &[Component]) -> Option<Vec<f64>> {
         None
     }
 
-    /// Remembers the last answers of all cases.
+    /// Stores the last solutions of all cases.
     fn checkpoint(&mut self) {}
 
-    /// Lets the next solve of each case start from what was remembered last: a trial may have led to another equilibrium.
+    /// Restores the stored solutions as the starting points of the next solves, because a trial may have reached another equilibrium.
     fn rollback(&mut self) {}
 
-    /// How often all load cases were solved so far.
+    /// Returns the number of sweeps over all load cases so far.
     fn sweeps(&self) -> usize;
 
-    /// How many equilibria were solved so far.
+    /// Returns the number of equilibria solved so far.
     fn solver_runs(&self) -> usize;
 
-    /// What was left of the forces on a part at worst, in all of them; `None` if the backend does not know.
+    /// Returns the largest force imbalance of a part over all solutions; `None` if the backend cannot tell.
     fn balance(&self) -> Option<&Balance>;
 }

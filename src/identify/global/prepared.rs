@@ -1,4 +1,4 @@
-//! A study's deck compiled with what a fit needs of it.
+//! A study's deck, compiled for a fit.
 
 use super::native::NativePredictor;
 use super::predictor::Observed;
@@ -12,11 +12,11 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 /// A study's deck with its channels, compiled.
 #[derive(Debug)]
 pub struct Prepared {
-    /// The deck's model with one REQUEST per channel.
+    /// Model of the deck with one REQUEST per channel.
     pub model: Model,
-    /// Where they stand.
+    /// Location of the channels among the requests of the model.
     pub channels: Channels,
-    /// The compiled model.
+    /// Compiled model.
     pub system: System,
 }
 
@@ -24,12 +24,12 @@ impl Prepared {
     /// Compiles the deck of a study.
     ///
     /// # Errors
-    /// What the built-in solver cannot solve, or a channel whose function cannot be read.
+    /// Fails if the built-in solver cannot solve the deck, or if the function of a channel cannot be parsed.
     pub fn new(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
         Self::with(problem, &[])
     }
 
-    /// The same with channels for `further` functions after those of the measurement.
+    /// Compiles the deck of a study with channels for `further` functions, placed after the channels of the measurement.
     ///
     /// # Errors
     /// See [`Self::new`].
@@ -44,11 +44,11 @@ impl Prepared {
         })
     }
 
-    /// The same for a deck that another program solves: what the built-in solver cannot solve is left to it. Channels are taken from the
-    /// places of the parts, which every solver tells.
+    /// Compiles the deck for another solver: elements unknown to the built-in solver are left to the other one. Channels are evaluated from
+    /// the poses of the parts, which every solver returns.
     ///
     /// # Errors
-    /// A channel whose function cannot be read, or needs more than these places.
+    /// Fails if the function of a channel cannot be parsed, or does not depend on the poses alone.
     pub fn external(problem: &Problem<'_>) -> Result<Self, IdentifyError> {
         let (model, channels) = with_channels(problem.model, problem.measurement, &[])
             .map_err(|diagnostic| BackendError::NotSolvable(vec![diagnostic]))?;
@@ -82,10 +82,10 @@ impl Prepared {
         })
     }
 
-    /// The built-in solver as the predictor of a study.
+    /// Creates the built-in solver as the predictor of a study.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// Fails if the solver cannot change the number that a load drives.
     pub fn native(
         &self,
         problem: &Problem<'_>,

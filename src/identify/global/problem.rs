@@ -1,4 +1,4 @@
-//! A fit of a deck's unknowns, and of the measurement's own, to everything that was read.
+//! Least-squares problem of all unknowns of the deck and the measurement, given all readings.
 
 use nalgebra::DVector;
 
@@ -9,46 +9,46 @@ use super::unknown::FitUnknowns;
 use admire_solver::system::Parameters;
 use admire_study::settings::Loss;
 
-/// Huber's constant: 95 percent efficiency where the noise is Gaussian after all.
+/// Huber's constant, in standard deviations: 95 percent efficiency under Gaussian noise.
 const HUBER: f64 = 1.345;
 
-/// Watches a fit; returns `false` to stop it. Given: accepted steps, solves of all load cases so far, objective.
+/// Callback that observes a fit and returns `false` to stop it. Arguments: accepted steps, sweeps over all load cases so far, objective.
 pub type Watch<'a> = dyn FnMut(usize, usize, f64) -> bool + 'a;
 
-/// The unknowns of a deck and of a measurement, the predictor that knows the one, the readings that know the other.
+/// Unknowns of deck and measurement, the predictor, and the readings that are fitted.
 pub struct GlobalProblem<'a> {
-    /// Numbers of the deck without any unknown applied.
+    /// Numbers of the deck before any unknown is applied.
     pub deck: Parameters,
-    /// FitUnknowns of the deck; the first ones of x.
+    /// Unknowns of the deck; they come first in x.
     pub unknowns: FitUnknowns,
-    /// FitUnknowns of the measurement; the last ones of x.
+    /// Unknowns of the measurement; they come last in x.
     pub layout: NuisanceLayout,
     /// Readings that are compared.
     pub observations: Observations<'a>,
-    /// Who predicts them.
+    /// Predictor of the readings.
     pub predictor: Box<dyn Predictor + 'a>,
-    /// How residuals count.
+    /// Loss function of the residuals.
     pub loss: Loss,
-    /// The deck's unknowns at the start and after every accepted step.
+    /// Unknowns of the deck at the start and after every accepted step.
     pub history: Vec<Vec<f64>>,
-    /// Who watches.
+    /// Callback that may stop the fit.
     pub watch: Option<Box<Watch<'a>>>,
 }
 
 impl GlobalProblem<'_> {
-    /// How many unknowns there are in all.
+    /// Returns the total number of unknowns.
     pub fn dimension(&self) -> usize {
         self.unknowns.len() + self.layout.sd.len()
     }
 
-    /// Where a fit starts.
+    /// Returns the starting values of all unknowns.
     pub fn start(&self) -> Vec<f64> {
         let mut x = self.unknowns.start();
         x.resize(self.dimension(), 0.0);
         x
     }
 
-    /// Priors of all unknowns.
+    /// Returns the priors of all unknowns.
     pub fn priors(&self) -> Vec<Prior> {
         let deck = self.unknowns.list().iter().map(|unknown| Prior {
             mean: unknown.mean,
@@ -58,7 +58,7 @@ impl GlobalProblem<'_> {
         deck.chain(own).collect()
     }
 
-    /// Natural steps: one e-fold of a stiffness, the prior standard deviation of everything else.
+    /// Returns the natural step of each unknown: its prior standard deviation, at most 1, which for a stiffness is one e-fold.
     pub fn scale(&self) -> Vec<f64> {
         let natural = |prior: Prior| {
             if prior.sd.is_finite() {
@@ -70,7 +70,7 @@ impl GlobalProblem<'_> {
         self.priors().into_iter().map(natural).collect()
     }
 
-    /// Asks whoever watches whether more work on a finished fit is welcome.
+    /// Calls the watch callback and returns whether work on a finished fit may continue.
     pub(crate) fn goes_on(&mut self, minimum: &Minimum) -> bool {
         let sweeps = self.predictor.sweeps();
         self.watch
@@ -78,7 +78,7 @@ impl GlobalProblem<'_> {
             .is_none_or(|watch| watch(minimum.iterations, sweeps, minimum.objective))
     }
 
-    /// FitUnknowns without any freedom: a prior of no width.
+    /// Returns true for each unknown without freedom, whose prior has zero width.
     pub fn held(&self) -> Vec<bool> {
         self.priors()
             .into_iter()
@@ -109,7 +109,7 @@ impl LeastSquares for GlobalProblem<'_> {
         self.predictor.rollback();
     }
 
-    /// Huber's weights on the length of each mark's residual, so that a wrong mark counts less as a whole.
+    /// Returns Huber's weights; they depend on the norm of each mark's residual, so that a wrong mark is downweighted as a whole.
     fn weights(&self, residual: &DVector<f64>) -> DVector<f64> {
         let mut weights = DVector::from_element(residual.len(), 1.0);
         if self.loss == Loss::Gaussian {

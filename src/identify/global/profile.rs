@@ -1,9 +1,11 @@
-//! Intervals by profile likelihood: where the objective, minimised over all other unknowns, has risen by 1.92.
+//! Intervals by profile likelihood. An interval ends where the objective, minimised over all other unknowns, has risen by 1.92.
 //!
-//! The path to the end of an interval is laid out in the steps in which the model is nearly linear, see [`LeastSquares::moved`]: there
-//! the quadratic form is good much further than in ln K. One evaluation without derivatives at the end it predicts says how good: by
-//! the rise it finds less what one constrained step with the Jacobian of the estimate would still gain. Where that is not 1.92,
-//! further steps follow, the Jacobian corrected by what they find (Broyden 1965); only where these do not settle, a fit with derivatives.
+//! The path to the end of an interval uses the step coordinates of [`LeastSquares::retract`], in which the model is nearly linear. There,
+//! the quadratic approximation is accurate over a longer range than in ln K.
+//!
+//! One evaluation without derivatives at the predicted end gives the rise. From this, the decrease that one constrained step with the
+//! Jacobian of the estimate would still achieve is subtracted. If the result is not 1.92, further steps follow with a Broyden-corrected
+//! Jacobian (Broyden 1965). A fit with derivatives is made only if these steps do not converge.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,25 +13,25 @@ use super::confidence::{HALF_CHI2_95, NORMAL_975};
 use super::gauss_newton::{LeastSquares, Minimum, Prior, Tolerances, minimise, objective};
 use crate::bounded;
 
-/// A side of an interval that reaches further than this from the estimate, in e-folds, has no bound.
+/// Distance from the estimate, in e-folds, beyond which a side of an interval counts as unbounded.
 const UNBOUNDED: f64 = 7.0;
-/// The other unknowns move by no more natural units than this on the way.
+/// Largest displacement of the other unknowns along the path, in natural units.
 const OTHERS: f64 = 3.0;
-/// How near to 1.92 a rise must be for the end to be read off from it: between points its square root is taken as linear.
+/// Largest difference of a rise from 1.92 at which the end is interpolated. The square root of the rise is taken as linear between points.
 const NEAR: f64 = 0.4;
-/// Points of a profile on one side.
+/// Maximum number of profile points on one side.
 const POINTS: usize = 10;
-/// Evaluations for one point before a fit takes over.
+/// Maximum number of evaluations per point before a fit with derivatives follows.
 const ROUNDS: usize = 6;
-/// More evaluations than this for one point: the quadratic form is not good, and there may be several ways to give way.
+/// Number of evaluations per point above which the quadratic approximation counts as poor. Several local minima are then possible.
 const FEW: usize = 2;
-/// What a constrained step may still gain at a point.
+/// Predicted decrease by a constrained step below which a point is accepted.
 const SETTLED: f64 = 0.05;
 
-/// 95 percent interval of unknown `k` around a minimum with this posterior covariance.
+/// Computes the 95 percent interval of unknown `k` around a minimum with this posterior covariance.
 ///
-/// The prior of `k` itself is left out, so that a side the data do not bound is `None`. Near the end a point is made from the estimate
-/// too where it took more than a few evaluations, and the lower of both counts.
+/// The prior of `k` itself is left out, so that a side that the data do not bound is `None`. A point near the end that took many evaluations
+/// is computed a second time from the estimate, and the lower of both objectives is used.
 pub fn profile_interval(
     problem: &mut dyn LeastSquares,
     minimum: &Minimum,
@@ -69,32 +71,32 @@ pub fn profile_interval(
     })
 }
 
-/// Unknown `k` and what the others do when it moves.
+/// Profile of the objective over unknown `k`.
 struct Profile<'a> {
     problem: &'a mut dyn LeastSquares,
     minimum: &'a Minimum,
     k: usize,
-    /// Step of each unknown per step of `k`, as the covariance expects.
+    /// Step of each unknown per step of `k`, predicted by the covariance.
     along: DVector<f64>,
-    /// One over the variance of each unknown.
+    /// Reciprocal variance of each unknown.
     metric: DVector<f64>,
     priors: Vec<Prior>,
     scale: &'a [f64],
     held: Vec<bool>,
-    /// The least objective so far, the prior of `k` left out.
+    /// Lowest objective so far, without the prior of `k`.
     base: f64,
 }
 
-/// Where the others are best for a step of `k`.
+/// Constrained minimum of the objective at a given step of `k`.
 struct Point {
     step: DVector<f64>,
-    /// Objective less what one more step would gain.
+    /// Objective minus the predicted decrease of one more step.
     value: f64,
-    /// Evaluations it took.
+    /// Number of evaluations.
     rounds: usize,
 }
 
-/// The Jacobian of the estimate with what steps have taught: `J = J0 + sum d v'`.
+/// Jacobian of the estimate with Broyden updates: `J = J0 + sum d v'`.
 struct Learnt<'a> {
     minimum: &'a Minimum,
     updates: Vec<(DVector<f64>, DVector<f64>)>,
@@ -111,7 +113,7 @@ impl<'a> Learnt<'a> {
         }
     }
 
-    /// `J s`.
+    /// Computes `J s`.
     fn times(&self, step: &DVector<f64>) -> DVector<f64> {
         let mut out = &self.minimum.evaluation.jacobian * step;
         for (d, v) in &self.updates {
@@ -120,7 +122,7 @@ impl<'a> Learnt<'a> {
         out
     }
 
-    /// `J' r`.
+    /// Computes `J' r`.
     fn transposed(&self, r: &DVector<f64>) -> DVector<f64> {
         let mut out = self.minimum.evaluation.jacobian.tr_mul(r);
         for (d, v) in &self.updates {
@@ -129,7 +131,7 @@ impl<'a> Learnt<'a> {
         out
     }
 
-    /// A step really changed the residuals by so much.
+    /// Updates the Jacobian with the observed `change` of the residuals along a step.
     fn learn(&mut self, step: &DVector<f64>, change: &DVector<f64>, metric: &DVector<f64>) {
         let v = step.component_mul(metric);
         let size = v.dot(step);
@@ -147,26 +149,26 @@ impl<'a> Learnt<'a> {
 }
 
 impl Profile<'_> {
-    /// Unknowns after a step from the estimate.
+    /// Returns the unknowns after a step from the estimate.
     fn place(&self, step: &DVector<f64>) -> Vec<f64> {
         self.problem.retract(&self.minimum.x, step)
     }
 
-    /// A step of `k` alone.
+    /// Returns a step that changes `k` only.
     fn alone(&self, size: f64) -> DVector<f64> {
         let mut step = DVector::zeros(self.along.len());
         step[self.k] = size;
         step
     }
 
-    /// The step of `k` at the end of one side; `None` without one.
+    /// Returns the step of `k` at the end of one side; `None` if that side is unbounded.
     fn side(&mut self, direction: f64, sd: f64) -> Option<f64> {
         let k = self.k;
         let (lower, upper) = self.problem.limits(self.scale, UNBOUNDED);
         let farthest = if direction > 0.0 { upper[k] } else { -lower[k] };
         let target = HALF_CHI2_95.sqrt();
         let mut learnt = Learnt::new(self.minimum);
-        // Size of the step and square root of the rise: the last point inside, the first outside.
+        // Step size and square root of the rise: the last point inside and the first point outside.
         let (mut inner, mut outer) = ((0.0, 0.0), None::<(f64, f64)>);
         let mut from = self.alone(0.0);
         let mut reach = (NORMAL_975 * sd).min(farthest);
@@ -179,7 +181,7 @@ impl Profile<'_> {
                 .as_ref()
                 .is_none_or(|point| point.rounds > FEW && near_end(point, self.base))
             {
-                // The others may do better from where they are at the estimate than from where the path has led them.
+                // A search from the estimate may find a lower objective than the continuation of the path.
                 let other = self.point(
                     direction * reach,
                     self.alone(0.0),
@@ -206,12 +208,12 @@ impl Profile<'_> {
                     from = point.step;
                 }
                 (Some(height), _) => outer = Some((reach, height)),
-                // Where the model has no answer the interval has surely ended.
+                // Where the model has no solution, the interval has certainly ended.
                 (None, _) => outer = Some((reach, 3.0 * target)),
             }
             let near = height.is_some_and(|height| (height * height - HALF_CHI2_95).abs() < NEAR);
             reach = match outer {
-                // From a point this near the line through the minimum leads to the end.
+                // Close to the end, the straight line through the minimum and this point is accurate enough.
                 None if near => {
                     let end = reach * target / inner.1;
                     return (end < farthest).then_some(direction * end);
@@ -223,7 +225,8 @@ impl Profile<'_> {
                     if near || outer.0 - inner.0 < 0.05 * outer.0 {
                         return Some(direction * next);
                     }
-                    // A wall outside draws the straight line to the inner point: the bracket shrinks by a quarter at least.
+                    // A steep rise outside moves the interpolated point too close to the inner one; the bracket therefore shrinks by at
+                    // least a quarter.
                     next.max(inner.0 + 0.25 * (outer.0 - inner.0))
                 }
             };
@@ -231,7 +234,7 @@ impl Profile<'_> {
         Some(direction * reach)
     }
 
-    /// The others at their best for a step of `k`, from `start`. `None` where the model has no answer.
+    /// Minimises over the other unknowns for a given step of `k`, from `start`. Returns `None` where the model has no solution.
     fn point(
         &mut self,
         size: f64,
@@ -284,7 +287,7 @@ impl Profile<'_> {
         self.fitted(&at, least)
     }
 
-    /// The step of the others that the learnt model says is best, and what it gains.
+    /// Returns the step of the other unknowns that minimises the updated linear model, and its predicted decrease.
     fn constrained(
         &self,
         at: &DVector<f64>,
@@ -312,7 +315,7 @@ impl Profile<'_> {
         (step, gain)
     }
 
-    /// The same by a fit with derivatives.
+    /// Minimises over the other unknowns by a fit with derivatives.
     fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<Point> {
         let tolerances = Tolerances {
             decrement: SETTLED,

@@ -1,4 +1,4 @@
-//! A study fitted with whoever solves it, from wherever that is best begun.
+//! Fit of a study by any solver, from the most suitable start.
 
 use std::ops::ControlFlow;
 
@@ -14,37 +14,38 @@ use crate::direct::{self, DirectSettings, DirectSolution};
 use crate::{Fit, IdentifyError, Problem};
 use admire_session::backend::Backend;
 
-/// Standard deviations between the direct solution and the fit that are worth a remark.
+/// Distance between direct solution and fit that leads to a remark, in standard deviations of the direct solution.
 const CONTRADICTION: f64 = 6.0;
 
-/// Where a fit starts.
+/// Starting point of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub enum Start {
-    /// At the direct solution where that helps. With another program as the solver every sweep is dear, and the direct solution
-    /// saves most of them. With the built-in solver a fit from the initial values takes a tenth of the direct solution's time,
-    /// which then only is the second try of a fit that got nowhere.
+    /// The direct solution where it saves time.
+    ///
+    /// With an external solver, sweeps are expensive and the direct solution saves most of them. With the built-in solver, a fit from the
+    /// initial values takes a tenth of the time of the direct solution. The latter is then only the second start, after a failed fit.
     #[default]
     Auto,
-    /// At the direct solution where there is one that settled; else at the study's initial values.
+    /// The direct solution if it converged, else the study's initial values.
     Direct,
-    /// At the study's initial values.
+    /// The study's initial values.
     Initial,
-    /// At these numbers.
+    /// The given values.
     At(StartValues),
 }
 
-/// What a fit may be told.
+/// Options of a fit.
 #[derive(Default)]
 pub struct Options<'a> {
-    /// Where it starts.
+    /// Starting point.
     pub start: Start,
-    /// Whether intervals may be refined by profile likelihood, which costs solver runs.
+    /// True if intervals may be refined by profile likelihood, which costs solver runs.
     pub profile: bool,
-    /// Who watches.
+    /// Callback that may stop the fit.
     pub watch: Option<Box<Watch<'a>>>,
 }
 
-/// A fit with its problem, and what the direct solution says of it.
+/// Combines a fit with its problem and adds remarks from the comparison with the direct solution.
 fn together<'a>(
     mut found: Found,
     problem: &Problem<'_>,
@@ -63,7 +64,7 @@ fn together<'a>(
     }
 }
 
-/// Fits a study with the built-in solver, or with another backend by differences.
+/// Fits a study with the built-in solver, or with another backend by finite differences.
 ///
 /// # Errors
 /// See [`identify`] and [`Prepared::new`].
@@ -131,7 +132,7 @@ pub fn fit_study<'a>(
     }
 }
 
-/// A start at the direct solution.
+/// Returns the direct solution as starting values.
 fn start_at(solution: &DirectSolution) -> StartValues {
     StartValues {
         values: solution.values.clone(),
@@ -139,7 +140,7 @@ fn start_at(solution: &DirectSolution) -> StartValues {
     }
 }
 
-/// The direct solution of the problem, if there is one to start from.
+/// Returns the direct solution of the problem if it converged.
 fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<DirectSolution> {
     let settings = DirectSettings {
         show_bias: false,
@@ -160,7 +161,7 @@ fn direct_start(problem: &Problem<'_>, watch: Option<&mut Watch<'_>>) -> Option<
     solution.settled.then_some(solution)
 }
 
-/// Says where the direct solution, which knows no solver run, contradicts the fit by more than chance.
+/// Adds a remark for each number where the direct solution, which needs no solver run, contradicts the fit by more than chance.
 fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
     for (k, parameter) in fit.parameters.iter().enumerate() {
         let sd = solution.covariance[(k, k)].max(0.0).sqrt();

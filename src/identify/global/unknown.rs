@@ -1,6 +1,6 @@
-//! What a fit may change: unknowns, their priors, and the numbers of the deck they set.
+//! Unknowns of a fit, their priors, and the numbers of the deck they set.
 //!
-//! Knows neither solvers nor measurements.
+//! Independent of solvers and measurements.
 
 use nalgebra::DVector;
 
@@ -9,61 +9,61 @@ use admire_solver::model::MarkerIx;
 use admire_solver::system::{Parameters, Slot};
 use admire_syntax::Address;
 
-/// A stiffness of a bushing with the preload of the same direction.
+/// A stiffness of a bushing with the preload along the same axis.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Component {
-    /// K or KT.
+    /// Slot of K or KT.
     pub stiffness: Slot,
-    /// FORCE or TORQUE; `None` for stiffnesses of other elements.
+    /// Slot of FORCE or TORQUE; `None` for stiffnesses of other elements.
     pub preload: Option<Slot>,
 }
 
-/// What one unknown sets.
+/// Numbers of the deck that an unknown sets.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Target {
-    /// x = ln K of these components (several under a symmetry).
+    /// Stiffness: x = ln K of these components, several of them under a symmetry.
     Stiffness(Vec<Component>),
-    /// x = delta0 of equation 9 in length units or radians: the bushing's two sides sit displaced by it in every load case, so
-    /// that `F = -K (delta - delta0)` and the preload in the deck is `FORCE + K delta0`.
+    /// Assembly offset: x = delta0 of equation 9, in length units or radians. The two sides of the bushing are displaced by it in every load
+    /// case, so that `F = -K (delta - delta0)` and the preload in the deck becomes `FORCE + K delta0`.
     Offset(Component),
-    /// `theta = deck + factor * x` for each of these slots.
+    /// Additive change: `theta = deck + factor * x` for each of these slots.
     Number(Vec<(Slot, f64)>),
-    /// The same with a factor for every load case: a load's gain, a load along another direction.
+    /// Additive change with one factor per load case, such as the gain of a load or a load along another direction.
     PerCase(Vec<(Slot, Vec<f64>)>),
-    /// x in radians by which markers turn on their parts, each about an axis of its own.
+    /// Rotation x, in radians, of markers on their parts, each about its own axis.
     Turn(Vec<(MarkerIx, Vec3)>),
 }
 
 /// One unknown of the deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FitUnknown {
-    /// Addresses of the numbers it stands for.
+    /// Addresses of the numbers that the unknown sets.
     pub addresses: Vec<Address>,
-    /// What it sets.
+    /// Numbers of the deck that the unknown sets, and how.
     pub target: Target,
-    /// Where it starts; for stiffnesses ln K.
+    /// Starting value; ln K for stiffnesses.
     pub start: f64,
     /// Prior mean.
     pub mean: f64,
-    /// Prior standard deviation; infinite for none.
+    /// Prior standard deviation; infinite for no prior.
     pub sd: f64,
 }
 
-/// A direction in theta: slots and the change of each per unit of an unknown.
+/// Derivative of theta with respect to one unknown.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Direction {
-    /// The place of the unknown among those of the fit.
+    /// Index of the unknown among the unknowns of the fit.
     pub unknown: usize,
-    /// The same in every load case.
+    /// Slots with the change per unit, the same in every load case.
     pub always: Vec<(Slot, f64)>,
-    /// One factor for every load case.
+    /// Slots with the change per unit in every load case.
     pub per_case: Vec<(Slot, Vec<f64>)>,
-    /// Markers that turn, about axes of their own.
+    /// Markers that rotate by one radian per unit, each about its own axis.
     pub turns: Vec<(MarkerIx, Vec3)>,
 }
 
 impl Direction {
-    /// Slots and changes in one load case.
+    /// Iterates over slots and changes in one load case.
     pub fn in_case(&self, case: usize) -> impl Iterator<Item = (Slot, f64)> + '_ {
         let own = self
             .per_case
@@ -73,35 +73,35 @@ impl Direction {
     }
 }
 
-/// The numbers of a deck for every load case, the loads apart.
+/// Numbers of a deck for all load cases, without the loads.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Numbers {
-    /// The same in every load case.
+    /// Numbers that are the same in every load case.
     pub theta: Parameters,
-    /// What is added to a slot in each load case, after the loads are set.
+    /// Amounts added to a slot in each load case, after the loads are set.
     pub per_case: Vec<(Slot, Vec<f64>)>,
-    /// The unknowns these belong to; empty if nobody says.
+    /// Unknowns that the numbers belong to; empty if unspecified.
     pub x: Vec<f64>,
 }
 
-/// The unknowns of a fit over the numbers of one deck.
+/// Unknowns of a fit that set numbers of one deck.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct FitUnknowns {
     list: Vec<FitUnknown>,
-    /// Load share of each stiffness where it was asked for; springs in series else.
+    /// Load share of each unknown, if set; otherwise all springs count as being in series.
     shares: Vec<f64>,
 }
 
-/// The step of a spring with share `s` that changes its ln K by `change`.
+/// Returns the step of a spring with load share `s` that changes its ln K by `change`.
 fn step_of(s: f64, change: f64) -> f64 {
     libm::expm1(change) / (1.0 + s * libm::expm1(change))
 }
 
-/// Shares below this are round-off.
+/// Smallest load share; smaller values are round-off.
 const LEAST_SHARE: f64 = 1e-4;
 
 impl FitUnknowns {
-    /// A list of unknowns.
+    /// Creates the list of unknowns.
     pub fn new(list: Vec<FitUnknown>) -> Self {
         Self {
             list,
@@ -109,23 +109,23 @@ impl FitUnknowns {
         }
     }
 
-    /// All of them, in order.
+    /// Returns all unknowns in order.
     pub fn list(&self) -> &[FitUnknown] {
         &self.list
     }
 
-    /// How many.
+    /// Returns the number of unknowns.
     #[expect(clippy::len_without_is_empty, reason = "a fit has unknowns")]
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Where a fit starts.
+    /// Returns the starting values.
     pub(crate) fn start(&self) -> Vec<f64> {
         self.list.iter().map(|unknown| unknown.start).collect()
     }
 
-    /// The springs of all stiffnesses, in order.
+    /// Returns the springs of all stiffness unknowns in order.
     pub fn springs(&self) -> Vec<Component> {
         let of = |unknown: &FitUnknown| match &unknown.target {
             Target::Stiffness(components) => components.clone(),
@@ -134,8 +134,8 @@ impl FitUnknowns {
         self.list.iter().flat_map(of).collect()
     }
 
-    /// Takes the load share of each of [`Self::springs`]; several springs of one unknown count by their mean. None at all where the
-    /// backend knows none: then all count as springs in series.
+    /// Sets the load share of each of [`Self::springs`]; an unknown with several springs gets their mean. An empty list resets all springs
+    /// to being in series.
     pub fn set_load_shares(&mut self, shares: &[f64]) {
         if shares.is_empty() {
             self.shares.clear();
@@ -157,18 +157,19 @@ impl FitUnknowns {
         self.shares = self.list.iter().map(of).collect();
     }
 
-    /// The load share of unknown `k`; `None` if it is no stiffness.
+    /// Returns the load share of unknown `k`; `None` if it is no stiffness.
     fn share(&self, k: usize) -> Option<f64> {
         let unknown = self.list.get(k)?;
         let stiffness = matches!(unknown.target, Target::Stiffness(_));
         stiffness.then(|| self.shares.get(k).copied().unwrap_or(1.0))
     }
 
-    /// Where a step of a linear model leads; x may hold more than these unknowns.
+    /// Returns the unknowns after a step of the linear model; x may hold further unknowns.
     ///
-    /// A spring beside which the rest of the model resists with K_s deflects by 1/(K + K_s) under a given force. A step of ln K is
-    /// made in that, with the share s = K/(K + K_s): `K_+ + K_s = (K + K_s)/(1 - s step)`. In series, s = 1, that is linear in 1/K;
-    /// for springs that others hold, s near 0, in K. It makes the linear model good far away: half of the sweeps are saved.
+    /// Under a given force, a spring parallel to the stiffness K_s of the rest of the model deflects by 1/(K + K_s). A step of ln K is
+    /// linear in this compliance. With the load share s = K/(K + K_s), the new stiffness is given by `K_new + K_s = (K + K_s)/(1 - s step)`.
+    /// For s = 1 (in series) the step is linear in 1/K, for s near 0 (imposed deflection) in K. This widens the range of the linear model
+    /// and saves half of the sweeps.
     pub fn moved(&self, x: &[f64], step: &DVector<f64>) -> Vec<f64> {
         let to = |(k, (x, step)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => x + libm::log1p(step / (1.0 - s * step)),
@@ -177,7 +178,7 @@ impl FitUnknowns {
         x.iter().zip(step.iter()).enumerate().map(to).collect()
     }
 
-    /// The step that [`Self::moved`] leads from one place to another.
+    /// Returns the step by which [`Self::moved`] leads from one point to another.
     pub(crate) fn step_to(&self, from: &[f64], to: &[f64]) -> DVector<f64> {
         let of = |(k, (from, to)): (usize, (&f64, &f64))| match self.share(k) {
             Some(s) => step_of(s, to - from),
@@ -187,7 +188,7 @@ impl FitUnknowns {
         DVector::from_iterator(from.len(), steps)
     }
 
-    /// Lower and upper bound of a step that moves no unknown by more than `reach` natural units.
+    /// Returns the lower and upper bounds of a step that moves no unknown by more than `reach` natural units.
     pub fn limits(&self, scale: &[f64], reach: f64) -> (Vec<f64>, Vec<f64>) {
         let of = |(k, scale): (usize, &f64)| match self.share(k) {
             Some(s) => (step_of(s, -reach), step_of(s, reach)),
@@ -196,7 +197,7 @@ impl FitUnknowns {
         scale.iter().enumerate().map(of).unzip()
     }
 
-    /// The deck's numbers at these unknowns.
+    /// Returns the deck's numbers at these unknowns.
     pub fn numbers(&self, deck: &Parameters, x: &[f64]) -> Numbers {
         let mut theta = deck.clone();
         let mut per_case = Vec::new();
@@ -224,7 +225,7 @@ impl FitUnknowns {
                 Target::Offset(_) => {}
             }
         }
-        // Preloads follow the stiffnesses, which are all set by now.
+        // Preloads depend on the stiffnesses, which are all set by now.
         for (unknown, value) in self.list.iter().zip(x) {
             if let Target::Offset(Component {
                 stiffness,
@@ -241,7 +242,7 @@ impl FitUnknowns {
         }
     }
 
-    /// For each unknown the change of theta per unit of it, at these unknowns.
+    /// Returns the derivative of theta with respect to each unknown, at these unknowns.
     pub fn directions(&self, theta: &Parameters, x: &[f64]) -> Vec<Direction> {
         let offset_of = |slot: Slot| {
             self.list

@@ -1,32 +1,34 @@
-//! Bushings and joints whose two markers lie apart, or are turned, where their element holds them together.
+//! Bushings and joints whose two markers are displaced or rotated against each other although the element constrains them.
 
 use crate::{LoadedStudy, Place};
 use admire_solver::mechanics::{Mat3, Vec3, log};
 use admire_solver::model::lint::apart;
 use admire_solver::model::{MarkerIx, Model};
 
-/// Parts that lie further apart along what holds them, in millimetres, or are turned further, in degrees, are not assembled by any tolerance.
+/// Largest distance in mm and largest rotation in degrees between two markers, along the constrained directions, that assembly tolerances
+/// allow.
 const ASSEMBLED: (f64, f64) = (2.0, 2.0);
-/// A bushing may be mounted turned by so much, in degrees, and by any angle about its own axis.
+/// Rotation between a bushing's markers above which it is reported even without a known correction, in degrees. Smaller rotations may be
+/// intended.
 const TURNED: f64 = 10.0;
 
-/// Two markers that lie apart.
+/// Two markers of an element that do not coincide at design.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Displaced {
-    /// What is found, and what mends it.
+    /// Description of the finding and of its correction.
     pub why: String,
-    /// True if one exchange, or one sign, mends it.
+    /// True if one exchange of coordinates or one change of sign corrects it.
     pub is_mended: bool,
 }
 
-/// One way in which two markers lie apart.
+/// Distance or rotation between the markers of one element.
 #[derive(Clone, PartialEq, Debug)]
 struct Gap {
-    /// The name of the element.
+    /// Name of the element.
     name: String,
     markers: (MarkerIx, MarkerIx),
     kind: Kind,
-    /// Length in the deck's unit, or degrees.
+    /// Length in the deck's unit, or angle in degrees.
     size: f64,
 }
 
@@ -36,7 +38,7 @@ enum Kind {
     Angle,
 }
 
-/// Bushings whose markers lie apart, and those elements that one exchange or one sign mends.
+/// Returns the bushings whose markers are displaced, and all elements that one exchange or one change of sign corrects.
 pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     let millimetre = 1e-3 / study.model.units.length.si;
     let mut out = Vec::new();
@@ -79,7 +81,7 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     out
 }
 
-/// How far the markers of active bushings and joints lie apart along what is held.
+/// Returns the distances and rotations between the markers of active bushings and joints, along the constrained directions.
 fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
     let mut out = Vec::new();
     for (at, bushing) in model.bushings.iter().enumerate() {
@@ -118,7 +120,7 @@ fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
     out
 }
 
-/// The model with one exchange, one sign or one mirror at either marker, and what it is called.
+/// Returns the models with one exchange, sign change or mirroring at either marker, each with its description.
 fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
     let mut out = Vec::new();
     for marker in [gap.markers.1, gap.markers.0] {
@@ -155,7 +157,7 @@ fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
     out
 }
 
-/// A place with two coordinates exchanged, or one of the other sign; `{}` stands for its name.
+/// Returns the position with two coordinates exchanged, or with the sign of one changed; `{}` is the placeholder for the marker's name.
 fn one_slip(x: &Vec3) -> Vec<(String, Vec3)> {
     const NAMES: [&str; 3] = ["x", "y", "z"];
     let mut out = Vec::new();
@@ -175,7 +177,7 @@ fn one_slip(x: &Vec3) -> Vec<(String, Vec3)> {
     out
 }
 
-/// Mirrors of a frame through the planes of its axes, with a mirror of the marker's own that makes it right-handed again.
+/// Returns mirrorings of a frame in its coordinate planes, each with a mirroring of the marker that restores a right-handed frame.
 fn mirrors() -> Vec<(Mat3, Mat3)> {
     let flipped = |axis: usize| {
         let mut flip = Mat3::identity();

@@ -1,4 +1,4 @@
-//! One study, compiled once, on which changes are tried by short fits.
+//! Test bench for slips: a study, compiled once, on which changes are tried by short fits.
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -20,32 +20,32 @@ use admire_syntax::Address;
 pub(super) struct Bench {
     study: LoadedStudy,
     prepared: Prepared,
-    /// Equilibria solved so far.
+    /// Number of equilibria solved so far.
     solved: Cell<usize>,
 }
 
-/// Where a short fit ended.
+/// Final state of a short fit.
 #[derive(Clone, Debug)]
 pub(super) struct Trial {
     /// Values of all unknowns.
     pub x: Vec<f64>,
-    /// Half the sum of squares and priors.
+    /// Half the sum of squared residuals and prior terms.
     pub objective: f64,
     /// Whether it is a minimum.
     pub is_minimum: bool,
 }
 
-/// Rows at a place: what is left of them, and what changes them.
+/// Residuals at a point and their derivatives.
 struct Rows {
     residual: DVector<f64>,
-    /// By each unknown with a prior, for one standard deviation.
+    /// Derivatives with respect to each unknown, times its prior standard deviation.
     columns: DMatrix<f64>,
-    /// By the others.
+    /// Derivatives with respect to the further unknowns of zero prior width.
     further: DMatrix<f64>,
 }
 
 impl Rows {
-    /// Rows times the inverse of their covariance `I + columns columns'`.
+    /// Computes `C^-1 rows`, where `C = I + columns columns'` is the covariance of the rows.
     fn beyond(&self, rows: &DVector<f64>) -> Option<DVector<f64>> {
         let count = self.columns.ncols();
         let information =
@@ -55,7 +55,7 @@ impl Rows {
     }
 }
 
-/// An unknown of the bench's own, zero before anything is known.
+/// Returns an additional unknown with start and prior mean zero.
 const fn unknown(meaning: Target, sd: f64) -> FitUnknown {
     FitUnknown {
         addresses: Vec::new(),
@@ -66,13 +66,13 @@ const fn unknown(meaning: Target, sd: f64) -> FitUnknown {
     }
 }
 
-/// Noise that is stated to be none.
+/// Noise assigned to readings that are stated to be exact.
 const TINY: f64 = 1e-12;
-/// An unknown without a prior counts as known to this, in its own unit.
+/// Prior standard deviation of an unknown without a prior, in the unknown's own unit.
 const WIDE: f64 = 1e6;
 
 impl Bench {
-    /// Of a study; `None` where the built-in solver does not solve it.
+    /// Compiles a study; returns `None` if the built-in solver cannot solve it.
     pub(super) fn new(study: LoadedStudy) -> Option<Self> {
         let prepared = Prepared::new(&study.problem()).ok()?;
         Some(Self {
@@ -82,7 +82,7 @@ impl Bench {
         })
     }
 
-    /// Works on the global problem of the changed study. `further` unknowns stand behind those of the deck.
+    /// Runs `work` on the global problem of the changed study. The `further` unknowns follow those of the deck.
     fn with<T>(
         &self,
         change: Option<&Change>,
@@ -122,12 +122,13 @@ impl Bench {
         done
     }
 
-    /// Equilibria solved so far.
+    /// Returns the number of equilibria solved so far.
     pub(super) fn solved(&self) -> usize {
         self.solved.get()
     }
 
-    /// Fits the changed study from `start`, or from its start values, with so many steps at most. `None` where it has no equilibrium.
+    /// Fits the changed study in at most `steps` steps, from `start` or from the study's initial values. Returns `None` without an
+    /// equilibrium.
     pub(super) fn fit(
         &self,
         change: Option<&Change>,
@@ -163,13 +164,13 @@ impl Bench {
         )
     }
 
-    /// The study.
+    /// Returns the study.
     pub(super) const fn study(&self) -> &LoadedStudy {
         &self.study
     }
 
-    /// The root mean square that is left at `x`, in units of the noise, when tolerances as large as they may be take up what they can, and
-    /// the numbers sought with them.
+    /// Returns the rms residual at `x`, over the noise, that remains when tolerances and unknowns absorb as much as possible. The tolerances
+    /// have their largest allowed sizes.
     pub(super) fn beyond_tolerances(&self, change: Option<&Change>, x: &[f64]) -> Option<f64> {
         let sizes = self.sizes();
         let further = |problem: &Problem<'_>| self.members(problem, &sizes);
@@ -178,15 +179,15 @@ impl Bench {
         Some((left / at.residual.len().max(1) as f64).sqrt())
     }
 
-    /// Which part of what is left at `x` a factor near one of each family explains beside the numbers sought; infinity for families that are
-    /// no factor.
+    /// Returns for each family the fraction of the squared residuals at `x` that a factor near one explains in addition to the unknowns.
+    /// Families without a factor get infinity.
     pub(super) fn gains(&self, families: &[Family], x: &[f64]) -> Option<Vec<f64>> {
         let by_factor = |problem: &Problem<'_>| -> Vec<FitUnknown> {
             let effects = families
                 .iter()
                 .filter_map(|family| family.by_factor.as_ref());
             let meaning = |effect| {
-                // One that the solver does not know changes nothing.
+                // An effect on numbers that the solver does not support changes nothing.
                 let none = Target::Number(Vec::new());
                 self.meaning(problem, effect).unwrap_or(none)
             };
@@ -210,8 +211,8 @@ impl Bench {
         families.iter().map(gain).collect()
     }
 
-    /// The rows at `x`, whose entries behind those of the deck's unknowns belong to the measurement. `further` unknowns with a prior are taken
-    /// with those sought; the others are told apart.
+    /// Evaluates the rows of the changed study at `x`, in which the unknowns of the measurement follow those of the deck. `further` unknowns
+    /// with a prior are treated like the others; those of zero prior width are returned separately.
     fn explained(
         &self,
         change: Option<&Change>,
@@ -242,7 +243,7 @@ impl Bench {
         })
     }
 
-    /// Root mean square of how far the readings are from their mean, in units of their noise: what is left of a model that never moves.
+    /// Returns the rms deviation of the readings from their mean, over their noise: the residual of a model that never moves.
     pub(super) fn movement(&self) -> f64 {
         let to = &self.study.measurement;
         let mut series: BTreeMap<[usize; 3], Vec<f64>> = BTreeMap::new();
@@ -293,7 +294,7 @@ impl Bench {
         )
     }
 
-    /// Small errors of axle and rig, each with the largest size its group may have.
+    /// Returns the small errors of axle and rig as unknowns, each with the largest size that its group may have.
     fn members(&self, problem: &Problem<'_>, sizes: &VarianceComponents) -> Vec<FitUnknown> {
         let is_sought = |address: &Address| {
             let mut unknowns = problem.unknowns.iter();

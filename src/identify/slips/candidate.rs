@@ -1,4 +1,4 @@
-//! What may have been mistaken in a study, each as a change that would mend it.
+//! Possible slips in a study, each as the change that would correct it.
 
 use super::unit_pairs::{UnitPair, angles, forces, lengths, stiffnesses, torsional};
 use crate::LoadedStudy;
@@ -12,18 +12,18 @@ use admire_syntax::Address;
 /// A change of the study.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Change {
-    /// Columns of loads times a factor.
+    /// Multiplies load columns by a factor.
     Loads(Vec<usize>, f64),
-    /// Two columns of loads change places.
+    /// Exchanges two load columns.
     Exchange(usize, usize),
-    /// Numbers of the deck get these values.
+    /// Sets numbers of the deck to these values.
     Numbers(Vec<(Address, f64)>),
-    /// Readings of a channel times a factor.
+    /// Multiplies the readings of a channel by a factor.
     Channel(usize, f64),
 }
 
 impl Change {
-    /// The loads with it.
+    /// Returns the loads after the change.
     pub(super) fn programme(&self, of: &LoadProgramme) -> LoadProgramme {
         let mut new = of.clone();
         for case in &mut new.cases {
@@ -40,7 +40,7 @@ impl Change {
         new
     }
 
-    /// The readings with it.
+    /// Returns the readings after the change.
     pub(super) fn measurement(&self, of: &Measurement) -> Measurement {
         let mut new = of.clone();
         if let Self::Channel(channel, factor) = self {
@@ -53,7 +53,7 @@ impl Change {
         new
     }
 
-    /// The numbers of the deck that it sets.
+    /// Returns the numbers of the deck that the change sets.
     pub(super) fn numbers(&self) -> &[(Address, f64)] {
         match self {
             Self::Numbers(numbers) => numbers,
@@ -62,30 +62,30 @@ impl Change {
     }
 }
 
-/// A slip that may have happened.
+/// A possible slip.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Candidate {
-    /// What mends it, as a sentence without its full stop.
+    /// Description of the correction, without a full stop.
     pub remedy: String,
-    /// The same as a change.
+    /// Change that corrects the slip.
     pub change: Change,
 }
 
-/// Slips of one number.
+/// Possible slips of one quantity.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Family {
-    /// One after the other.
+    /// Candidates in this family.
     pub candidates: Vec<Candidate>,
-    /// What a factor near one changes; `None` for slips that are no factor.
+    /// Effect of a factor near one; `None` for slips other than factors.
     pub by_factor: Option<Effect>,
-    /// True for stiffnesses of a bushing: a deck may have many.
+    /// True for stiffnesses of a bushing, of which a deck may have many.
     pub is_of_a_bushing: bool,
 }
 
-/// A coordinate of a load's point that is nearer to a plane of the axes than so many millimetres is on no side of it.
+/// Distance of a load's point from a coordinate plane below which the point is on neither side, mm.
 const ON_A_SIDE: f64 = 20.0;
 
-/// All slips that are looked for.
+/// Returns all slips that are searched for.
 pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
     let mut out = loads(study);
     out.extend(exchanges(study));
@@ -97,7 +97,7 @@ pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// A factor with four digits that count.
+/// Formats a factor with four significant digits.
 fn four_digits(factor: f64) -> String {
     let digits = 3 - libm::log10(factor).floor() as i32;
     let text = format!("{factor:.*}", digits.max(0) as usize);
@@ -107,7 +107,7 @@ fn four_digits(factor: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
-/// Candidates that scale something by the factors of unit pairs.
+/// Returns candidates that scale a quantity by the factors of unit pairs.
 fn scaled(
     what: &str,
     pairs: &[UnitPair],
@@ -123,13 +123,13 @@ fn scaled(
     })
 }
 
-/// Columns of loads that are not zero in every case.
+/// Returns the load columns that are not zero in every case.
 pub(super) fn acting(programme: &LoadProgramme) -> Vec<usize> {
     let acts = |k: &usize| programme.cases.iter().any(|case| case.values[*k] != 0.0);
     (0..programme.loads.len()).filter(acts).collect()
 }
 
-/// Each column that acts, and all columns of forces together.
+/// Returns the slips of each acting load column, and of all force columns together.
 fn loads(study: &LoadedStudy) -> Vec<Family> {
     let (programme, units) = (&study.programme, &study.model.units);
     let columns = acting(programme);
@@ -174,7 +174,7 @@ fn loads(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// Columns of forces on one point, two and two.
+/// Returns the exchanges of two force columns that act at the same point.
 fn exchanges(study: &LoadedStudy) -> Vec<Family> {
     let programme = &study.programme;
     let columns = acting(programme);
@@ -199,7 +199,7 @@ fn exchanges(study: &LoadedStudy) -> Vec<Family> {
     out
 }
 
-/// True for a number that is sought.
+/// Returns true for a number that is identified.
 fn is_sought(study: &LoadedStudy, address: &Address) -> bool {
     let mut unknowns = study.unknowns.iter();
     unknowns.any(|unknown| unknown.address == *address || unknown.tied.contains(address))
@@ -214,7 +214,7 @@ fn number(kind: &str, id: u32, argument: &str, index: Option<usize>) -> Address 
     }
 }
 
-/// Numbers of the deck that are scaled together; none if one of them is sought or all are zero.
+/// Returns the slips of numbers that are scaled together; empty if one of them is identified or all are zero.
 fn of_numbers(
     study: &LoadedStudy,
     what: &str,
@@ -236,7 +236,7 @@ fn of_numbers(
     }
 }
 
-/// Rates and forces of springs.
+/// Returns the slips of spring rates and spring forces.
 fn springs(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
     let of = |spring: &admire_solver::model::SpringDamper| {
@@ -259,7 +259,7 @@ fn springs(study: &LoadedStudy) -> Vec<Family> {
     springs.filter(|s| s.header.active).flat_map(of).collect()
 }
 
-/// Stiffnesses of bushings that are not sought.
+/// Returns the slips of bushing stiffnesses that are not identified.
 fn bushings(study: &LoadedStudy) -> Vec<Family> {
     let units = &study.model.units;
     let of = |bushing: &admire_solver::model::Bushing| {
@@ -293,7 +293,7 @@ fn bushings(study: &LoadedStudy) -> Vec<Family> {
     bushings.filter(|b| b.header.active).flat_map(of).collect()
 }
 
-/// Points of loads on the other side: of the planes of ground's axes, and of those of their part.
+/// Returns the slips of load points that are mirrored in a coordinate plane of ground or of their part.
 fn load_points(study: &LoadedStudy) -> Vec<Family> {
     let model = &study.model;
     let mut seen: Vec<MarkerIx> = Vec::new();
@@ -341,7 +341,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
     seen.into_iter().map(of).collect()
 }
 
-/// Channels with the other sign.
+/// Returns the slips of channels with a wrong sign.
 fn channels(study: &LoadedStudy) -> Vec<Family> {
     let channels = study.measurement.channels.iter().enumerate();
     let read = channels.filter(|(_, channel)| channel.is_read_by_case());

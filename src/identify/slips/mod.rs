@@ -1,9 +1,10 @@
-//! Slips: a load column in another unit, a turned sign, an exchanged coordinate. They are looked for before any fit.
+//! Search for input slips before any fit: a load column in a wrong unit, a wrong sign, or exchanged coordinates.
 //!
-//! A study whose best fit leaves more than tolerances can explain is fitted again with one number changed at a time, as a known slip
-//! would change it. Refused is only what one such change explains. Knows no cause a model may lack: that is diagnosis.
+//! If the best fit of a study leaves more than tolerances can explain, the fit is repeated with one number changed at a time. Each change
+//! corrects a known kind of slip. A study is rejected only if one such change explains the readings. Effects missing from the model are the
+//! subject of diagnosis.
 //!
-//! The study is thinned to a few cases that span its loads, so that the whole search costs no more than one fit of all cases.
+//! The study is reduced to a few cases that span its loads, so that the whole search costs no more than one fit of all cases.
 
 mod apart;
 mod bench;

@@ -1,61 +1,63 @@
-//! The search for the one change that mends a study.
+//! Search for the single change that corrects a study.
 
 use super::bench::{Bench, Trial};
 use super::candidate::{Candidate, Family, acting, families};
 use super::thinned::thinned;
 use crate::LoadedStudy;
 
-/// A slip that explains what no value of the unknowns and no tolerance can.
+/// An input slip that explains readings which neither the unknowns nor tolerances can explain.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Slip {
-    /// What mends it; several where the readings do not tell them apart.
+    /// Descriptions of the correction; several if the readings do not distinguish them.
     pub remedies: Vec<String>,
-    /// Root mean square of the residuals beyond tolerances in units of their noise: as the study stands, where it has equilibria at all,
-    /// and mended.
+    /// Rms of the residuals beyond tolerances, over their noise: for the unchanged study (`None` without equilibria), and for the corrected
+    /// one.
     pub left: (Option<f64>, f64),
-    /// True where nothing but this slip can be meant; else it only explains more.
+    /// True if the slip is certain; otherwise it only improves the fit.
     pub is_sure: bool,
 }
 
-/// So many more cases than a line through the loads has numbers tell a slip.
+/// Minimum surplus of cases over the coefficients of a linear function of the loads.
 const SPARE: usize = 4;
-/// What the search found.
+/// Result of the search.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Search {
-    /// The slip, if one explains the readings.
+    /// Slip that explains the readings, if there is one.
     pub slip: Option<Slip>,
-    /// True where the study as it stands explains them: nothing odd at its start values says anything.
+    /// True if the unchanged study explains its readings; anomalies at its starting values are then irrelevant.
     pub is_explained: bool,
 }
 
-/// Steps of the fit of the study as it stands.
+/// Maximum number of steps in the fit of the unchanged study.
 const STEPS: usize = 40;
-/// Steps of the fits of candidates, round after round, and how many of them go on into each.
+/// Rounds of candidate fits: maximum number of candidates and of steps in each round.
 const ROUNDS: [(usize, usize); 3] = [(usize::MAX, 3), (12, 4), (4, 20)];
-/// Where a fit follows the readings, only slips are tried that could explain this part of what is left, near a factor of one.
+/// Minimum fraction of the residual squares that a factor near one must explain for a slip to be tried; used if the fit follows the
+/// readings.
 const LEAST_GAIN: f64 = 0.1;
-/// Where it does not, that tells little; of bushings so many are tried.
+/// Maximum number of bushing slips tried if the fit does not follow the readings, where the predicted gain is unreliable.
 const BUSHINGS: usize = 8;
-/// Effort limit of the search: equilibria solved after the fit of the study itself. Beyond it no further candidate is fitted.
+/// Effort limit of the search: number of equilibria solved after the fit of the study itself. Beyond it, no further candidate is fitted.
 const MAX_EQUILIBRIA: usize = 6_000;
-/// Residuals beyond tolerances up to this times their noise, rms, are explained: no slip is looked for.
+/// Rms of the residuals beyond tolerances, over their noise, below which they count as explained and no slip is searched.
 const EXPLAINED: f64 = 1.1;
-/// Up to this, a wrong statement of the noise explains them.
+/// Rms of the residuals beyond tolerances, over their noise, that an understated noise level still explains.
 const NOISE: f64 = 2.0;
-/// A slip is sure where mending it leaves half of the squares; worth a look where it leaves less than the second part, rms. Causes that a model
-/// lacks move with no factor of units: they leave all.
+/// Ratio of the corrected to the original rms below which a slip is certain; half of the squares remain. Effects that a model lacks are not
+/// affected by a unit factor and would remain in full.
 const MENDED: f64 = 0.7;
+/// Ratio of the corrected to the original rms below which a slip is reported as possible.
 const BETTER: f64 = 0.9;
-/// A fit that leaves less than this part of the movement of the readings, rms, follows them, and so does one that leaves less than so many times
-/// their noise.
+/// Residual rms below which a fit follows the readings, relative to their movement, see [`Bench::movement`].
 const FOLLOWS: f64 = 0.05;
+/// Residual rms below which a fit follows the readings, relative to their noise.
 const NEARLY: f64 = 10.0;
-/// A mended study fits if it leaves less than this part of the movement.
+/// Residual rms below which a corrected study fits, relative to the movement of the readings, see [`Bench::movement`].
 const FITS: f64 = 0.25;
-/// Changes that leave less than this times the best one, rms, are not told apart from it.
+/// Ratio to the lowest residual rms up to which other corrections count as equally good.
 const ALIKE: f64 = 1.1;
 
-/// Looks for the slip of a study.
+/// Searches for the slip of a study.
 pub fn search(loaded: &LoadedStudy) -> Search {
     let cases = loaded.measurement.fitted_cases().count();
     if cases < acting(&loaded.programme).len() + 1 + SPARE {
@@ -79,7 +81,7 @@ pub fn search(loaded: &LoadedStudy) -> Search {
     }
 }
 
-/// The change that explains what the fit of the study as it stands left, `before` beyond tolerances.
+/// Returns the change that explains the residuals of the unchanged study; `before` is their rms beyond tolerances.
 fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip> {
     let candidates = promising(bench, now, before).into_iter();
     let mut tried: Vec<(Option<Trial>, Candidate)> = candidates.map(|c| (None, c)).collect();
@@ -108,7 +110,7 @@ fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip>
     let mut left: Vec<(f64, String)> = tried.into_iter().filter_map(left).collect();
     left.sort_by(|a, b| a.0.total_cmp(&b.0));
     let after = left.first()?.0;
-    // What ended before its minimum may end elsewhere by any change.
+    // A fit that ended before its minimum may end elsewhere after any change.
     let is_minimum = now.is_some_and(|now| now.is_minimum);
     let fits = is_minimum || after < FITS * bench.movement();
     let is_sure = fits && before.is_none_or(|before| before > NOISE && after < MENDED * before);
@@ -123,7 +125,7 @@ fn slip(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Option<Slip>
     })
 }
 
-/// Candidates that may explain what a fit left, `before` beyond tolerances.
+/// Returns the candidates that may explain the residuals of a fit; `before` is their rms beyond tolerances.
 fn promising(bench: &Bench, now: Option<&Trial>, before: Option<f64>) -> Vec<Candidate> {
     let families = families(bench.study());
     let gains = now.and_then(|now| bench.gains(&families, &now.x));

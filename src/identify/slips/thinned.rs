@@ -1,13 +1,13 @@
-//! A study with few of its load cases, spread over the loads.
+//! Reduction of a study to a few load cases that span the loads.
 
 use crate::LoadedStudy;
 use admire_study::Reference;
 
-/// So many cases tell a slip: the ends and middles of the usual three loads.
+/// Number of cases sufficient to detect a slip: the ends and middles of the usual three loads.
 const ENOUGH: usize = 12;
 
-/// The same study with at most so many of the cases that a fit sees. Readings that count from the case before, or are taken over cases,
-/// keep all of them.
+/// Returns the study with at most [`ENOUGH`] of its fitted cases. A study with readings relative to the previous case, or with summaries
+/// over cases, keeps all of them.
 pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
     let mut study = of.clone();
     let to = &mut study.measurement;
@@ -39,8 +39,8 @@ pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
     study
 }
 
-/// Cases as far from each other as they can be: the one with the largest loads, then always the farthest from all before. Loads count in
-/// parts of their largest values.
+/// Returns widely spaced cases: the one with the largest loads first, then always the one farthest from all previous ones. Loads are scaled
+/// by their largest values.
 fn spread(study: &LoadedStudy, cases: &[usize]) -> Vec<usize> {
     let values = |case: usize| &study.programme.cases[case].values;
     let largest = |load: usize| {

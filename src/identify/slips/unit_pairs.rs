@@ -1,29 +1,30 @@
-//! Factors between a number and what it was meant to be, where its unit was mistaken.
+//! Conversion factors for numbers whose unit was mistaken.
 
 use std::f64::consts::PI;
 
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
 
-/// What a number has to be multiplied by, and the unit it was written in.
+/// Factor that corrects a number, and the unit the number was written in.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct UnitPair {
-    /// The factor.
+    /// Factor to multiply the number by.
     pub factor: f64,
-    /// The unit that explains it.
+    /// Unit that explains the factor.
     pub unit: String,
 }
 
-/// Units of force and length that people take for each other.
+/// Units of force that are commonly confused.
 const FORCES: [&str; 4] = ["NEWTON", "KNEWTON", "POUND_FORCE", "KILOGRAM_FORCE"];
+/// Units of length that are commonly confused.
 const LENGTHS: [&str; 5] = ["MILLIMETER", "CENTIMETER", "METER", "INCH", "FOOT"];
-/// Factors nearer to each other than this part are one.
+/// Largest log-ratio of two factors that count as equal.
 const SAME: f64 = 0.03;
 
 fn named(units: &'static [Unit], names: &'static [&str]) -> impl Iterator<Item = &'static Unit> {
     units.iter().filter(|unit| names.contains(&unit.keyword))
 }
 
-/// Factors apart from one and from each other. Each stands beside its inverse: a number that was converted the wrong way.
+/// Returns the distinct factors that differ from one, followed by their inverses, for numbers that were converted the wrong way.
 fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
     let mut out: Vec<UnitPair> = Vec::new();
     let mut add = |factor: f64, unit: String| {
@@ -42,24 +43,24 @@ fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
     out
 }
 
-/// Of forces.
+/// Returns the factors of force units.
 pub(super) fn forces(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si;
     pairs(named(FORCE_UNITS, &FORCES).map(|unit| (unit.si / own, unit.word.to_string())))
 }
 
-/// Of lengths.
+/// Returns the factors of length units.
 pub(super) fn lengths(units: &Units) -> Vec<UnitPair> {
     let own = units.length.si;
     pairs(named(LENGTH_UNITS, &LENGTHS).map(|unit| (unit.si / own, unit.word.to_string())))
 }
 
-/// Of angles that the solver takes in radians.
+/// Returns the factors of angles, which the solver takes in radians.
 pub(super) fn angles() -> Vec<UnitPair> {
     pairs([(PI / 180.0, "degrees".to_string())])
 }
 
-/// Of stiffnesses.
+/// Returns the factors of stiffness units.
 pub(super) fn stiffnesses(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si / units.length.si;
     let of = [
@@ -78,7 +79,7 @@ pub(super) fn stiffnesses(units: &Units) -> Vec<UnitPair> {
     }))
 }
 
-/// Of torsional stiffnesses, which the deck has per radian.
+/// Returns the factors of torsional stiffness units; the deck has them per radian.
 pub(super) fn torsional(units: &Units) -> Vec<UnitPair> {
     let own = units.force.si * units.length.si;
     let per_degree = 180.0 / PI;

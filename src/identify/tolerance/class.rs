@@ -1,23 +1,25 @@
-//! Rows that whitening turns together, and classes of rows of one variance.
+//! Variance classes of rows, and blocks of rows that whitening transforms together.
 
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-/// Classes whose terms differ by less than this factor are one.
+/// Largest ratio of two variance coefficients that count as equal.
 const ALIKE: f64 = 1.05;
 
-/// Rows whose variance is a sum of squares of sizes: of the noise of a reading, of the rigid motion of marks.
+/// Class of rows with equal variance: a weighted sum of the squared standard deviations of reading noise and of rigid-motion noise of marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarianceClass {
-    /// What is there whatever the sizes are: one where the noise is known.
+    /// Part of the variance that depends on no variance component: 1 where the reading noise is known, else 0.
     pub known: f64,
-    /// Sizes by their places, and how much of the square of each is in the variance.
+    /// Estimated components of the variance: index into [`VarianceComponents::ln`](super::group::VarianceComponents::ln), and coefficient of
+    /// the squared standard deviation.
     pub terms: Arc<[(usize, f64)]>,
 }
 
 impl VarianceClass {
-    /// Of noise with a scale, or of one without, and of a rigid motion with its size and the square of its direction.
+    /// Creates the class of a row. `scale` is the index of its noise scale, if that is estimated. `rigid` is the index of its rigid-motion
+    /// component and the squared norm of the rigid direction.
     pub(super) fn new(scale: Option<usize>, rigid: Option<(usize, f64)>) -> Self {
         let own = scale.map(|at| (at, 1.0));
         Self {
@@ -26,7 +28,7 @@ impl VarianceClass {
         }
     }
 
-    /// Variance at these sizes.
+    /// Returns the variance, given the log standard deviations `ln`.
     pub(crate) fn variance(&self, ln: &[f64]) -> f64 {
         let terms = self.terms.iter();
         terms.fold(self.known, |sum, (at, mu)| {
@@ -34,7 +36,7 @@ impl VarianceClass {
         })
     }
 
-    /// Its derivatives by the logarithms of the sizes.
+    /// Returns the derivatives of the variance with respect to the log standard deviations, as pairs of index and derivative.
     pub(crate) fn by_size(&self, ln: &[f64]) -> Vec<(usize, f64)> {
         let terms = self.terms.iter();
         terms
@@ -42,7 +44,7 @@ impl VarianceClass {
             .collect()
     }
 
-    /// What classes have in common whose variances differ by less than a factor [`ALIKE`].
+    /// Returns a key shared by classes whose coefficients agree to about a factor of [`ALIKE`].
     pub(super) fn key(&self) -> (u64, Vec<(usize, i64)>) {
         let bin = |mu: f64| (libm::log(mu) / libm::log(ALIKE)).round() as i64;
         let terms = self.terms.iter().map(|(at, mu)| (*at, bin(*mu)));
@@ -50,14 +52,14 @@ impl VarianceClass {
     }
 }
 
-/// Rows that are turned together.
+/// Rows of readings that are rotated together.
 pub(super) struct Turned {
-    /// Where they are among all rows.
+    /// Indices of the rows among all rows.
     pub places: Vec<usize>,
-    /// One row per new direction, times the root of the precision; those that rigid motions lead along come first.
+    /// Transformation matrix: one row per new direction, scaled by the square root of the precision. Rigid-motion directions come first.
     pub matrix: DMatrix<f64>,
-    /// How many these are.
+    /// Number of rigid-motion directions.
     pub rigid: usize,
-    /// Of each new row; `None` where it is not used.
+    /// Variance class of each new row; `None` where the row is not used.
     pub classes: Vec<Option<VarianceClass>>,
 }

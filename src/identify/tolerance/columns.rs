@@ -1,38 +1,38 @@
-//! Columns of turned rows, class by class.
+//! Columns of whitened rows, grouped by variance class.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::whitening::Whitening;
 
-/// A column whose entries in the rows of a class stay below this part of its largest is zero there: marks of one part that move as one
-/// body leave rounding in the rows that say how they move against each other.
+/// A column counts as zero in a class if its entries there stay below this fraction of its largest entry. Rigid motion of a part leaves
+/// round-off in the rows that describe relative motion of its marks.
 const NOTHING: f64 = 1e-12;
 
-/// A matrix of turned rows, see [`Whitening::apply`], class by class.
+/// A matrix of whitened rows (see [`Whitening::apply`]), split by variance class.
 #[derive(Clone, Debug)]
 pub struct RowsByVarianceClass {
-    /// How many columns there are.
+    /// Number of columns of the whole matrix.
     pub(super) count: usize,
-    /// The rows of each class.
+    /// Rows of each class.
     pub(super) classes: Vec<Columns>,
 }
 
-/// Columns of a matrix in the rows of a class, those without anything left out.
+/// Non-zero columns of a matrix, restricted to the rows of one class.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
-    /// Which columns they are, in ascending order.
+    /// Indices of these columns in the whole matrix, in ascending order.
     pub active: Vec<usize>,
-    /// Their values.
+    /// Values: one row per row of the class, one column per entry of `active`.
     pub values: DMatrix<f64>,
 }
 
 impl RowsByVarianceClass {
-    /// Of all columns.
+    /// Splits the whitened matrix `turned` by the classes of `whitening`.
     pub fn new(whitening: &Whitening, turned: &DMatrix<f64>) -> Self {
         Self::of_rows(&whitening.rows_of, turned)
     }
 
-    /// Of all columns, in some of the rows of each class.
+    /// Splits the whitened matrix `turned` by the given rows of each class.
     pub(super) fn of_rows(rows_of: &[Vec<usize>], turned: &DMatrix<f64>) -> Self {
         let height = turned.nrows();
         let column = |k: usize| &turned.as_slice()[k * height..(k + 1) * height];
@@ -68,7 +68,7 @@ impl Columns {
         }
     }
 
-    /// With other values of the columns `changed`, of which `own` holds those with anything in these rows.
+    /// Returns these columns with the columns listed in `changed` replaced by `own`; `own.active` holds indices into `changed`.
     pub(super) fn replaced(&self, changed: &[usize], own: &Self) -> Self {
         let kept = self.active.iter().enumerate();
         let kept = kept.filter(|(_, k)| changed.binary_search(k).is_err());
@@ -87,13 +87,13 @@ impl Columns {
         }
     }
 
-    /// `A'z`.
+    /// Computes `A'z`.
     pub(super) fn along(&self, z: &DVector<f64>) -> Vec<f64> {
         self.values.tr_mul(z).as_slice().to_vec()
     }
 }
 
-/// The largest magnitude, compared in eight lanes, which processors do side by side.
+/// Returns the largest magnitude, compared in eight lanes so that the compiler can vectorise the loop.
 fn largest(column: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; 8];
     let blocks = column.chunks_exact(8);

@@ -1,4 +1,4 @@
-//! Triangular factor of a symmetric, positive definite matrix, by faer.
+//! Cholesky factor of a symmetric positive definite matrix, computed by faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -9,15 +9,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::product::{dot, read, write};
 
-/// `M = L L'`.
+/// Cholesky factor `L` of `M = L L'`.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    /// What stands above the diagonal means nothing.
+    /// Lower triangular factor; entries above the diagonal are undefined.
     L: DMatrix<f64>,
 }
 
 impl Factor {
-    /// Of a matrix whose lower triangle is read; `None` where it is not positive definite.
+    /// Factorises a matrix, of which only the lower triangle is read; returns `None` if it is not positive definite.
     pub fn new(mut M: DMatrix<f64>) -> Option<Self> {
         let n = M.nrows();
         let params: Spec<llt::factor::LltParams, f64> = Spec::new(Auto::<f64>::auto());
@@ -35,13 +35,13 @@ impl Factor {
         factor.ln_det().is_finite().then_some(factor)
     }
 
-    /// Logarithm of the determinant of `M`.
+    /// Returns the natural logarithm of the determinant of `M`.
     pub(crate) fn ln_det(&self) -> f64 {
         let diagonal = (0..self.L.nrows()).map(|k| libm::log(self.L[(k, k)]));
         2.0 * diagonal.sum::<f64>()
     }
 
-    /// `M^-1 b`.
+    /// Computes `M^-1 b`.
     pub fn solve(&self, b: &DVector<f64>) -> DVector<f64> {
         let n = b.len();
         let mut x = b.clone();
@@ -61,7 +61,7 @@ impl Factor {
         x
     }
 
-    /// `v'M v`.
+    /// Computes `v'M v`.
     pub(crate) fn quadratic(&self, v: &DVector<f64>) -> f64 {
         let n = v.len();
         let of = |k: usize| {
@@ -71,7 +71,7 @@ impl Factor {
         (0..n).map(|k| of(k).powi(2)).sum()
     }
 
-    /// `L^-1`.
+    /// Computes `L^-1`.
     fn inverse_of_factor(&self) -> DMatrix<f64> {
         let n = self.L.nrows();
         let mut V = DMatrix::<f64>::zeros(n, n);
@@ -79,12 +79,12 @@ impl Factor {
         V
     }
 
-    /// The trace of `M^-1`.
+    /// Returns the trace of `M^-1`.
     pub fn inverse_trace(&self) -> f64 {
         self.inverse_of_factor().norm_squared()
     }
 
-    /// `M^-1`, its lower triangle; what stands above is zero.
+    /// Computes the lower triangle of `M^-1`; entries above the diagonal are zero.
     pub(crate) fn inverse(&self) -> DMatrix<f64> {
         let n = self.L.nrows();
         let mut out = DMatrix::<f64>::zeros(n, n);
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
     use admire_study::noise::Noise;
 
-    /// Held against nalgebra's factor of the same matrix.
+    /// Compares factor, solution and inverse with nalgebra's for the same matrix.
     #[test]
     fn factor_and_inverse_are_those_of_another_library() {
         for n in [0, 1, 2, 5, 40, 131] {

@@ -1,9 +1,11 @@
-//! Directions of rows along which nothing is compared, taken out of what whitening turns.
+//! Removal of row directions along which readings carry no information.
 //!
-//! A motion that nothing resists leads along a direction `s` of the rows of its case. Errors along `s` have an infinite variance: with the
-//! rows turned so that one of them is `s`, that one is not used. The others that rigid motions lead along were independent before; with `s`
-//! left out they are at the usual sizes of tolerances, as the eigenvectors of their covariance across `s`. At other sizes the variance of
-//! each is exact, and what two of them then share is left out.
+//! A zero-stiffness motion moves the readings of its case along a direction `s` of the rows. Errors along `s` have infinite variance. The
+//! rows are rotated so that one of them is `s`, and that row is dropped.
+//!
+//! Without `s`, the remaining rigid-motion rows are no longer independent. They are replaced by the eigenvectors of their covariance
+//! orthogonal to `s`, computed at the prior medians of the variance components. At other values the variance of each row is exact, but
+//! covariances between rows are neglected.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -13,12 +15,12 @@ use nalgebra::DMatrix;
 use super::class::{Turned, VarianceClass};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Squares of directions below this share of the largest are round-off.
+/// Relative eigenvalue below which a direction counts as round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// Terms below this share of a variance at usual sizes are round-off.
+/// Relative contribution to a variance, at the prior medians, below which a term counts as round-off.
 const NOTHING: f64 = 1e-6;
 
-/// Leaves these directions out: blocks and single rows that one of them goes through become one block.
+/// Removes the directions `free`. All blocks and single rows that a direction involves are merged into one block.
 pub(super) fn without(
     blocks: &mut Vec<Turned>,
     alone: &mut Vec<(usize, f64, VarianceClass)>,
@@ -45,7 +47,7 @@ pub(super) fn without(
     for (k, block) in blocks.iter().enumerate() {
         block_of.extend(block.places.iter().map(|place| (*place, k)));
     }
-    // Blocks that hang together, by the first of each.
+    // Connected blocks, identified by the first block of each group.
     let mut with: Vec<usize> = (0..blocks.len()).collect();
     let reached: Vec<BTreeSet<usize>> = free
         .iter()
@@ -87,7 +89,7 @@ pub(super) fn without(
     }
 }
 
-/// Several blocks as one.
+/// Merges several blocks into one, rigid-motion directions first.
 fn joined(blocks: Vec<Turned>) -> Turned {
     let count = blocks.iter().map(|block| block.places.len()).sum();
     let rigid = blocks.iter().map(|block| block.rigid).sum();
@@ -117,7 +119,7 @@ fn joined(blocks: Vec<Turned>) -> Turned {
     out
 }
 
-/// A block with its rigid directions turned so that the first ones are not used.
+/// Rotates the rigid directions of a block so that the free directions come first, and marks these as unused.
 fn turned<'a>(
     block: &Turned,
     free: impl Iterator<Item = &'a [(usize, f64)]>,
@@ -125,7 +127,7 @@ fn turned<'a>(
 ) -> Turned {
     let rigid = block.matrix.rows(0, block.rigid);
     let at: BTreeMap<usize, usize> = block.places.iter().copied().zip(0..).collect();
-    // The free directions among the rigid ones.
+    // Free directions, expressed in the rigid directions.
     let columns: Vec<_> = free
         .map(|direction| {
             let mut own = nalgebra::DVector::zeros(block.places.len());
@@ -183,7 +185,7 @@ fn turned<'a>(
     out
 }
 
-/// The class of a sum of independent rows, by the share of each.
+/// Returns the class of a weighted sum of independent rows; the weights are the squared coefficients.
 fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     let known: f64 = parts.iter().map(|(share, class)| share * class.known).sum();
     let mut terms: BTreeMap<usize, f64> = BTreeMap::new();
@@ -195,7 +197,7 @@ fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     let size = |at: usize| libm::exp(2.0 * usual[at]);
     let whole = known + terms.iter().map(|(at, mu)| mu * size(*at)).sum::<f64>();
     terms.retain(|at, mu| *mu * size(*at) > NOTHING * whole);
-    // Shares of one noise add up to one.
+    // Weights of one noise that add up to nearly one are rounded to one.
     let settled = |x: f64| if (x - 1.0).abs() < NOTHING { 1.0 } else { x };
     VarianceClass {
         known: if known > NOTHING * whole {
@@ -221,8 +223,8 @@ mod tests {
     use admire_study::ToleranceSettings;
     use admire_study::noise::Noise;
 
-    /// At usual sizes the density of turned rows is that of all rows across a direction, whatever lies along it: one part that spins, and two
-    /// that spin together with a channel that sees it.
+    /// At the prior medians, the transformed rows have the density of all rows with infinite variance along the free directions. The cases
+    /// are one part that spins, and two parts that spin together with a channel that measures the spin.
     #[test]
     fn nothing_along_a_free_direction_counts() {
         let mut sizes =
@@ -269,7 +271,7 @@ mod tests {
                     }
                 }
             }
-            // Turns less what shifts do.
+            // Rotations, orthogonalised against the translations.
             let shares = (T.tr_mul(&T)).try_inverse().unwrap() * T.tr_mul(&R);
             let R = R - &T * shares;
             C += size(NoiseScale::PoseShift) * &T * T.transpose();
@@ -280,7 +282,7 @@ mod tests {
             let z = whitening.apply_vector(z).component_mul(&weights);
             -0.5 * z.norm_squared()
         };
-        // An infinite variance along the free directions.
+        // Infinite variance along the free directions.
         let mut F = DMatrix::zeros(37, 2);
         for (k, direction) in free.iter().enumerate() {
             for (row, value) in direction {
@@ -294,7 +296,7 @@ mod tests {
         let exact = |z: &DVector<f64>| -0.5 * z.dot(&(&across * z));
         let moved = &residual + &F * DVector::from_vec(vec![3.0, -50.0]);
         for z in [&residual, &moved] {
-            // Classes of variances that differ by a few percent are one.
+            // Classes merge variances that differ by a few percent.
             assert!((density(z) - exact(z)).abs() < 1e-3 * exact(z).abs());
         }
         assert!((density(&moved) - density(&residual)).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! Columns that a linear model does not have yet, and their products with its own: what each would gain takes no other look at the rows.
+//! Products of candidate columns with the columns of a linear model: the gain of each candidate follows without another pass over the rows.
 
 use std::ops::Range;
 
@@ -10,46 +10,47 @@ use super::product::{dot, transposed};
 use super::share::Block;
 use super::whitening::Whitening;
 
-/// So many columns are looked at together: few enough to stay in a processor's cache.
+/// Number of columns processed together, small enough for the processor's cache.
 const TOGETHER: usize = 64;
 
-/// Further columns `E`, in sets, beside the columns `A` of a linear model with the residual `z`.
+/// Products of further columns `E`, grouped in sets, with the columns `A` and the residual `z` of a linear model.
 pub struct CrossProducts {
-    /// How many columns each of the two has.
+    /// Number of columns of `A` and of `E`.
     count: [usize; 2],
     shares: Vec<FurtherShare>,
 }
 
-/// The rows of one class.
+/// Products in the rows of one variance class.
 struct FurtherShare {
     class: VarianceClass,
-    /// Columns of `A` that these rows depend on.
+    /// Columns of `A` on which these rows depend.
     known: Vec<usize>,
     /// Sets of columns of `E`.
     sets: Vec<Set>,
-    /// Columns of `E` that these rows depend on, set by set.
+    /// Columns of `E` on which these rows depend, set by set.
     active: Vec<usize>,
-    /// `A'E` of those and the known ones, column by column.
+    /// `A'E` of the columns `known` and `active`, column by column.
     cross: Vec<f64>,
-    /// `E'z` of those.
+    /// `E'z` of the columns `active`.
     g: Vec<f64>,
-    /// `E'E` of each set, the lower triangle row by row.
+    /// `E'E` of each set, lower triangle row by row.
     own: Vec<f64>,
 }
 
-/// Where a set is in a share.
+/// Location of one set within a [`FurtherShare`].
 struct Set {
-    /// The first column.
+    /// First column of the set among all columns of `E`.
     first: usize,
-    /// Among the active columns.
+    /// Range of the set in `active`.
     active: Range<usize>,
-    /// Where its triangle begins.
+    /// Index in `own` at which the triangle of the set starts.
     own: usize,
 }
 
 impl CrossProducts {
-    /// Of turned rows: the columns of the model, its residual (reading minus prediction), and sets of further columns that follow one
-    /// another, with what gives those of a range; it is asked once for each, in order.
+    /// Computes the products of whitened rows. `residual` is reading minus prediction; `sets` are consecutive ranges of further columns.
+    ///
+    /// `turned` returns the whitened columns of a range. It is called with consecutive ranges that cover each column once.
     pub fn new(
         whitening: &Whitening,
         (jacobian, residual): (&RowsByVarianceClass, &DVector<f64>),
@@ -95,7 +96,7 @@ impl CrossProducts {
         }
     }
 
-    /// `A'W E` at these sizes, and `E'W (z - A s)` after a step `s`.
+    /// Returns `A'W E` and, after a step `s` of the unknowns, `E'W (z - A s)`, given the log standard deviations.
     pub fn at(&self, ln: &[f64], step: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
         let [n, m] = self.count;
         let (mut cross, mut g) = (DMatrix::<f64>::zeros(n, m), DVector::zeros(m));
@@ -123,7 +124,7 @@ impl CrossProducts {
         (cross, g)
     }
 
-    /// `E'W E` of a set of `count` columns at these sizes.
+    /// Returns `E'W E` of a set of `count` columns, given the log standard deviations.
     pub fn own(&self, set: usize, count: usize, ln: &[f64]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(count, count);
         for share in &self.shares {
@@ -144,7 +145,7 @@ impl CrossProducts {
         out
     }
 
-    /// A set of columns, class by class.
+    /// Returns the products of a set of columns, one block per class.
     pub(super) fn blocks(&self, set: usize) -> impl Iterator<Item = Block> {
         self.shares.iter().map(move |share| {
             let set = &share.sets[set];
@@ -177,7 +178,7 @@ impl CrossProducts {
 }
 
 impl FurtherShare {
-    /// Adds a set, whose columns are among the last ones, from the active one `before` on.
+    /// Adds a set to the share. Its columns lie among the latest ones, from the active column `before` on.
     fn add(&mut self, set: &Range<usize>, E: &Columns, before: usize) {
         let place = |column: usize| self.active[before..].partition_point(|k| *k < column);
         let here = place(set.start)..place(set.end);

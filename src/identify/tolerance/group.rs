@@ -1,100 +1,106 @@
-//! Groups of tolerances, their usual sizes, and how far the readings may move those.
+//! Groups of random effects, the lognormal priors of their standard deviations, and the bounds of these.
 
 use admire_study::{PriorSetting, ToleranceSettings};
 
-/// What belongs together because it is made, or measured, in the same way.
+/// A group of random effects with a common standard deviation, because they are manufactured or measured in the same way.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum EffectGroup {
-    /// Connection points, all parts that meet there together.
+    /// Position errors of hardpoints (a length); all parts that meet at a hardpoint move together.
     Hardpoints,
-    /// Points where the rig's loads act.
+    /// Position errors of the points at which the rig's loads act (a length).
     LoadPoints,
-    /// Bushings and joints whose two sides sit displaced.
+    /// Relative displacements of the two sides of bushings and joints (a length).
     Offsets,
-    /// Axes of bushings and joints.
+    /// Direction errors of the axes of bushings and joints, in radians.
     Axes,
-    /// Factors of loads.
+    /// Relative gain errors of loads, the same in all cases.
     LoadGains,
-    /// Loads in single cases in which they act, parts of the largest value of each.
+    /// Errors of loads in single cases in which they act, relative to the largest value of each load.
     LoadRepeatability,
-    /// The same where they are zero.
+    /// Errors of loads in single cases in which they are zero, relative to the largest value of each load.
     IdleLoads,
-    /// Parts of one load that act along another.
+    /// Cross-talk of loads: fraction of one load that acts along another.
     LoadDirections,
-    /// Places of marks on their parts.
+    /// Position errors of marks on their parts (a length).
     Marks,
-    /// Where the measuring frame sits, the same in all cases: a shift, and a turn that goes with it.
+    /// Misalignment of the measuring frame, the same in all cases: a translation (a length) and a rotation in a fixed ratio to it.
     FrameAlignment,
-    /// Shifts of the measuring frame in each case, the same for all marks.
+    /// Translations of the measuring frame in each case, common to all marks (a length).
     FrameShifts,
-    /// Turns of it about the centroid of the marks.
+    /// Rotations of the measuring frame in each case about the centroid of the marks, in radians.
     FrameTurns,
-    /// How it goes on from case to case: a random walk, whose step from a case to the next this is.
+    /// Drift of the measuring frame as a random walk over the cases: standard deviation of the step between successive cases (a length).
     FrameDrifts,
-    /// How far the axle's mount on the rig moves with each load at its largest value.
+    /// Displacement of the axle's mount on the rig under each load at its largest value (a length).
     MountYield,
-    /// Forces of springs at design.
+    /// Relative errors of spring forces at design.
     Preloads,
-    /// Rates of springs.
+    /// Relative errors of spring rates.
     SpringRates,
-    /// Stiffnesses of rubber taken as known.
+    /// Relative errors of bushing stiffnesses that are not identified.
     KnownStiffnesses,
 }
 
-/// What noise there is beside that of single coordinates.
+/// Estimated noise components: rigid-motion noise of marks, and factors on stated noise levels.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum NoiseScale {
-    /// A rigid shift of all marks of a part in a case.
+    /// Rigid translation of all marks of a part in a case.
     PoseShift,
-    /// A rigid turn of all marks of a part in a case.
+    /// Rigid rotation of all marks of a part in a case.
     PoseTurn,
-    /// Mark coordinates over what is declared, where the marks themselves do not tell.
+    /// Factor on the stated noise of mark coordinates, used where the marks alone do not determine their noise.
     Marks,
-    /// Coordinates of the wheel over what is declared.
+    /// Factor on the declared noise of the wheel position.
     WheelPosition,
-    /// Angles of the wheel over what is declared.
+    /// Factor on the declared noise of the wheel angles.
     WheelAngles,
-    /// A channel over what is declared.
+    /// Factor on the noise of a channel, given by its index.
     Channel(usize),
 }
 
-/// A size this many standard deviations of its prior above the median, or at its upper bound to so much, is more than the prior allows.
+/// Number of prior standard deviations above the median, in the logarithm, beyond which a size counts as strained (implausibly large).
 const STRAINED: f64 = 2.5;
+/// Distance of the logarithm to its upper bound at which a size counts as strained (implausibly large).
 const NEAR_BOUND: f64 = 0.01;
 
-/// A size: median and standard deviation of the logarithm of its lognormal prior, and the most it may be.
+/// Prior of a standard deviation ("size"): a lognormal distribution with bounds.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Size {
-    /// Median.
+    /// Median of the prior, in the unit of the size.
     pub median: f64,
-    /// Standard deviation of the logarithm.
+    /// Standard deviation of the natural logarithm.
     pub ln_sd: f64,
-    /// Natural logarithms of the bounds.
+    /// Lower and upper bound of the natural logarithm.
     pub bounds: (f64, f64),
 }
 
-/// Sizes that the user states are known so well.
+/// Standard deviation of the logarithm of a size that the user states.
 const STATED: f64 = 0.25;
-/// The usual error of a load in a single case, part of the largest value, and the most it may be; of one that is zero it is so much less.
+/// Median error of a load in a single case, relative to the largest value of the load.
 const REPEATED: f64 = 0.001;
+/// Upper bound of the error of a load in a single case, relative to the largest value of the load.
 const MOST: f64 = 0.01;
+/// Median error of a load that is zero in a case, relative to the median error of a load that acts.
 const IDLE: f64 = 0.3;
-/// What is usually left of the measuring frame's place when it was aligned with the axle, mm.
+/// Median misalignment of a measuring frame that was aligned with the axle, mm.
 const ALIGNED: f64 = 0.05;
-/// The most that another frame than the deck's may be off, mm.
+/// Upper bound of the misalignment of a measuring frame that differs from the deck's frame, mm.
 const MOST_OFF: f64 = 20.0;
-/// The usual shift of the measuring frame in a case, mm, and turn, radians, and the most they may be.
+/// Median translation of the measuring frame in a case, mm.
 const SHIFTED: f64 = 0.005;
+/// Upper bound of the translation of the measuring frame in a case, mm.
 const MOST_SHIFTED: f64 = 0.2;
+/// Median rotation of the measuring frame in a case, radians.
 const TURNED: f64 = 1e-5;
+/// Upper bound of the rotation of the measuring frame in a case, radians.
 const MOST_TURNED: f64 = 5e-4;
-/// What an axle's mount usually yields at the largest value of a load, mm.
+/// Median displacement of an axle's mount at the largest value of a load, mm.
 const YIELDED: f64 = 0.02;
-/// Standard deviation of the logarithm of a size that differs much from rig to rig.
+/// Standard deviation of the logarithm of a size that varies widely between rigs.
 const LOOSE: f64 = 1.0;
 
 impl Size {
-    /// The usual error of a hardpoint of a production axle, mm.
+    /// Median position error of the hardpoints of a production axle, mm.
     pub const HARDPOINTS: f64 = 0.2;
 
     fn new(usual: f64, ln_sd: f64) -> Self {
@@ -106,7 +112,8 @@ impl Size {
         }
     }
 
-    /// A size that may be stated: zero switches its group off.
+    /// Returns the prior of a size that the user may state, in units of `unit`; returns `usual` if it is not stated, and `None` if it is
+    /// stated as zero, which switches the group off.
     fn of(stated: PriorSetting, unit: f64, usual: Self) -> Option<Self> {
         match stated {
             PriorSetting::Estimate => Some(usual),
@@ -115,20 +122,22 @@ impl Size {
         }
     }
 
-    /// What is left of a measuring frame's place when it was aligned with the axle.
+    /// Returns the prior for the misalignment of a measuring frame that was aligned with the axle. `millimetre` is one millimetre in the
+    /// deck's unit.
     pub fn of_alignment(stated: PriorSetting, millimetre: f64) -> Option<(EffectGroup, Self)> {
         let usual = Self::new(ALIGNED * millimetre, 0.7);
         Self::of(stated, millimetre, usual).map(|size| (EffectGroup::FrameAlignment, size))
     }
 
-    /// The same of a frame that is seen to be another one.
+    /// Returns the prior for the misalignment of a measuring frame that evidently differs from the deck's frame: its upper bound is 20 mm.
     pub fn of_another_frame(millimetre: f64) -> (EffectGroup, Self) {
         let mut size = Self::new(ALIGNED * millimetre, 0.7);
         size.bounds.1 = libm::log(MOST_OFF * millimetre);
         (EffectGroup::FrameAlignment, size)
     }
 
-    /// What load cells and their control leave from case to case; and where a load is zero.
+    /// Returns the priors of load errors in single cases, due to load cells and load control: one for loads that act, one for loads that are
+    /// zero.
     pub fn of_load_errors() -> [(EffectGroup, Self); 2] {
         [
             (
@@ -142,7 +151,8 @@ impl Size {
         ]
     }
 
-    /// What setting up a measuring frame anew for each case leaves. `millimetre` is one in the deck's unit.
+    /// Returns the priors for frame errors that vary between cases: translation, rotation and random walk. `millimetre` is one millimetre in
+    /// the deck's unit.
     pub fn of_frames(millimetre: f64) -> [(EffectGroup, Self); 3] {
         let shift = Self::new(SHIFTED * millimetre, LOOSE).at_most(MOST_SHIFTED * millimetre);
         [
@@ -155,7 +165,8 @@ impl Size {
         ]
     }
 
-    /// How far the mount of an axle usually yields at the largest value of a load.
+    /// Returns the prior for the displacement of an axle's mount at the largest value of a load. `millimetre` is one millimetre in the
+    /// deck's unit.
     pub fn of_a_mount(millimetre: f64) -> [(EffectGroup, Self); 1] {
         [(
             EffectGroup::MountYield,
@@ -163,12 +174,13 @@ impl Size {
         )]
     }
 
-    /// The turn of a frame that goes with a shift, per length.
+    /// Returns the ratio of the median rotation to the median translation of a measuring frame, in radians per unit length of the deck.
     pub const fn turn_by_shift(millimetre: f64) -> f64 {
         TURNED / (SHIFTED * millimetre)
     }
 
-    /// True if a size is so large that its prior speaks against it: what grew so far took up what the model lacks.
+    /// Returns true if a size is implausibly large under its prior or at its upper bound. The group may then have absorbed an effect that
+    /// the model lacks.
     pub fn is_strained(&self, ln: f64) -> bool {
         let above = ln - libm::log(self.median);
         above > STRAINED * self.ln_sd || ln > self.bounds.1 - NEAR_BOUND
@@ -179,27 +191,29 @@ impl Size {
         self
     }
 
-    /// Logarithm of the prior's density, constants left out.
+    /// Returns the logarithm of the prior density without constants.
     pub fn ln_prior(&self, ln: f64) -> f64 {
         let z = (ln - libm::log(self.median)) / self.ln_sd;
         -0.5 * z * z - libm::log(self.ln_sd)
     }
 }
 
-/// Sizes of groups and noises: which there are, what is usual, and in [`Sizes::ln`] what they are taken to be.
+/// Standard deviations of all groups and noise scales, with their priors; [`VarianceComponents::ln`] holds the current values.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarianceComponents {
-    /// Groups, then scales; in the order of `ln`.
+    /// Groups with their priors. In `ln` they precede the scales.
     pub groups: Vec<(EffectGroup, Size)>,
-    /// Noises beside that of single coordinates.
+    /// Noise scales with their priors.
     pub scales: Vec<(NoiseScale, Size)>,
-    /// Natural logarithms.
+    /// Natural logarithms of the current standard deviations: groups first, then scales.
     pub ln: Vec<f64>,
 }
 
 impl VarianceComponents {
-    /// All groups and scales a study needs as a rule; none that the user has switched off. `millimetre` is one in the deck's unit, in
-    /// which marks on parts and shifts of the frame are stated; its turns are in radians.
+    /// Creates the default groups and scales of a study, without those that the user switched off.
+    ///
+    /// `millimetre` is one millimetre in the deck's unit. `sigma_on_parts` and the first entry of `frames` are lengths in the deck's unit.
+    /// The second entry of `frames` is the rotation of the measuring frame in radians.
     pub fn new(
         settings: &ToleranceSettings,
         (sigma_on_parts, frames): (f64, [f64; 2]),
@@ -220,7 +234,7 @@ impl VarianceComponents {
         };
         let stated = known_to_be(s.load_repeatability);
         let mount = known_to_be(s.mount).map(|size| Size::new(size * mm, STATED));
-        // One that is stated to be zero is next to nothing where the other is not.
+        // If only one of translation and rotation of the frame is stated, the other one gets a negligible size.
         let has_frames = frames.iter().any(|size| *size > 0.0);
         let known = |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED));
         let groups = [
@@ -293,14 +307,15 @@ impl VarianceComponents {
         new
     }
 
-    /// With one more noise, over what is declared or, where nothing is, over a guess.
+    /// Adds a noise scale with median 1, a factor on the declared noise. If no noise is declared, it is a factor on a guess and has a wide
+    /// prior.
     pub fn add_scale(&mut self, scale: NoiseScale, declared: bool) {
         let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
         self.scales.push((scale, size));
         self.ln.push(libm::log(size.median));
     }
 
-    /// With one more group, at its usual size.
+    /// Returns these components with one more group, at the median of its prior.
     #[must_use]
     pub fn with_group(&self, group: EffectGroup, size: Size) -> Self {
         let mut new = self.clone();
@@ -309,41 +324,42 @@ impl VarianceComponents {
         new
     }
 
-    /// Logarithms of the usual sizes.
+    /// Returns the logarithms of the prior medians.
     pub(crate) fn usual(&self) -> Vec<f64> {
         self.each().map(|size| libm::log(size.median)).collect()
     }
 
-    /// Prior and bounds of each, in the order of `ln`.
+    /// Returns the priors in the order of `ln`.
     pub fn each(&self) -> impl Iterator<Item = &Size> {
         let groups = self.groups.iter().map(|(_, size)| size);
         groups.chain(self.scales.iter().map(|(_, size)| size))
     }
 
-    /// Where a group is in `ln`.
+    /// Returns the index of a group in `ln`.
     pub fn group(&self, group: EffectGroup) -> Option<usize> {
         self.groups.iter().position(|(of, _)| *of == group)
     }
 
-    /// Where a scale is in `ln`.
+    /// Returns the index of a noise scale in `ln`.
     pub fn scale(&self, scale: NoiseScale) -> Option<usize> {
         let at = self.scales.iter().position(|(of, _)| *of == scale)?;
         Some(self.groups.len() + at)
     }
 
-    /// The size of a group.
+    /// Returns the standard deviation of a group.
     pub fn of(&self, group: EffectGroup) -> Option<f64> {
         self.group(group).map(|at| libm::exp(self.ln[at]))
     }
 
-    /// The same with other values.
+    /// Returns the same components with other values.
     #[must_use]
     pub fn at(&self, ln: Vec<f64>) -> Self {
         Self { ln, ..self.clone() }
     }
 
-    /// Where a candidate's sizes start: not above what is usual by more than a factor e, so that sizes that have swallowed a cause
-    /// let it go.
+    /// Returns the log standard deviations, each limited to `over` above the logarithm of its prior median.
+    ///
+    /// Candidate models start from these values, so that groups release any model deficiency they have absorbed.
     pub fn shrunk_to_median(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
         each.map(|(ln, size)| ln.min(libm::log(size.median) + over))
@@ -352,7 +368,7 @@ impl VarianceComponents {
 }
 
 impl EffectGroup {
-    /// Its name in `diagnosis.json`.
+    /// Returns the name of the group in `diagnosis.json`.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Hardpoints => "hardpoints",
@@ -377,7 +393,7 @@ impl EffectGroup {
 }
 
 impl NoiseScale {
-    /// Its name in `diagnosis.json`; empty for a noise whose size is not written there.
+    /// Returns the name of the noise in `diagnosis.json`; empty for a noise that is not written there.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::PoseShift => "pose-noise",

@@ -1,4 +1,4 @@
-//! The small errors of an axle and its rig as numbers of the deck.
+//! Small errors of an axle and its rig, expressed as numbers of the deck.
 
 use super::group::EffectGroup;
 use super::point::{Point, points};
@@ -7,60 +7,60 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{JointKind, MarkerIx, Model, SpringKind};
 use admire_syntax::Address;
 
-/// What one unit of a member changes.
+/// Change of the deck caused by one unit of a random effect.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Effect {
-    /// Numbers of the deck by these amounts in every case.
+    /// Numbers of the deck change by these amounts in every case.
     Always(Vec<(Address, f64)>),
-    /// Numbers of the deck by these amounts, one per case, after the loads are set.
+    /// Numbers of the deck change by these amounts, one per case, after the loads are set.
     PerCase(Vec<(Address, Vec<f64>)>),
-    /// Markers turn on their parts by a radian, each about an axis of its own.
+    /// Markers rotate on their parts by one radian, each about its own axis.
     Turn(Vec<(MarkerIx, Vec3)>),
-    /// The two sides of a bushing sit displaced along this component, 0 to 2: `FORCE` grows by `K` per length.
+    /// The two sides of a bushing are displaced relative to each other along this axis: its `FORCE` grows by `K` per unit length.
     Offset {
         /// Index of the bushing.
         bushing: usize,
-        /// Component.
+        /// Axis, 0 to 2.
         axis: usize,
     },
 }
 
-/// One small error.
+/// One small error of the axle or its rig, with a Gaussian prior.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RandomEffect {
-    /// Its group, whose size is the standard deviation of the member: lengths in the deck's unit, radians, or parts of one.
+    /// Group of the effect, whose size is the prior standard deviation: in the deck's length unit, in radians, or relative.
     pub group: EffectGroup,
-    /// What it belongs to: the address of a marker, a load, a bushing, a joint, or a number.
+    /// Address of the marker, load, bushing, joint or number that the effect belongs to.
     pub address: String,
-    /// 0 to 2 for x, y, z; 0 where there is only one.
+    /// Axis 0 to 2 for x, y, z; 0 where there is only one.
     pub axis: usize,
-    /// What it changes.
+    /// Change of the deck per unit of the effect.
     pub effect: Effect,
 }
 
-/// What a layer is made for.
+/// Inputs from which the random effects of a study are derived.
 pub struct LayerOf<'a> {
-    /// The deck.
+    /// Model of the deck.
     pub model: &'a Model,
-    /// Its loads and cases.
+    /// Loads and cases of the study.
     pub programme: &'a LoadProgramme,
-    /// Whether loads have errors in single cases.
+    /// True if loads have errors in single cases.
     pub load_errors: bool,
-    /// True for a number that is sought.
+    /// Returns true for a number that is identified.
     pub is_sought: &'a dyn Fn(&Address) -> bool,
 }
 
-/// All members.
+/// All random effects of a deck and its loads.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RandomEffects {
-    /// In a fixed order.
+    /// Effects in a fixed order.
     pub members: Vec<RandomEffect>,
-    /// Hardpoints, whose addresses are those of their first markers.
+    /// Hardpoints. The address of a hardpoint is the address of its first marker.
     pub points: Vec<Point>,
 }
 
 impl RandomEffects {
-    /// The layer of a deck and its loads.
+    /// Builds the random effects of a deck and its loads.
     pub fn of(study: &LayerOf<'_>) -> Self {
         let mut layer = Self {
             members: Vec::new(),
@@ -78,7 +78,8 @@ impl RandomEffects {
         layer
     }
 
-    /// What the study drives is set anew in every case; the error comes on top each time.
+    /// Turns effects on numbers that the study drives into per-case effects: driven numbers are set again in every case, so that the error
+    /// must be added each time.
     fn driven(&mut self, programme: &LoadProgramme) {
         let is_driven =
             |address: &Address| programme.loads.iter().any(|load| load.target == *address);
@@ -94,7 +95,7 @@ impl RandomEffects {
         }
     }
 
-    /// Members of a group at an address.
+    /// Returns the indices of the effects of a group at an address.
     pub fn at<'a>(
         &'a self,
         group: EffectGroup,
@@ -168,7 +169,7 @@ impl RandomEffects {
         }
     }
 
-    /// Each load in each case by itself.
+    /// Adds one error per load and case.
     fn load_errors(&mut self, study: &LayerOf<'_>) {
         let cases = study.programme.cases.len();
         for (load, largest) in scattering(study.model, study.programme) {
@@ -223,7 +224,7 @@ impl RandomEffects {
 
     fn joints(&mut self, model: &Model) {
         for joint in model.joints.iter().filter(|joint| joint.header.active) {
-            // What slides is guided along its own axis.
+            // The axis of a sliding joint guides its motion, so that such joints get axis errors and no offsets.
             let slides = matches!(
                 joint.kind,
                 JointKind::Cylindrical | JointKind::Translational
@@ -265,7 +266,7 @@ impl RandomEffects {
                 SpringKind::Translational => length - spring.reference,
                 SpringKind::Rotational => 0.0,
             };
-            // The force at design; a spring that is free there has at least that of a tenth of its length.
+            // Force at design. A spring without load there counts as deflected by at least a tenth of its reference length.
             let force = (spring.preload - spring.stiffness * stretch).abs();
             let force = force.max(0.1 * spring.stiffness * spring.reference.abs());
             let address = match spring.kind {
@@ -301,8 +302,8 @@ impl RandomEffects {
     }
 }
 
-/// Markers on any parts move together by a unit of `direction`, ground axes at design. Those that are given in the frame of another one
-/// of them move with that one.
+/// Returns the effect that moves markers on any parts together by one unit of `direction`, ground axes at design. Markers that are defined
+/// relative to another marker of the list move with that marker.
 pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Effect {
     let of = |marker: &MarkerIx| {
         let own = &model.markers[marker.0];
@@ -317,7 +318,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
     Effect::Always(markers.iter().filter(first).flat_map(of).collect())
 }
 
-/// Forces that the rig applies, by their index, with the largest value of each.
+/// Returns the indices of the forces that the rig applies, each with its largest magnitude over the cases.
 pub fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
     let loads = programme.loads.iter().enumerate();
     let of = |(k, load): (usize, &Load)| {
@@ -329,7 +330,7 @@ pub fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)>
     loads.filter_map(of).collect()
 }
 
-/// The marker at which a driven force acts.
+/// Returns the marker at which a driven force acts.
 pub fn acts_at(model: &Model, target: &Address) -> Option<MarkerIx> {
     let id = target.id?;
     match target.kind.as_str() {

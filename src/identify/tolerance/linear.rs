@@ -1,9 +1,14 @@
-//! Evidence of a linear model with Gaussian priors whose sizes are unknown.
+//! Evidence of a linear model with Gaussian priors of unknown standard deviations.
 //!
-//! Rows are independent, of a few classes of equal variance, so that Gram matrices by class hold all that is needed: other sizes cost
-//! additions and one factorisation. With `S` the prior standard deviations, `z` the residual where the model was linearised and `x0`
-//! the unknowns there, `M = I + S H S`, `b = S A'W z - x0/S` and
-//! `ln Z = -(z'W z + |x0/S|^2 - b'M^-1 b)/2 - ln det M / 2 - sum ln var / 2 + sum ln p(sizes)`, constants left out.
+//! Rows are independent and fall into a few classes of equal variance, so that one Gram matrix per class is a sufficient statistic. A change
+//! of the standard deviations ("sizes") then costs additions and one factorisation.
+//!
+//! Let `A` be the Jacobian, `W` the reciprocal variances of the rows, `H = A'W A` and `S` the prior standard deviations. At the
+//! linearisation point, `z` is the residual and `x0` the deviation of the unknowns from their prior means. With `M = I + S H S` and
+//! `b = S A'W z - x0/S`, the log evidence is, up to constants,
+//!
+//! `ln Z = -(z'W z + |x0/S|^2 - b'M^-1 b)/2 - ln det M / 2 - sum ln var / 2 + sum ln p(sizes)`.
+//!
 //! Source: MacKay, Neural Computation 4 (1992) 415.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -16,19 +21,19 @@ use super::reached::Solution;
 use super::share::ClassGram;
 use super::whitening::Whitening;
 
-/// Prior of one unknown.
+/// Gaussian prior of one unknown.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Coefficient {
-    /// Mean.
+    /// Prior mean.
     pub mean: f64,
-    /// Standard deviation of its own: of the whole if it is in no group, else of what it has beyond its group.
+    /// Prior standard deviation of an unknown without a group. With a group, the two standard deviations add in quadrature.
     pub sd: f64,
-    /// Its group of tolerances.
+    /// Group of random effects that the unknown belongs to.
     pub group: Option<EffectGroup>,
 }
 
 impl Coefficient {
-    /// A member of a group.
+    /// Returns the prior of a random effect of a group: zero mean and the group's standard deviation.
     pub const fn member(group: EffectGroup) -> Self {
         Self {
             mean: 0.0,
@@ -37,54 +42,54 @@ impl Coefficient {
         }
     }
 
-    /// Prior standard deviation at these sizes.
+    /// Returns the prior standard deviation, given the variance components.
     pub fn prior_sd(&self, sizes: &VarianceComponents) -> f64 {
         let tau = self.group.and_then(|group| sizes.of(group)).unwrap_or(0.0);
         libm::hypot(tau, self.sd)
     }
 }
 
-/// A model linearised at a point.
+/// A model linearised at a point, as Gram matrices of its whitened rows.
 #[derive(Clone, Debug)]
 pub struct LinearModel {
     shares: Vec<ClassGram>,
-    /// One per column.
+    /// Prior of each column.
     pub unknowns: Vec<Coefficient>,
-    /// Where it was linearised.
+    /// Values of the unknowns at the linearisation point.
     pub at: DVector<f64>,
 }
 
-/// What the readings say of the unknowns at some sizes.
+/// Posterior of the unknowns of a linear model, given the variance components.
 #[derive(Clone, Debug)]
 pub struct Posterior {
-    /// Logarithm of the evidence times the prior of the sizes.
+    /// Logarithm of the evidence times the prior density of the variance components.
     pub ln_z: f64,
-    /// Step from where the model was linearised to the maximum.
+    /// Step from the linearisation point to the posterior maximum.
     pub step: DVector<f64>,
-    /// Covariance of the unknowns.
+    /// Posterior covariance of the unknowns.
     pub covariance: DMatrix<f64>,
-    /// Squares of whitened residuals at the maximum, priors left out.
+    /// Sum of squared whitened residuals at the maximum, without prior terms.
     pub chi_square: f64,
-    /// How many unknowns the readings determine.
+    /// Effective number of parameters: number of unknowns that the readings determine.
     pub effective: f64,
-    /// Rows.
+    /// Number of rows.
     pub count: f64,
-    /// What the step gains, in nats.
+    /// Predicted decrease of the negative log posterior by the step, in nats.
     pub gain: f64,
-    /// Sizes it belongs to.
+    /// Log standard deviations at which the posterior was computed.
     pub ln: Vec<f64>,
 }
 
 impl Posterior {
-    /// Chi-square per degree of freedom.
+    /// Returns chi-square per degree of freedom, `count - effective`.
     pub fn chi_square_per_dof(&self) -> f64 {
         self.chi_square / (self.count - self.effective).max(1.0)
     }
 
-    /// Variances of the unknowns in `kept` as they would be if all others were known exactly; the share of tolerances in a variance is
-    /// what this falls short of it.
+    /// Returns the variances that the unknowns in `kept` would have if all other unknowns were known exactly. If the others are the
+    /// tolerances, the difference to the full variance is the share of the tolerances.
     pub fn without(&self, kept: &[usize]) -> Vec<f64> {
-        // With the others at their values the precision is the block of the inverse covariance.
+        // With the other unknowns fixed, the precision is the corresponding block of the inverse covariance.
         let Some(all) = Cholesky::new(self.covariance.clone()) else {
             return kept.iter().map(|k| self.covariance[(*k, *k)]).collect();
         };
@@ -98,7 +103,7 @@ impl Posterior {
 }
 
 impl LinearModel {
-    /// `jacobian` and `residual` (reading minus prediction) are those of turned rows, see [`Whitening::apply`].
+    /// Builds the model from whitened rows (see [`Whitening::apply`]); `residual` is reading minus prediction, `at` the linearisation point.
     pub fn new(
         whitening: &Whitening,
         jacobian: &RowsByVarianceClass,
@@ -117,7 +122,7 @@ impl LinearModel {
         }
     }
 
-    /// With a set of so many further columns, and their unknowns, at zero.
+    /// Returns the model with the `count` columns of a set of `further` appended, each linearised at zero with the prior `unknown`.
     #[must_use]
     pub fn with(
         &self,
@@ -136,7 +141,9 @@ impl LinearModel {
         new
     }
 
-    /// The same where the residual and some columns of `jacobian` have changed, in ascending order, to their `own`.
+    /// Returns the model relinearised at `at`, with a new residual and new values of the columns listed in `changed`.
+    ///
+    /// `changed` is in ascending order; `own` holds the new values of these columns, and `jacobian` the values of all others.
     #[must_use]
     pub fn moved(
         &self,
@@ -158,7 +165,8 @@ impl LinearModel {
         }
     }
 
-    /// Without some of its rows, of which `turned` has the columns and `residual` reading minus prediction.
+    /// Returns the model without the rows marked in `left_out`. `turned` is the whitened Jacobian of all rows, `residual` reading minus
+    /// prediction.
     #[must_use]
     pub fn without(
         &self,
@@ -184,7 +192,8 @@ impl LinearModel {
         }
     }
 
-    /// Information (its lower triangle), `A'W z`, `z'W z` and the logarithms of all variances at these sizes.
+    /// Returns the information (lower triangle), `A'W z`, `z'W z` and the sum of the logarithms of all variances, given the log standard
+    /// deviations.
     fn sums(&self, ln: &[f64]) -> (DMatrix<f64>, DVector<f64>, f64, f64) {
         let n = self.unknowns.len();
         let (mut H, mut g) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -205,7 +214,7 @@ impl LinearModel {
         )
     }
 
-    /// The linear model at these sizes; `None` if it has no finite answer.
+    /// Solves the linear model at these variance components; returns `None` if the information is not positive definite.
     fn solved(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solved> {
         let S = self.prior_sds(sizes);
         let (mut M, g, q, logs) = self.sums(&sizes.ln);
@@ -246,14 +255,15 @@ impl LinearModel {
         })
     }
 
-    /// Logarithm of the evidence at these sizes.
+    /// Returns the log evidence at these variance components.
     #[cfg(test)]
     fn ln_z(&self, sizes: &VarianceComponents) -> f64 {
         self.solved(sizes, 0.0)
             .map_or(f64::NEG_INFINITY, |solved| solved.ln_z)
     }
 
-    /// The evidence, its gradient by the logarithms of the sizes, and, if asked for, Fisher's information of each alone.
+    /// Returns the log evidence, its gradient with respect to the log standard deviations and, on request, the diagonal of their Fisher
+    /// information.
     pub(crate) fn evidence(
         &self,
         sizes: &VarianceComponents,
@@ -275,13 +285,13 @@ impl LinearModel {
                 continue;
             };
             let phi = libm::exp(2.0 * sizes.ln[at]) / (S[k] * S[k]).max(f64::MIN_POSITIVE);
-            // Where the unknown ends, in units of its prior.
+            // Deviation of the unknown from its prior mean at the maximum, in prior standard deviations.
             let end = solved.from[k] + mu[k];
             gradient[at] += phi * (end * end + inverse[(k, k)] - 1.0);
             information[at] += 2.0 * (phi * (1.0 - inverse[(k, k)])).powi(2);
         }
         let step = mu.component_mul(S);
-        // The covariance, what stands beside the diagonal doubled: products with symmetric matrices read one triangle only.
+        // Lower triangle of the covariance with doubled off-diagonal entries: products with symmetric matrices read one triangle only.
         for k in 0..n {
             let column = &mut inverse.as_mut_slice()[k * n..(k + 1) * n];
             for (value, s) in column[k..].iter_mut().zip(&S.as_slice()[k..]) {
@@ -312,7 +322,7 @@ impl LinearModel {
         Some((solved.ln_z, gradient, information))
     }
 
-    /// The posterior at these sizes; `None` if the model has no finite answer.
+    /// Returns the posterior at these variance components; `None` if the model has no finite solution.
     pub fn posterior(&self, sizes: &VarianceComponents) -> Option<Posterior> {
         let solved = self.solved(sizes, 0.0)?;
         let inverse = solved.factor.inverse();
@@ -348,13 +358,13 @@ impl LinearModel {
         })
     }
 
-    /// Where the unknowns end if they were also known to be near where the model was linearised: a prior `1 / sqrt(damping)` times as wide
-    /// as their own holds them there. The step is that of Levenberg and Marquardt in units of the priors.
+    /// Returns the posterior maximum with Levenberg-Marquardt damping in units of the priors. The damping acts as an additional Gaussian
+    /// prior centred at the linearisation point, `1 / sqrt(damping)` times as wide as the unknown's own prior.
     pub fn solve(&self, sizes: &VarianceComponents, damping: f64) -> Option<Solution> {
         self.solved(sizes, damping)?.reached()
     }
 
-    /// What the objective `z'W z + |x/S|^2` is where the model was linearised.
+    /// Returns the objective `z'W z + |x/S|^2` at the linearisation point.
     pub fn objective(&self, sizes: &VarianceComponents) -> f64 {
         let S = self.prior_sds(sizes);
         let data: f64 = self
@@ -369,15 +379,15 @@ impl LinearModel {
         data + prior
     }
 
-    /// The sizes of greatest evidence, from where `sizes` are.
+    /// Returns the variance components of maximum evidence, searched from `sizes`.
     pub fn maximise_evidence(&self, sizes: &VarianceComponents) -> VarianceComponents {
         super::sizes::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
 }
 
-/// The linear model at some sizes.
+/// Solution of a linear model at given variance components.
 struct Solved {
-    /// Of `M`.
+    /// Cholesky factor of `M`.
     factor: Factor,
     S: DVector<f64>,
     /// `M^-1 b`.
@@ -413,7 +423,7 @@ mod tests {
     use admire_study::ToleranceSettings;
     use admire_study::noise::Noise;
 
-    /// Four marks of two parts in six cases, with three stiffnesses and six members of two groups.
+    /// Builds a model of two parts with four marks each in six cases, with three stiffnesses and six random effects of two groups.
     fn linear(sizes: &VarianceComponents) -> (LinearModel, Whitening, DMatrix<f64>, DVector<f64>) {
         let mut noise = Noise::new(3, "evidence");
         let mut block = |first: usize| MarkBlock {
@@ -455,7 +465,7 @@ mod tests {
         (linear, whitening, turned.0, turned.1)
     }
 
-    /// Against the density of a Gaussian with the covariance of readings written out.
+    /// Compares the evidence with the Gaussian density of the readings, whose covariance is built explicitly.
     #[test]
     fn evidence_is_the_density_of_the_readings() {
         let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
@@ -522,7 +532,7 @@ mod tests {
         }
     }
 
-    /// Half of what the objective of the linear model is above its minimum: at no step, what the whole step gains.
+    /// `Solution::above` must equal half the excess of the objective over its minimum. At a zero step, this is the gain of the full step.
     #[test]
     fn a_step_is_below_the_maximum_by_what_it_does_not_gain() {
         let mut sizes =
@@ -538,7 +548,7 @@ mod tests {
         }
     }
 
-    /// Columns that are added or replaced leave what a model made anew of all of them has.
+    /// A model with appended or replaced columns has the evidence of a model built from all columns.
     #[test]
     fn a_model_with_other_columns_is_that_made_anew() {
         let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);
@@ -571,7 +581,7 @@ mod tests {
         assert!((moved.ln_z(&sizes) - linear.ln_z(&sizes)).abs() > 1.0);
     }
 
-    /// Rows that are taken out leave what a model of the others has.
+    /// A model from which rows were removed has the evidence of a model built from the other rows.
     #[test]
     fn a_model_without_some_rows_is_that_of_the_others() {
         let sizes = VarianceComponents::new(&ToleranceSettings::default(), (0.0, [0.0; 2]), 1.0);

@@ -1,4 +1,4 @@
-//! Marks that do not sit where they are listed on their part: the other marks of the part agree with the list among themselves.
+//! Detection of marks whose position on the part differs from the listed one, while the other marks of the part agree with the list.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,36 +11,36 @@ use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 use nalgebra::DVector;
 
-/// A mark came loose if so many of its readings are wrong,
+/// Minimum number of wrong readings of a mark that came loose.
 const LOOSE: usize = 3;
-/// and differ among themselves by less than this part of what they are off by.
+/// Largest distance of single errors from their mean, relative to the mean, at which the readings of a mark count as consistently displaced.
 const ALIKE: f64 = 0.5;
 
-/// A mark that sits elsewhere than the list of marks on parts says.
+/// A mark whose position on its part differs from the listed position.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Misplaced {
     /// Index of its part.
     pub part: usize,
-    /// Index of the mark on it.
+    /// Index of the mark on the part.
     pub mark: usize,
-    /// Where it is less where it is listed, in the frame of the part: the median over the cases in which it is off.
+    /// Actual minus listed position in part axes: the median over the cases in which the mark is displaced.
     pub error: Vec3,
-    /// Standard deviation of one coordinate of that.
+    /// Standard deviation of one coordinate of `error`.
     pub sd: f64,
-    /// Cases in which it is off, in ascending order,
+    /// Cases in which the mark is displaced, in ascending order.
     pub cases: Vec<usize>,
-    /// and so many in which it was read beside three others.
+    /// Number of cases in which the mark was read together with at least three others of its part.
     pub read: usize,
 }
 
 impl Misplaced {
-    /// True if it moved while the axle was measured.
+    /// Returns true if the mark moved during the measurement: it is displaced in some of the cases only.
     pub fn is_loose(&self) -> bool {
         self.cases.len() < self.read
     }
 }
 
-/// Marks that are off in the mean over all cases, and marks whose single wrong readings agree.
+/// Returns the marks that are displaced in their median over all cases, and the marks whose single wrong readings agree with each other.
 pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> BTreeSet<Mark> {
     let centre = centres(
         &residuals(measurement, &sorted.blocks, &BTreeMap::new()),
@@ -63,7 +63,8 @@ pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> B
     out
 }
 
-/// How places of marks differ from the list is a rigid motion of their part, and a small error of each. One that is far off stands out.
+/// Returns the marks whose median residual contradicts the listed position. The listed positions of a part may otherwise be off by a common
+/// rigid motion and a small error of each mark.
 fn off_the_list(
     measurement: &Measurement,
     sorted: &RigidityScreen,
@@ -104,7 +105,7 @@ fn off_the_list(
     out
 }
 
-/// How far marks that were left out are off, and where, by the poses that the other marks of their parts tell.
+/// Measures the displacement of excluded marks against the part poses that the other marks determine.
 pub(super) fn misplaced_marks(
     measurement: &Measurement,
     sorted: &RigidityScreen,
@@ -116,7 +117,7 @@ pub(super) fn misplaced_marks(
     );
     let mut out = Vec::new();
     for &(part, mark) in left_out {
-        // The mark beside those that agree.
+        // The blocks that contain this mark, while all other excluded marks stay out.
         let mut others = left_out.clone();
         others.remove(&(part, mark));
         let beside = part_marks(measurement, &others);
@@ -154,7 +155,7 @@ pub(super) fn misplaced_marks(
             off.clone_from(&errors);
         }
         let error = median(&off);
-        // Single readings tell where it was only if it is far from the list.
+        // If the displacement is clear, keep only the cases that show it.
         if error.amax() > far {
             off = errors;
             off.retain(|(_, e)| e.dot(&error) > 0.5 * error.norm_squared());
@@ -177,7 +178,7 @@ pub(super) fn misplaced_marks(
     out
 }
 
-/// Median of each component.
+/// Returns the median of each component.
 fn median(errors: &[(usize, Vec3)]) -> Vec3 {
     Vec3::from_fn(|axis, _| {
         let mut values: Vec<f64> = errors.iter().map(|(_, e)| e[axis]).collect();

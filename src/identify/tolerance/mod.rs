@@ -1,16 +1,19 @@
-//! What every real axle and every real rig has beside the causes one looks for: noise and tolerances.
+//! Error model of a measured axle: measurement noise and manufacturing or rig tolerances, without any fault hypothesis.
 //!
-//! [`MarkNoise`] says how exact the readings are, from the readings alone. [`RandomEffects`] holds the small errors of all hardpoints,
-//! loads, axes and marks as numbers of the deck with Gaussian priors, whose sizes [`EffectGroup`] describes. [`Whitening`] brings readings
-//! to independent rows; [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` per class of rows;
-//! [`CrossProducts`] holds the products of columns that it does not have yet with its own. [`LinearModel::evidence`] gives the evidence,
-//! the posterior and the gradient by the sizes, and [`LinearModel::maximise_evidence`] the sizes of maximum evidence. It contains neither
-//! fits nor causes.
+//! - [`MarkNoise`] estimates the noise of the mark readings from the readings alone.
+//! - [`RandomEffects`] lists the small errors of hardpoints, loads, axes and marks as numbers of the deck with Gaussian priors.
+//! - [`EffectGroup`] names the groups of these errors; [`VarianceComponents`] holds the standard deviation of each group.
+//! - [`Whitening`] transforms the readings to independent rows.
+//! - [`LinearModel`] holds the linearised problem as Gram matrices, one `ClassGram` per variance class of rows.
+//! - [`CrossProducts`] holds the products of candidate columns with the columns of a [`LinearModel`].
+//! - [`LinearModel::evidence`] returns the evidence and its gradient with respect to the log standard deviations.
+//! - [`LinearModel::maximise_evidence`] returns the standard deviations of maximum evidence, [`LinearModel::posterior`] the posterior at
+//!   given ones.
 //!
-//! To use it at a fit: take the Jacobian of all rows by the unknowns and by the effects of [`RandomEffects`], [`Whitening::apply`] it to
-//! residual and Jacobian, build a [`LinearModel`] with one [`Coefficient`] per column, and ask [`LinearModel::maximise_evidence`]. Its
-//! `Posterior::covariance` holds the intervals with tolerances marginalised; [`Posterior::without`] the part of a variance that is not due
-//! to them.
+//! To apply the error model to a fit, compute the Jacobian of all rows with respect to the unknowns and the [`RandomEffects`].
+//! [`Whitening::apply`] transforms residual and Jacobian. Build a [`LinearModel`] with one [`Coefficient`] per column and call
+//! [`LinearModel::maximise_evidence`], then [`LinearModel::posterior`]. `Posterior::covariance` gives the intervals with tolerances
+//! marginalised. [`Posterior::without`] gives the variances that would remain if the tolerances were known exactly.
 
 mod class;
 mod columns;

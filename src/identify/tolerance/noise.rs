@@ -1,7 +1,7 @@
 //! Noise of mark readings without any model: the marks of a rigid part keep their distances.
 //!
-//! Of the 3 m coordinates of m marks six tell the pose; the others are noise and the marks' places on the part, which are the same in
-//! every case and cancel against their mean.
+//! Of the 3 m coordinates of m marks, six determine the pose. The others contain the noise and the position errors of the marks on the part.
+//! The latter are the same in every case and are removed with the mean.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -12,39 +12,40 @@ use super::tails::Tails;
 use admire_solver::mechanics::Vec3;
 use admire_study::{MarkReading, Measurement};
 
-/// A model shows a mark to be wrong that is off by this part of the worst of its part.
+/// Minimum model residual of a wrong mark, relative to the largest residual of its part in the case.
 const APART: f64 = 0.4;
-/// Of three marks one stands alone if the others are off by less than this part of it.
+/// A single one of three marks stands out if the residuals of the others are below this fraction of its own.
 const ALONE: f64 = 0.25;
-/// The same one stands alone in so many cases at most, or in one of so many.
+/// Number of cases in which a mark may always stand out and still be suspected.
 const FEW: usize = 2;
+/// Reciprocal of the largest fraction of cases in which a suspected mark may stand out; if it does more often, the model is at fault.
 const OFTEN: usize = 10;
-/// The declared noise is contradicted from so many standard deviations of its logarithm on.
+/// Number of standard deviations of the log noise estimate beyond which the declared noise is rejected.
 const CONTRADICTED: f64 = 4.0;
-/// With heavy tails its logarithm may be off by so much more.
+/// Additional tolerance of the log noise estimate where tails are heavy.
 const TAILED: f64 = 0.3;
 
-/// How exact mark coordinates are.
+/// Noise of mark coordinates, with outliers and misplaced marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkNoise {
-    /// Standard deviation of a coordinate as the study states it; `None` if it states none.
+    /// Standard deviation of a coordinate as stated by the study; `None` if it states none.
     pub declared: Option<f64>,
-    /// The same from the readings, where parts carry four marks or more in several cases.
+    /// Standard deviation of a coordinate estimated from the marks of rigid parts; `None` with fewer than six degrees of freedom.
     pub estimated: Option<f64>,
-    /// Standard deviation of the logarithm of the estimate.
+    /// Standard deviation of the natural logarithm of the estimate.
     pub ln_sd: f64,
-    /// By how many nats Student's t is a better distribution of what is left of the marks than the Gaussian.
+    /// Gain in log-likelihood of Student's t over the Gaussian for the residuals of the marks, in nats.
     pub tails: f64,
-    /// Readings that are plainly wrong.
+    /// Readings identified as outliers.
     pub outliers: Vec<MarkOutlier>,
-    /// Marks that do not sit where they are listed: none of their readings is used.
+    /// Marks that are not at their listed positions; none of their readings is used.
     pub misplaced: Vec<Misplaced>,
-    /// Case and part of marks of which several are wrong, so that they do not tell themselves which: a model has to.
+    /// Case and part of marks of which some are wrong, where only a model can show which.
     pub suspects: Vec<(usize, usize)>,
 }
 
 impl MarkNoise {
-    /// From the marks of a measurement.
+    /// Estimates the noise from the marks of a measurement.
     pub fn of(measurement: &Measurement) -> Self {
         let declared = (!measurement.sigma_estimated).then_some(measurement.sigma);
         let none = BTreeMap::new();
@@ -61,7 +62,7 @@ impl MarkNoise {
             left_out.extend(found);
         };
         let misplaced = misplaced_marks(measurement, &sorted, &left_out);
-        // One that no case has beside three others cannot be told: it is used, and judged with the rest.
+        // A mark that is never read together with three others cannot be assessed. It is used and screened with the rest.
         if misplaced.len() < left_out.len() {
             left_out = misplaced.iter().map(|of| (of.part, of.mark)).collect();
             sorted = without(&left_out);
@@ -76,7 +77,7 @@ impl MarkNoise {
         let centre = centres(&clean, false);
         let left = coordinates(measurement, &clean, &centre);
         let squares: f64 = left.iter().map(|value| value * value).sum();
-        // Six of each block told its pose, and as many coordinates of each part as are left its mean.
+        // Each block loses six degrees of freedom to its pose. Each part loses its remaining coordinates to the mean over the cases.
         let mut dof: f64 = blocks
             .iter()
             .map(|b| 3.0 * b.readings.len() as f64 - 6.0)
@@ -101,7 +102,7 @@ impl MarkNoise {
         }
     }
 
-    /// Marks under suspicion judged by a model: `misfit` is reading minus prediction of a reading in a case.
+    /// Decides with a model which suspect readings are outliers; `misfit` is reading minus prediction for a case and a reading.
     pub fn judge(
         &mut self,
         measurement: &Measurement,
@@ -128,14 +129,14 @@ impl MarkNoise {
             .sort_by_key(|outlier| (outlier.case, outlier.reading));
     }
 
-    /// True for a reading that is not used: it is wrong, its mark is, or it cannot be told which of several are.
+    /// Returns true for a reading that is not used: it is an outlier, its mark is misplaced, or its block is under suspicion.
     pub fn is_excluded(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
         self.is_outlier(case, reading)
             || self.is_misplaced(read)
             || self.suspects.contains(&(case, read.part))
     }
 
-    /// True for a reading that is known to be wrong, by itself or with its mark.
+    /// Returns true for a reading known to be wrong: an outlier, or a reading of a misplaced mark.
     pub fn is_wrong(&self, case: usize, reading: usize, read: &MarkReading) -> bool {
         self.is_outlier(case, reading) || self.is_misplaced(read)
     }
@@ -150,16 +151,16 @@ impl MarkNoise {
         marks.any(|of| (of.part, of.mark) == (read.part, read.mark))
     }
 
-    /// The standard deviation a fit should use: the estimate where there is one.
+    /// Returns the standard deviation for a fit: the estimate, or the declared value where there is no estimate.
     pub fn sigma(&self) -> Option<f64> {
         self.estimated.or(self.declared)
     }
 
-    /// True if the declared noise is not the noise of the readings, which may have heavy tails.
+    /// Returns true if the declared noise disagrees with the estimate. `tailed` states that the noise may have heavy tails.
     pub fn contradicts(&self, tailed: bool) -> bool {
         match (self.declared, self.estimated) {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
-                // With heavy tails a standard deviation says little.
+                // With heavy tails, a standard deviation says little.
                 let loose = if tailed { TAILED } else { 0.0 };
                 libm::log(estimated / declared).abs() > CONTRADICTED * self.ln_sd + loose
             }
@@ -167,19 +168,21 @@ impl MarkNoise {
         }
     }
 
-    /// True if the residuals are further out than those of a Gaussian.
+    /// Returns true if the residuals have clearly heavier tails than a Gaussian.
     pub fn has_tails(&self) -> bool {
         self.tails > Tails::BETTER
     }
 
-    /// True if they may be: marks in few cases do not tell.
+    /// Returns true if the residuals may have heavier tails than a Gaussian; few readings cannot prove it.
     pub fn may_have_tails(&self) -> bool {
         self.tails > Tails::HINT
     }
 
-    /// Puts three marks of a part under suspicion where a model of which most marks are `usual` far off says so: they fit a rigid part if one
-    /// of them is off across the others. Of a part that has no more, one has to stand alone, and not the same one in many cases: that is
-    /// the model's doing. True if there are any.
+    /// Puts blocks with three usable marks under suspicion where a model contradicts them; returns true if there are any.
+    ///
+    /// Three marks still fit a rigid part if one of them is displaced across the other two, so that only a model reveals the error. `usual`
+    /// is the typical model residual of a mark. Unless another mark of the block is already an outlier, a single mark must stand out, and
+    /// only in few cases. A mark that stands out in many cases points to an error of the model.
     pub fn suspect_three(
         &mut self,
         measurement: &Measurement,

@@ -1,4 +1,4 @@
-//! Marks of a rigid part in a case, held against each other.
+//! Marks of a rigid part in one case, checked against each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,16 +8,17 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_study::Measurement;
 use admire_study::orientation::absolute_orientation;
 
-/// A mark is looked at as an outlier from so many standard deviations on,
+/// Residual from which a mark is examined as a possible outlier, in standard deviations.
 const SUSPECT: f64 = 6.0;
-/// and is one from so many on, where the other marks of its part agree among themselves.
+/// Residual from which a mark is an outlier if the other marks of its part agree, in standard deviations.
 pub(super) const OUTLIER: f64 = 8.0;
-/// Marks agree when the sum of their squares per degree of freedom is below this.
+/// Sum of squared residuals per degree of freedom, over the variance, below which the marks of a part agree.
 const AGREE: f64 = 12.0;
-/// One mark is wrong rather than another if the rest agrees better by so much in the sum of squares over the variance.
+/// Minimum difference in the sum of squared residuals, over the variance, between the best and the second-best exclusion of a mark. Below
+/// it, the wrong mark is ambiguous.
 const CLEAR: f64 = 25.0;
 
-/// Part and mark.
+/// Index of a part and of a mark on it.
 pub(super) type Mark = (usize, usize);
 
 /// Marks of one part in one case.
@@ -25,12 +26,12 @@ pub(super) type Mark = (usize, usize);
 pub(super) struct PartMarks {
     pub case: usize,
     pub part: usize,
-    /// Indices of readings.
+    /// Indices of the readings in the case.
     pub readings: Vec<usize>,
 }
 
 impl PartMarks {
-    /// Places of its marks on the part, with each shift on top, and where they were read.
+    /// Returns the listed positions of the marks on the part, each plus its `shift`, and the measured positions.
     pub(super) fn places(
         &self,
         measurement: &Measurement,
@@ -50,7 +51,7 @@ impl PartMarks {
     }
 }
 
-/// Parts with more marks than a pose needs, without some of their marks.
+/// Returns the marks of each part in each case with at least three readings, without the marks in `left_out`.
 pub(super) fn part_marks(measurement: &Measurement, left_out: &BTreeSet<Mark>) -> Vec<PartMarks> {
     let mut out = Vec::new();
     for (case, read) in measurement.cases.iter().enumerate() {
@@ -73,10 +74,10 @@ pub(super) fn part_marks(measurement: &Measurement, left_out: &BTreeSet<Mark>) -
     out
 }
 
-/// Case, reading, mark.
+/// Case, reading, and mark.
 pub(super) type Key = (usize, usize, Mark);
 
-/// Residuals of each part in each case.
+/// Groups residuals by case and part.
 fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec3)>> {
     let mut out: BTreeMap<_, Vec<_>> = BTreeMap::new();
     for (key, e) in residuals {
@@ -86,7 +87,7 @@ fn by_block(residuals: &[(Key, Vec3)]) -> BTreeMap<(usize, usize), Vec<(Key, Vec
     out
 }
 
-/// What is left of all blocks, the centres taken off, along directions that no rigid motion changes.
+/// Returns the residuals of all blocks minus the centres, projected on the directions that no rigid motion changes.
 pub(super) fn coordinates(
     measurement: &Measurement,
     residuals: &[(Key, Vec3)],
@@ -109,7 +110,8 @@ pub(super) fn coordinates(
     out
 }
 
-/// Coordinates of residuals that no rigid motion of the marks changes, along an orthonormal basis: all of the same variance.
+/// Projects residuals of marks on an orthonormal basis of the directions that no rigid motion changes. All results have the variance of one
+/// coordinate.
 pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<f64> {
     let n = e.len();
     let centroid = places.iter().sum::<Vec3>() / places.len() as f64;
@@ -154,7 +156,7 @@ pub(super) fn deformation_coordinates(places: &[Vec3], e: &DVector<f64>) -> Vec<
         .collect()
 }
 
-/// What the best rigid motion leaves of each reading, in part axes.
+/// Returns the residual of each reading after the best rigid motion of its block, in part axes.
 pub(super) fn residuals(
     measurement: &Measurement,
     blocks: &[PartMarks],
@@ -175,7 +177,8 @@ pub(super) fn residuals(
     out
 }
 
-/// Mean or median of each mark's residual over the cases; empty with fewer than three cases, where they would take most of the noise.
+/// Returns the mean or median residual of each mark over the cases. The result is empty for fewer than three cases, where it would absorb
+/// most of the noise.
 pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark, Vec3> {
     let mut by_mark: BTreeMap<Mark, Vec<Vec3>> = BTreeMap::new();
     for (key, e) in residuals {
@@ -202,17 +205,17 @@ pub(super) fn centres(residuals: &[(Key, Vec3)], median: bool) -> BTreeMap<Mark,
         .collect()
 }
 
-/// How marks of a part look.
+/// Verdict on the rigidity of the marks of a part.
 pub(super) enum RigidityVerdict {
-    /// As one rigid part.
+    /// The marks are consistent with one rigid part.
     Fine,
-    /// The others, which agree among themselves, show this one to be wrong, by so much.
+    /// One mark, given by its index, is wrong by this vector, while the others agree among themselves.
     Wrong(usize, Vec3),
-    /// No single one is.
+    /// The marks are inconsistent, but no single one is the cause.
     Mixed,
 }
 
-/// Looks for one mark that is wrong.
+/// Looks for a single wrong mark among the marks of a part.
 pub(super) fn find_single_outlier(
     (on_part, measured): (&[Vec3], &[Vec3]),
     sigma: f64,
@@ -227,7 +230,7 @@ pub(super) fn find_single_outlier(
     let largest = all.residuals.iter().map(Vec3::amax).fold(0.0, f64::max);
     let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
     if count == 3 {
-        // Three marks show that one is wrong along their plane, but not which.
+        // Three marks reveal an error in their plane, but not which of them is wrong.
         return if largest > 2.0 * SUSPECT * usual {
             RigidityVerdict::Mixed
         } else {
@@ -250,7 +253,7 @@ pub(super) fn find_single_outlier(
     let variance = sigma * sigma;
     let freedom = (3 * (count - 1) - 6) as f64;
     let agree = rest < AGREE * freedom * variance;
-    // Across a plane of four marks any of them may be the one.
+    // For an error across the plane of four marks, any of them may be the wrong one.
     let is_clear = without
         .get(1)
         .is_none_or(|next| next.0 - rest > CLEAR * variance);
@@ -258,13 +261,13 @@ pub(super) fn find_single_outlier(
     match (agree && is_far, is_clear) {
         (true, true) => RigidityVerdict::Wrong(at, error),
         (true, false) => RigidityVerdict::Mixed,
-        // Noise with tails has such blocks, too; only what is far out is kept from the fit.
+        // Heavy-tailed noise produces such blocks as well, so that only large residuals are excluded from the fit.
         _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => RigidityVerdict::Mixed,
         _ => RigidityVerdict::Fine,
     }
 }
 
-/// The pose that all marks but one tell, and the sum of squares they leave.
+/// Returns the pose that all marks but one determine, and the sum of their squared residuals.
 pub(super) fn pose_of_others(
     (on_part, measured): (&[Vec3], &[Vec3]),
     out: usize,

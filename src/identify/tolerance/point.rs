@@ -1,21 +1,21 @@
-//! Hardpoints: places where parts meet.
+//! Hardpoints: the points at which parts are connected.
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 
-/// Markers closer than so many millimetres at design are at one place.
+/// Distance at design below which two markers share a hardpoint, mm.
 const TOGETHER: f64 = 1e-3;
 
-/// A place of the axle where something connects parts: all markers that coincide there at design.
+/// A hardpoint: a connection point of the axle with all markers that coincide there at design.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Point {
-    /// Where it is at design, ground axes.
+    /// Position at design, ground axes.
     pub place: Vec3,
-    /// The markers, in the order of the deck.
+    /// Markers at the point, in the order of the deck.
     pub markers: Vec<MarkerIx>,
 }
 
-/// Every place where a joint, primitive, bushing or spring of a deck has an end.
+/// Returns the end points of all active joints, primitives, bushings and springs of a deck.
 pub(crate) fn points(model: &Model) -> Vec<Point> {
     let joints = model
         .joints

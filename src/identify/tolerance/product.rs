@@ -1,11 +1,11 @@
-//! Products of dense matrices, by faer, and of vectors.
+//! Products of dense matrices, computed by faer, and the dot product.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 
-/// The lower triangle of `A'A`; what stands above is zero.
+/// Computes the lower triangle of `A'A`; entries above the diagonal are zero.
 pub(super) fn gram(A: &DMatrix<f64>) -> DMatrix<f64> {
     let mut out = DMatrix::<f64>::zeros(A.ncols(), A.ncols());
     let (to, A) = (write(&mut out), read(A));
@@ -24,7 +24,7 @@ pub(super) fn gram(A: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// `A'B`.
+/// Computes `A'B`.
 pub fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
     let mut out = DMatrix::<f64>::zeros(A.ncols(), B.ncols());
     let to = write(&mut out);
@@ -39,7 +39,7 @@ pub fn transposed(A: &DMatrix<f64>, B: &DMatrix<f64>) -> DMatrix<f64> {
     out
 }
 
-/// `a'b`, summed in eight parts, which processors add side by side.
+/// Computes `a'b`, summed in eight lanes so that the compiler can vectorise the loop.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_blocks, b_blocks) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -53,12 +53,12 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// A matrix as faer reads it.
+/// Returns a read-only faer view of a matrix.
 pub(super) fn read(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
     MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
 }
 
-/// A matrix as faer writes it.
+/// Returns a mutable faer view of a matrix.
 pub(super) fn write(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
     let (rows, columns) = matrix.shape();
     MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)

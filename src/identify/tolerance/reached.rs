@@ -1,33 +1,34 @@
-//! The maximum of a linear model, and what is below it.
+//! Posterior maximum of a linear model, and constrained steps towards it.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::factor::Factor;
 
-/// The maximum of a linear model.
+/// Posterior maximum of a linear model.
 pub struct Solution {
-    /// Logarithm of the evidence times the prior of the sizes.
+    /// Logarithm of the evidence times the prior density of the variance components.
     pub ln_z: f64,
-    /// What the step gains, in nats.
+    /// Predicted decrease of the negative log posterior by the step, in nats.
     pub gain: f64,
-    /// Step from where the model was linearised.
+    /// Step from the linearisation point to the maximum.
     pub step: DVector<f64>,
-    /// Of the information in units of the priors.
+    /// Cholesky factor of the information in units of the priors.
     pub(super) factor: Factor,
-    /// Standard deviations of the priors.
+    /// Prior standard deviations.
     pub(super) S: DVector<f64>,
 }
 
 impl Solution {
-    /// By how many nats the maximum is above where another step leads, in the linear model.
+    /// Returns by how many nats the log posterior of the linear model is lower at another step than at the maximum.
     pub fn above(&self, other: &DVector<f64>) -> f64 {
         let off =
             (other - &self.step).zip_map(&self.S, |off, s| if s > 0.0 { off / s } else { 0.0 });
         0.5 * self.factor.quadratic(&off)
     }
 
-    /// The step to the maximum with some unknowns moving within limits: what goes furthest beyond them is held at its own first, and the
-    /// rest follows it. Held all at once, unknowns that only differ in sum would leave the valley they share.
+    /// Returns the step to the maximum with some unknowns limited to an interval. The unknown furthest beyond its limit, relative to the
+    /// limit, is fixed there first, and the others are re-optimised. If all were fixed at once, unknowns that the data determine only in sum
+    /// would leave the valley of the objective.
     pub fn box_constrained_step(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
         let mut step = self.step.clone();
         let mut held: Vec<(usize, f64)> = Vec::new();
@@ -52,7 +53,7 @@ impl Solution {
         step
     }
 
-    /// The same with all beyond at once.
+    /// Returns the step to the maximum with all unknowns that exceed their limits fixed there simultaneously.
     pub fn step_clamped(&self, limits: &[(usize, (f64, f64))]) -> DVector<f64> {
         let limited: Vec<(usize, f64)> = limits
             .iter()
@@ -66,8 +67,8 @@ impl Solution {
         step
     }
 
-    /// The maximum if the objective also rose by `x' bend x`, where `x` are the steps of the unknowns at `places`. `None` where that has no
-    /// finite answer.
+    /// Returns the maximum of the objective with an additional term `x' bend x`, where `x` are the steps of the unknowns at `places`.
+    /// Returns `None` if there is no finite solution.
     pub fn with_quadratic_penalty(&self, places: &[usize], bend: &DMatrix<f64>) -> Option<Self> {
         let across = self.across(places);
         // (H + E B E')^-1 b = x - U B (1 + E'U B)^-1 E'x with U = H^-1 E and x = H^-1 b.
@@ -84,7 +85,7 @@ impl Solution {
         })
     }
 
-    /// Columns of the covariance.
+    /// Returns the columns of the posterior covariance at `places`.
     fn across(&self, places: &[usize]) -> DMatrix<f64> {
         let n = self.step.len();
         let mut across = DMatrix::zeros(n, places.len());
@@ -97,7 +98,7 @@ impl Solution {
         across
     }
 
-    /// The same with some unknowns moving by given amounts.
+    /// Returns the step to the maximum with the steps of some unknowns prescribed.
     fn step_with(&self, given: &[(usize, f64)]) -> DVector<f64> {
         if given.is_empty() {
             return self.step.clone();
@@ -119,7 +120,7 @@ impl Solution {
 mod tests {
     use super::*;
 
-    /// The normal equations with the further term in them, of three unknowns with priors of different widths.
+    /// Solves the normal equations with the additional term for three unknowns with priors of different widths.
     #[test]
     fn a_held_step_is_that_of_the_whole_objective() {
         let jacobian =
@@ -138,7 +139,7 @@ mod tests {
             factor,
             S: S.clone(),
         };
-        // One direction alone: singular.
+        // A rank-one, hence singular, matrix.
         let bend = DMatrix::from_row_slice(2, 2, &[4.0, -6.0, -6.0, 9.0]);
         let held = reached.with_quadratic_penalty(&[0, 2], &bend).unwrap();
         let mut whole = information;
@@ -153,8 +154,8 @@ mod tests {
         assert!(above > 0.0 && (above - reached.above(&held.step)).abs() < 1e-12);
     }
 
-    /// Half of the first number and the second are known in sum, far better than each: with the first held at its limit the second stays
-    /// on that line, within its own.
+    /// The sum of the second unknown and half the first is known far better than each of them. With the first one at its limit, the second
+    /// one stays on that line and within its own limit.
     #[test]
     fn a_step_within_limits_stays_in_its_valley() {
         let valley = DMatrix::from_row_slice(2, 2, &[0.25, 0.5, 0.5, 1.0]) * 1e6;

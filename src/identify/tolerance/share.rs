@@ -1,4 +1,4 @@
-//! What a linear model needs of the rows of one class: sums of squares and products.
+//! Sufficient statistics of the rows of one variance class in a linear model: sums of squares and products.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,37 +6,37 @@ use super::class::VarianceClass;
 use super::columns::Columns;
 use super::product::{dot, gram, transposed};
 
-/// Rows of one class: of `A`, the derivatives by the unknowns, and `z`, what is left.
+/// Gram matrix of the rows of one variance class: `A` holds their derivatives with respect to the unknowns, `z` the residual.
 #[derive(Clone, Debug)]
 pub(super) struct ClassGram {
-    /// The class.
+    /// Variance class of the rows.
     pub class: VarianceClass,
-    /// How many rows.
+    /// Number of rows.
     pub count: f64,
     /// `z'z`.
     pub q: f64,
-    /// Unknowns that these rows depend on, in ascending order.
+    /// Unknowns on which these rows depend, in ascending order.
     active: Vec<usize>,
-    /// `A'A` of those, the lower triangle column by column.
+    /// Lower triangle of `A'A` over the active unknowns, column by column.
     H: Vec<f64>,
-    /// `A'z` of those.
+    /// `A'z` over the active unknowns.
     g: Vec<f64>,
 }
 
-/// Some further columns `E` in the rows of one class.
+/// Products of further columns `E` in the rows of one class.
 pub(super) struct Block {
-    /// Places of columns within the range asked for; the others are zero in these rows.
+    /// Indices of the non-zero columns within their set.
     pub places: Vec<usize>,
-    /// `E'A` by all unknowns of the model.
+    /// `E'A` over all unknowns of the model.
     pub cross: DMatrix<f64>,
-    /// `E'E`, its lower triangle.
+    /// Lower triangle of `E'E`.
     pub own: DMatrix<f64>,
     /// `E'z`.
     pub g: Vec<f64>,
 }
 
 impl ClassGram {
-    /// Of the columns and the residual in the rows of a class.
+    /// Computes the products of the columns `A` and the residual `z` in the rows of a class.
     pub(super) fn new(class: VarianceClass, A: &Columns, z: &DVector<f64>) -> Self {
         let full = gram(&A.values);
         let n = A.active.len();
@@ -54,7 +54,7 @@ impl ClassGram {
         }
     }
 
-    /// With further columns, which become unknowns from `before` on.
+    /// Returns the statistics with further columns appended, which become unknowns `before`, `before + 1` and so on.
     pub(super) fn with(&self, before: usize, further: &Block) -> Self {
         let k = further.places.len();
         let (n, all) = (self.active.len(), self.active.len() + k);
@@ -80,7 +80,8 @@ impl ClassGram {
         new
     }
 
-    /// With other values of the columns `changed` of `A`, of which `own` holds those with anything in these rows, and another residual.
+    /// Returns the statistics with a new residual `z` and with the columns listed in `changed` replaced by `own`, which holds the non-zero
+    /// ones.
     pub(super) fn moved(
         &self,
         A: &Columns,
@@ -93,7 +94,7 @@ impl ClassGram {
             .collect();
         let new = own.active.iter().map(|k| changed[*k]);
         if A.active != self.active || !new.eq(known.iter().map(|place| self.active[*place])) {
-            // The rows depend on other unknowns than before.
+            // The rows now depend on other unknowns than before.
             return Self::new(self.class.clone(), &A.replaced(changed, own), z);
         }
         let mut cross = transposed(&A.values, &own.values);
@@ -122,7 +123,7 @@ impl ClassGram {
         }
     }
 
-    /// Without some of its rows.
+    /// Subtracts the statistics of some of the rows.
     pub(super) fn less(&self, rows: &Self) -> Self {
         let mut rest = self.clone();
         rest.count -= rows.count;
@@ -145,7 +146,7 @@ impl ClassGram {
         rest
     }
 
-    /// Columns of the triangle: each with its unknown and those of its rows.
+    /// Iterates over the columns of the triangle: the unknown of the column, the unknowns of its rows, and the values.
     fn columns(&self) -> impl Iterator<Item = (usize, &[usize], &[f64])> {
         let n = self.active.len();
         let mut rest = self.H.as_slice();
@@ -156,7 +157,7 @@ impl ClassGram {
         })
     }
 
-    /// Adds `A'A` times a precision to the lower triangle of a matrix of all unknowns, and `A'z` to a vector.
+    /// Adds `A'A` times a precision to the lower triangle of the matrix `H` of all unknowns, and `A'z` times the precision to `g`.
     pub(super) fn add_to(&self, precision: f64, H: &mut DMatrix<f64>, g: &mut DVector<f64>) {
         let all = H.nrows();
         let is_dense = self.active.len() == all;
@@ -177,8 +178,8 @@ impl ClassGram {
         }
     }
 
-    /// The sum of the products of `A'A` and a symmetric matrix, entry by entry. Of that the lower triangle is read, entries beside the
-    /// diagonal doubled.
+    /// Returns the sum over all entries of the elementwise product of `A'A` with a symmetric matrix. Of `doubled`, only the lower triangle
+    /// is read; its off-diagonal entries must be doubled.
     pub(super) fn product(&self, doubled: &DMatrix<f64>) -> f64 {
         let all = doubled.nrows();
         let is_dense = self.active.len() == all;
@@ -195,7 +196,7 @@ impl ClassGram {
         sum
     }
 
-    /// `|z - A s|^2`: what is left after a step `s`.
+    /// Computes `|z - A s|^2`, the squared residual after a step `s`.
     pub(super) fn left(&self, step: &DVector<f64>) -> f64 {
         let own: Vec<f64> = self.active.iter().map(|unknown| step[*unknown]).collect();
         let mut curved = 0.0;

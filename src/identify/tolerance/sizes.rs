@@ -1,18 +1,20 @@
-//! The sizes of greatest evidence: quasi-Newton steps between bounds.
+//! Bound-constrained BFGS maximisation of the evidence over the log standard deviations.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::group::VarianceComponents;
 
-/// Evaluations at most,
+/// Maximum number of evidence evaluations.
 const MOST: usize = 30;
-/// and what an evaluation has to gain for another one.
+/// Convergence threshold in nats: iteration ends when the predicted or the achieved gain of a step is below it.
 const ENOUGH: f64 = 0.02;
-/// The longest step of any logarithm.
+/// Largest change of any log standard deviation in one step.
 const LONGEST: f64 = 1.5;
 
-/// Climbs from where the sizes are; `evidence` gives value, gradient and, the first time, information. (Broyden, Fletcher, Goldfarb and Shanno's update of the
-/// inverse curvature; sizes at a bound that the gradient pushes against stay there.)
+/// Maximises the evidence, starting from the standard deviations in `start`.
+///
+/// `evidence` returns the value, its gradient and, at the first call, the Fisher information of each component. The inverse Hessian is
+/// updated by BFGS. Components stay at a bound while the gradient points outwards.
 pub(crate) fn climb(
     start: &VarianceComponents,
     mut evidence: impl FnMut(&VarianceComponents, bool) -> Option<(f64, Vec<f64>, Vec<f64>)>,

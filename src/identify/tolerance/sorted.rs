@@ -1,4 +1,4 @@
-//! Marks sorted into those that fit rigid parts and others, without any model.
+//! Screening of marks for consistency with rigid parts, without any model.
 
 use std::collections::BTreeMap;
 
@@ -8,40 +8,40 @@ use super::part_marks::{
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 
-/// Marks are sorted so often at most.
+/// Maximum number of screening passes.
 const PASSES: usize = 4;
-/// Scale of the median of absolute values for a Gaussian.
+/// Ratio of the standard deviation to the median absolute value of a Gaussian.
 const MAD: f64 = 1.4826;
 
-/// One reading of one mark that is wrong.
+/// A single wrong reading of one mark.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MarkOutlier {
-    /// Load case.
+    /// Index of the load case.
     pub case: usize,
     /// Index into the readings of the case.
     pub reading: usize,
-    /// How far it lies from where the other marks put it, ground axes.
+    /// Measured position minus the position that the other marks of the part imply, ground axes.
     pub error: Vec3,
 }
 
-/// What fits rigid parts, and what does not.
+/// Result of the rigidity screen of all marks.
 #[derive(Default)]
 pub(super) struct RigidityScreen {
-    /// Marks that agree.
+    /// Marks that are consistent with rigid parts.
     pub blocks: Vec<PartMarks>,
-    /// Readings that are plainly wrong.
+    /// Readings identified as outliers.
     pub outliers: Vec<MarkOutlier>,
-    /// Case and part of marks of which some are wrong that cannot be told from the others.
+    /// Case and part of marks that contain an error, but do not show which mark is wrong.
     pub suspects: Vec<(usize, usize)>,
-    /// Standard deviation of a coordinate, by the median.
+    /// Robust standard deviation of a coordinate, from the median absolute value.
     pub sigma: f64,
 }
 
 impl RigidityScreen {
-    /// Sorts the marks of all parts in all cases.
+    /// Screens the marks of all parts in all cases.
     pub(super) fn new(measurement: &Measurement, all: &[PartMarks]) -> Self {
         let none = BTreeMap::new();
-        // Robust first: what is plainly wrong must not decide what plain is. In few cases it does, until it is left out.
+        // Robust estimates first, because outliers must not define the normal spread. With few cases they still do, until they are excluded.
         let mut sorted = Self {
             blocks: all.to_vec(),
             ..Self::default()
@@ -60,7 +60,7 @@ impl RigidityScreen {
         sorted
     }
 
-    /// By what the others of each part say.
+    /// Screens the marks with given centres and standard deviation of a coordinate.
     fn at(
         measurement: &Measurement,
         mut blocks: Vec<PartMarks>,
@@ -96,7 +96,7 @@ impl RigidityScreen {
     }
 }
 
-/// Standard deviation by the median of absolute values.
+/// Returns the standard deviation of values about zero, estimated from their median absolute value.
 pub fn mad_sigma(mut values: Vec<f64>) -> f64 {
     values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
     MAD * values

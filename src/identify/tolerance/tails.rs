@@ -1,10 +1,10 @@
-//! Student's t where the tails of residuals ask for it.
+//! Student's t distribution for heavy-tailed residuals.
 
 use statrs::function::gamma::ln_gamma;
 
-/// Degrees of freedom that are tried; the Gaussian comes beside them.
+/// Candidate degrees of freedom of Student's t. The Gaussian is the reference.
 const GRID: [f64; 9] = [2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
-/// Steps of the fixed point for the scale.
+/// Number of fixed-point iterations for the scale.
 const STEPS: usize = 40;
 
 /// Student's t distribution of residuals.
@@ -12,17 +12,20 @@ const STEPS: usize = 40;
 pub struct Tails {
     /// Degrees of freedom.
     pub nu: f64,
-    /// Scale.
+    /// Scale, in the unit of the residuals.
     pub scale: f64,
 }
 
 impl Tails {
-    /// Tails are there where the distribution is better than the Gaussian by so many nats: of Gaussian noise one study in 400 has as much.
+    /// Gain in log-likelihood over the Gaussian above which heavy tails are accepted, in nats. About 1 in 400 studies with Gaussian noise
+    /// exceeds it.
     pub const BETTER: f64 = 4.0;
-    /// They may be there from so many on: of Gaussian noise one study in 13 has as much.
+    /// Gain in log-likelihood over the Gaussian above which heavy tails are possible, in nats. About 1 in 13 studies with Gaussian noise
+    /// exceeds it.
     pub const HINT: f64 = 1.0;
 
-    /// The distribution of greatest likelihood, and by how many nats it is better than the Gaussian.
+    /// Returns the t distribution of maximum likelihood and its gain over the Gaussian in nats; `None` for fewer than 30 residuals or zero
+    /// variance.
     pub fn best(residuals: &[f64]) -> Option<(Self, f64)> {
         let n = residuals.len() as f64;
         let variance = residuals.iter().map(|r| r * r).sum::<f64>() / n;
@@ -56,9 +59,9 @@ impl Tails {
         Some((Self { nu, scale }, value - gauss))
     }
 
-    /// Precision of a coordinate with this residual: `kappa w / s^2` with `w = (nu + 1)/(nu + (r/s)^2)` and Fisher's information
-    /// `kappa = (nu + 1)/(nu + 3)`. Without kappa intervals were too short by `sqrt((nu + 3)/(nu + 1))`. Source: Lange, Little and
-    /// Taylor, JASA 84 (1989) 881.
+    /// Returns the precision of a coordinate with this residual `r`: `kappa w / s^2` with the weight `w = (nu + 1)/(nu + (r/s)^2)`. The
+    /// factor `kappa = (nu + 1)/(nu + 3)` is Fisher's information. Without it, intervals would be too short by `sqrt((nu + 3)/(nu + 1))`.
+    /// Source: Lange, Little and Taylor, JASA 84 (1989) 881.
     pub fn precision(self, residual: f64) -> f64 {
         let (nu, s) = (self.nu, self.scale);
         let weight = (nu + 1.0) / (nu + (residual / s).powi(2));

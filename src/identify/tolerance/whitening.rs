@@ -1,9 +1,9 @@
-//! Readings brought to independent rows.
+//! Transformation of the readings to independent rows.
 //!
-//! The coordinates of the marks of one part in one case share a small rigid motion that is no motion of the axle: fixtures,
-//! photogrammetry, temperature. With the precision `D` of the coordinates, `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R R'`, `T` the
-//! three shifts and `R` the three turns less their share of the shifts. An orthonormal basis of `T`, `R` and the rest makes that
-//! diagonal for all sizes at once.
+//! The mark coordinates of one part in one case share a small rigid-motion error that does not belong to the motion of the axle. It comes
+//! from fixtures, photogrammetry or temperature. With the precision `D` of the coordinates,
+//! `D^1/2 C D^1/2 = I + tau_t^2 T T' + tau_r^2 R R'`. `T` holds the three translations and `R` the three rotations, orthogonalised against
+//! the translations. An orthonormal basis of `T`, `R` and their complement makes this matrix diagonal for all `tau_t` and `tau_r`.
 
 use std::collections::BTreeMap;
 
@@ -18,40 +18,41 @@ use super::product::{read, write};
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Directions shorter than this part of the longest are none.
+/// Relative eigenvalue below which a rotation of the marks counts as zero.
 const LEAST: f64 = 1e-6;
 
-/// The mark coordinates of one part in one case.
+/// Mark coordinates of one part in one case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkBlock {
-    /// The first row of each mark; its other two follow.
+    /// Index of the first row of each mark; its other two coordinates follow.
     pub rows: Vec<usize>,
-    /// From a common point to each mark, ground axes.
+    /// Vectors from a common point to each mark, ground axes.
     pub levers: Vec<Vec3>,
-    /// What one unit of a row is in length units.
+    /// Length that corresponds to one unit of a row.
     pub unit: f64,
 }
 
-/// An orthonormal change of rows with their precisions, and the class of each new row.
+/// Orthonormal change of rows, scaled by their precisions, with the variance class of each new row.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    /// Rows that are turned together, their places and the matrix, one row per new direction.
+    /// Blocks of rows that are transformed together: their indices and the matrix, one row per new direction.
     blocks: Vec<(Vec<usize>, DMatrix<f64>)>,
-    /// Square root of the precision of each old row that stands alone.
+    /// Single rows with the square root of their precision.
     alone: Vec<(usize, f64)>,
-    /// Classes, and the class of each new row; `None` where it is not used.
+    /// Variance classes of the new rows.
     pub classes: Vec<VarianceClass>,
-    /// Class of each row.
+    /// Class of each new row; `None` where the row is not used.
     pub class_of: Vec<Option<usize>>,
-    /// Rows of each class, in ascending order.
+    /// New rows of each class, in ascending order.
     pub rows_of: Vec<Vec<usize>>,
-    /// Block of each row, `None` if it stands alone, and its place there.
+    /// Block of each row, `None` for a single row, with its index there; the whole entry is `None` where the row is not used.
     place_of: Vec<Option<(Option<usize>, usize)>>,
 }
 
 impl Whitening {
-    /// Of `marks` and of single rows with their scales; `precision` belongs to all rows, zero where a row is not used. Nothing is compared
-    /// along the directions of rows in `free`.
+    /// Builds the transformation for blocks of marks and for single rows with their noise scales.
+    ///
+    /// `precision` covers all rows and is zero where a row is not used. Readings carry no weight along the row directions listed in `free`.
     pub fn new(
         marks: &[MarkBlock],
         single: &[(usize, Option<NoiseScale>)],
@@ -123,7 +124,7 @@ impl Whitening {
         new
     }
 
-    /// Turns and scales the rows of a matrix; rows that are not used become zero.
+    /// Transforms the rows of a matrix; rows that are not used become zero.
     pub fn apply(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
         let rows = columns.nrows();
         let mut out = DMatrix::zeros(rows, columns.ncols());
@@ -158,7 +159,7 @@ impl Whitening {
         out
     }
 
-    /// The same of one column.
+    /// Transforms a single column; rows that are not used become zero.
     pub fn apply_vector(&self, column: &DVector<f64>) -> DVector<f64> {
         let out = self.apply(&DMatrix::from_column_slice(
             column.len(),
@@ -168,7 +169,7 @@ impl Whitening {
         out.column(0).into_owned()
     }
 
-    /// The same of a column that is zero but for a few rows.
+    /// Transforms a sparse column, given as pairs of row and value; the result maps rows to values.
     pub fn apply_sparse(&self, column: &[(usize, f64)]) -> BTreeMap<usize, f64> {
         let mut out = BTreeMap::new();
         for (row, value) in column {
@@ -188,7 +189,7 @@ impl Whitening {
         out
     }
 
-    /// One over the standard deviation of each new row at these sizes; zero where it is not used.
+    /// Returns the reciprocal standard deviation of each new row, given the log standard deviations; zero where a row is not used.
     pub fn weights(&self, ln: &[f64]) -> DVector<f64> {
         let of: Vec<f64> = self
             .classes
@@ -204,8 +205,8 @@ impl Whitening {
     }
 }
 
-/// Used rows of a block, the matrix whose rows are the new rows' directions times the root of the precision, and the squares of
-/// the leading, rigid ones with whether they turn.
+/// Returns the used rows of a block, the transformation matrix, and the squared norms of its leading rigid directions, each with true for a
+/// rotation. The rows of the matrix are the new directions times the square root of the precision.
 fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Vec<(bool, f64)>) {
     let mut places = Vec::new();
     let mut rigid: Vec<[f64; 6]> = Vec::new();
@@ -236,7 +237,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
             basis.push(shift / norm);
         }
     }
-    // Turns less what shifts do.
+    // Rotations, orthogonalised against the translations.
     let mut turns = DMatrix::zeros(m, 3);
     for k in 0..3 {
         let mut turn = column(3 + k);
@@ -256,7 +257,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
             basis.push(direction);
         }
     }
-    // The rest, by Gram and Schmidt with repetition.
+    // Orthogonal complement, by Gram-Schmidt with reorthogonalisation.
     for k in 0..m {
         if basis.len() >= m {
             break;

@@ -1,6 +1,6 @@
 use super::*;
 
-/// Rosenbrock's valley as residuals: minimum 0 at (1, 1).
+/// Rosenbrock's function as residuals: minimum 0 at (1, 1).
 struct Valley;
 
 impl LeastSquares for Valley {
@@ -37,8 +37,8 @@ fn a_curved_valley_is_followed_to_its_end() {
     );
 }
 
-/// Deflections of two springs in a row under unit loads, at places where the second counts by `share`. They were read with an error
-/// that looks like a second spring pushed instead of pulled; the noise is a thousandth.
+/// Deflections of two springs in series under unit loads at five points; the contribution of the second spring varies from point to point by
+/// `share`. The readings contain a systematic error that resembles a second spring of negative compliance; the noise is 0.001.
 struct Springs;
 
 impl LeastSquares for Springs {
@@ -89,7 +89,7 @@ fn a_held_unknown_stays_and_a_prior_pulls() {
     .unwrap();
     assert_eq!(held.x[0], 0.5);
     assert!((held.x[1] - 0.25).abs() < 1e-6);
-    // With x0 held at 0.5 the data say x1 = 0.25 with information 100; a prior of mean 1 and information 100 meets half-way.
+    // With x0 held at 0.5, the data give x1 = 0.25 with information 100. A prior with mean 1 and information 100 moves it half-way.
     let priors = [NO_PRIOR, Prior { mean: 1.0, sd: 0.1 }];
     let pulled = minimise(
         &mut Valley,
@@ -103,8 +103,8 @@ fn a_held_unknown_stays_and_a_prior_pulls() {
     assert!((pulled.x[1] - 0.625).abs() < 1e-6);
 }
 
-/// An arc tangent, on which a whole step from 1.45 goes too far, with a second branch: an evaluation beyond 1.5 changes to it, and later
-/// ones stay there until `go_back`.
+/// An arctangent with a second branch. A full step from 1.45 overshoots; an evaluation beyond 1.5 switches to the second branch, and later
+/// ones stay there until `rollback`.
 struct Snapping {
     there: bool,
     kept: bool,
