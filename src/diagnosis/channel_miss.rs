@@ -18,7 +18,7 @@ pub struct ChannelMiss {
 }
 
 impl Outcome<'_> {
-    /// How far each channel is missed.
+    /// Returns the rms error of each channel.
     pub fn channels(&self) -> Vec<ChannelMiss> {
         let measurement = self.subject.problem.measurement;
         let mut out = Vec::new();

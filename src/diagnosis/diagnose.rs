@@ -56,13 +56,13 @@ pub struct Outcome<'a> {
 }
 
 impl Outcome<'_> {
-    /// True where the search was stopped, and not ended by its budget.
+    /// True if the user stopped the search; false if it ended by itself or by its budget.
     pub fn is_stopped(&self) -> bool {
         self.subject.progress().is_stopped()
     }
 }
 
-/// A model that explains the readings with another cause in place of a finding.
+/// Model that explains the readings with another cause in place of a finding.
 #[derive(Debug)]
 pub struct Rival {
     /// Cause that was found.

@@ -75,7 +75,7 @@ pub struct Gain {
     pub cross_validated_nats: Option<f64>,
 }
 
-/// Among the `parameters` of a finding: the force by which its law differs from the one that was fitted, root mean square over the cases.
+/// Name of the parameter that states the misfit of a fitted force law: the force by which the true law differs, rms over the cases.
 pub const LAW_MISFIT: &str = "law_misfit";
 
 /// Probable cause of a discrepancy, with its size and evidence.

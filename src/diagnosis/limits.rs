@@ -8,7 +8,7 @@ use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
 use super::scan::{Catalogue, first_member};
 use admire_identify::tolerance::EffectGroup;
 
-/// Limits beyond so many millimetres are none,
+/// Largest detection limit of a hardpoint that is reported, in mm.
 const FAR: f64 = 50.0;
 /// Largest detection limit of other causes that is reported, in prior standard deviations.
 const BEYOND: f64 = 20.0;
@@ -25,7 +25,7 @@ pub fn detection_limits(
     let millimetre = subject.millimetre();
     let slab = subject.problem.priors.hardpoint_mm * millimetre;
     let points = &subject.layer.points;
-    // Each point in all directions and along each one alone.
+    // Four effects per point: all directions together, and each axis alone.
     let odds = subject.problem.priors.class_probability / (4 * points.len()) as f64;
     let mut out = Vec::new();
     for point in points {

@@ -28,7 +28,7 @@ use admire_study::orientation::chi_square_p_value;
 const FAR: f64 = 0.8;
 /// Gain in log evidence from which a site stands out, in nats, after subtracting the log of the number of sites and coordinates tried.
 const STANDS_OUT: f64 = 5.0;
-/// What the force is a function of.
+/// Coordinate of which the force is a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Over {

@@ -80,7 +80,7 @@ impl<'a> Survey<'a> {
         self.subject.problem.priors
     }
 
-    /// How many load cases there are.
+    /// Returns the number of load cases.
     pub(super) fn cases(&self) -> usize {
         self.fitted.states.len()
     }

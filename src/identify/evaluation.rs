@@ -20,7 +20,7 @@ pub struct ReadingMisfit {
     pub wheels: usize,
 }
 
-/// A marker's frame in ground.
+/// Returns a marker's frame in ground.
 pub fn marker_pose(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     let local = Pose {

@@ -26,8 +26,8 @@ pub mod structure;
 pub mod tolerance;
 mod unknowns;
 
-pub use evaluation::{marker_pose, written};
 pub use evaluation::{ReadingMisfit, compare};
+pub use evaluation::{marker_pose, written};
 pub use fit::{
     CurveHeldOut, Fit, HeldOut, Marks, NOT_CONVERGED, NoiseFound, OffsetFit, ParameterFit, Status,
     ToleranceFound, UnidentifiableDirection, WheelFit, Written,

@@ -29,7 +29,7 @@ pub struct Problem<'a> {
     pub tolerances: &'a ToleranceSettings,
     /// `[priors]`.
     pub priors: &'a CausePriors,
-    /// Motions of the deck that nothing resists.
+    /// Free (zero-stiffness) motions of the deck.
     pub free: &'a FreeMotions,
     /// Numbers to identify.
     pub unknowns: Vec<Unknown>,

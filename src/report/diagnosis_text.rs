@@ -197,7 +197,7 @@ impl Text<'_> {
         out
     }
 
-    /// The part that the extended model turns most otherwise.
+    /// Returns a sentence on the part and case with the largest rotation between the original and the extended model.
     fn turned_part(&self) -> Option<String> {
         if !self.findings_matter() || self.outcome.subject.problem.measurement.wheel.is_some() {
             return None;

@@ -4,10 +4,10 @@ use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use admire_results::Timestamp;
 use serde::Serialize;
 
-/// A table of texts: a head, and rows as long as the head.
+/// A table of texts: a head, and rows of the same length.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Comparison {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Column heads.
     pub head: Vec<String>,
@@ -18,28 +18,28 @@ pub struct Comparison {
 /// Curves over one load.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct ReproducedCurves {
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// The load, with its unit.
+    /// Load with its unit, the abscissa.
     pub x: String,
-    /// The angle, with its unit.
+    /// Angle with its unit, the ordinate.
     pub y: String,
-    /// The curves.
+    /// Curves.
     pub curves: Vec<Curve>,
 }
 
 /// One of the paper's validations.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct ReproducedSection {
-    /// `4.2 pseudo McPherson, no noise`.
+    /// Title, such as `4.2 pseudo McPherson, no noise`.
     pub title: String,
     /// Tables.
     pub tables: Vec<Comparison>,
     /// Curves.
     pub figures: Vec<ReproducedCurves>,
-    /// What the tables say, one sentence each.
+    /// Findings from the tables, one sentence each.
     pub findings: Vec<String>,
-    /// What cannot be compared, and why.
+    /// Limits of the comparison, with reasons.
     pub limits: Vec<String>,
 }
 

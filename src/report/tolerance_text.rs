@@ -9,7 +9,7 @@ use admire_solver::mechanics::Vec3;
 const SEEN_LN: f64 = 0.05;
 
 impl Text<'_> {
-    /// Sizes of tolerances that the readings tell.
+    /// Returns sentences on the tolerances that the readings determine.
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
         // Where the readings are insensitive to hardpoints, their tolerance keeps its median.

@@ -1,8 +1,8 @@
 use std::ops::ControlFlow;
 
 use super::{Curve, ReproductionError};
-use admire_identify::marker_pose;
 use admire_identify::global::{GlobalFit, Options, Prepared, fit_study};
+use admire_identify::marker_pose;
 use admire_identify::{Fit, IdentifyError, LoadedStudy, regression};
 use admire_session::backend::{
     Backend, BackendError, LoadCase, LoadProgramme, NativeBackend, Sweep, SweepRequest,
@@ -13,7 +13,7 @@ use admire_study::noise::Noise;
 use admire_study::settings::SpinAxis;
 use admire_study::wheel::SpinDirection;
 
-/// Replaces the readings of the marks by what the reference deck does, with normal noise.
+/// Replaces the mark readings by predictions of the reference deck, with Gaussian noise.
 pub(super) fn read_reference(
     study: &mut LoadedStudy,
     sigma: f64,

@@ -13,7 +13,7 @@ use admire_identify::{Fit, IdentifyError, LoadedStudy, ParameterFit, Status};
 use admire_report::{Comparison, Curve, ReproducedCurves, ReproducedSection as Section};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Why a section could not be made.
+/// Error that prevents a section.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproductionError {
     /// The study of a section has errors.

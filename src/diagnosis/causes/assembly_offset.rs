@@ -10,7 +10,7 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Every bushing, out of centre and askew.
+/// Adds a translational and a rotational offset of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {

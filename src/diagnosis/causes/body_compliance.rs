@@ -9,7 +9,8 @@ use super::super::cause::Cause;
 use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
 use super::super::survey::Survey;
 
-/// Form of an attachment that holds a link, a part with two ends: along the link it yields as the link itself would.
+/// Form of an attachment that holds a link, which is a part with two ends. Along the link it is indistinguishable from compliance of the
+/// link.
 pub(super) const IN_LINE: &str = "holds a link";
 
 /// Adds the compliance of every joint and spring with one side on ground, equal in all directions.

@@ -28,7 +28,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
     (4, 5, "ry-rz"),
 ];
 
-/// Every pair of components of every bushing.
+/// Adds a coupling between every pair of components of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (at, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {

@@ -5,7 +5,7 @@ use super::super::hypothesis::{Hypothesis, SIX};
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// Every bushing, about each of its axes alone and about all of them.
+/// Adds the rotation of every bushing about each of its axes alone, and about all of them.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active {

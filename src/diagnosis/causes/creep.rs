@@ -14,7 +14,7 @@ use super::super::survey::{Survey, statement};
 /// reading. With a fraction near one, the force would depend on the last load step only, which looks like friction if the steps are equal.
 const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.5, "fast")];
 
-/// Every component of every bushing.
+/// Adds creep of every component of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let bushings = survey.model.bushings.iter().enumerate();
     for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {

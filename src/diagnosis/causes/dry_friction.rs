@@ -15,7 +15,7 @@ use super::super::survey::Survey;
 
 use super::super::survey::statement;
 
-/// Where the search begins: slip lengths as parts of the range, and the force in the first case as a part of the limit.
+/// First guesses: slip length as a fraction of the displacement range, and force in the first case as a fraction of the limit.
 const FORMS: [(f64, f64, &str); 9] = [
     (0.01, 0.0, "short, free at first"),
     (0.01, 1.0, "short, pushed at first"),
@@ -28,18 +28,18 @@ const FORMS: [(f64, f64, &str); 9] = [
     (0.3, -1.0, "long, pulled at first"),
 ];
 
-/// Sliders of one friction at most.
+/// Maximum number of sliders of one friction.
 pub(crate) const SLIDERS: usize = 3;
 
-/// Makes a slider a further one of a friction that is there: some in parallel, one of which slips before the other, are a law whose limit
-/// is reached by degrees. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
+/// Turns a slider into a further term of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
+/// limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
 pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, part: usize) {
     h.part = part;
     h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
 
-/// What makes the limit of each friction in the model larger one way and smaller the other: a constant force beside a slider is a slider
-/// whose spring starts elsewhere and whose limits are this force apart from the mean.
+/// Returns terms that make the limit of each friction in the model larger in one direction and smaller in the other. A constant force
+/// parallel to a slider is equivalent to a slider with another anchor, whose limits differ from their mean by that force.
 pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &Hypothesis)| {

@@ -6,7 +6,7 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
-/// Rates and preloads of springs, and stiffnesses of bushings that are not identified.
+/// Adds rates and preloads of springs, and stiffnesses of bushings that are not identified.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {

@@ -7,7 +7,7 @@ use super::super::frame::by_frame;
 use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity};
 use super::super::survey::Survey;
 
-/// Every load case with marks: a shift and a turn about the centroid of its marks.
+/// Adds for every load case with marks a shift of the frame and a rotation about the centroid of the marks.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {

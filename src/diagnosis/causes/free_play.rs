@@ -9,7 +9,7 @@ use super::super::hypothesis::{
 use super::super::survey::Survey;
 use super::link_compliance::link_ends;
 
-/// Every movable part with exactly two attachments, at both ends.
+/// Adds free play at both ends of every movable part with exactly two attachments.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     let sd = survey.priors().free_play_mm * survey.millimetre();

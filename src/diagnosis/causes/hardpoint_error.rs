@@ -10,7 +10,7 @@ use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
-/// Every point, in all directions and along each one alone; and every end of a joint, primitive or spring.
+/// Adds the displacement of every point, in all directions and along each one alone, and of every end of a joint, primitive or spring.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let model = survey.model;
     for point in survey.points() {

@@ -12,7 +12,7 @@ use super::super::hypothesis::{
 };
 use super::super::survey::Survey;
 
-/// One end of a movable part with exactly two attachments.
+/// End of a movable part with exactly two attachments.
 pub(super) struct LinkEnd {
     /// Id of the part.
     pub part: u32,

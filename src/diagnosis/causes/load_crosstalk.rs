@@ -6,7 +6,7 @@ use super::super::survey::Survey;
 use super::load_gain::growing;
 use admire_identify::tolerance::EffectGroup;
 
-/// Every ordered pair of loads.
+/// Adds constant and growing cross-talk for every ordered pair of loads.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let loads = survey.loads();
     for to in loads {

@@ -6,7 +6,7 @@ use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
-/// Every load of the study.
+/// Adds a constant and a growing gain error of every load of the study.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for load in survey.loads() {
         let address = load.target.to_string();

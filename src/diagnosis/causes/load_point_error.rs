@@ -5,7 +5,7 @@ use super::super::hypothesis::Hypothesis;
 use super::super::survey::Survey;
 use admire_identify::tolerance::EffectGroup;
 
-/// The point of every driven force, once.
+/// Adds the displacement of every point where a load acts, along each axis alone and in all directions.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);

@@ -24,7 +24,7 @@ use super::cause::Cause;
 use super::hypothesis::Hypothesis;
 use super::survey::Survey;
 
-/// Every hypothesis at every place of the deck, in a fixed order.
+/// Returns all candidate effects at all sites of the deck, in a fixed order.
 pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);

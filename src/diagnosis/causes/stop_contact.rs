@@ -18,7 +18,7 @@ const GRID: [(f64, &str, &str); 4] = [
     (0.85, "above 0.85", "below 0.85"),
 ];
 
-/// Joints that slide, and springs along their length, at both ends of their travel.
+/// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
