@@ -71,7 +71,8 @@
 //! | `admire-lsp` | the language server |
 //! | `admire-sweep` | variants and identifications by the thousand |
 //!
-//! Features: `cli` (the command `admire`), `lsp`, `sweep`, on by default; `python` (the Python package).
+//! Features, on by default: `cli` (the command `admire`), `kc` (tests of an axle), `report` (studies with their pages), `lsp`, `sweep`. Off by
+//! default: `python` (the Python package).
 #![warn(unreachable_pub)]
 // Rooms that are hidden or private link to what is private with them.
 #![allow(rustdoc::private_intra_doc_links)]
@@ -86,21 +87,27 @@ mod front;
 #[cfg(feature = "python")]
 mod python;
 
+#[cfg(feature = "report")]
 pub use admire_design::Aim;
 pub use admire_diagnosis::GainCheck;
 #[doc(inline)]
 pub use admire_guide as guide;
+#[cfg(feature = "kc")]
 pub use admire_kc::Convention;
 pub use admire_results::{Header, ResultUnits, SelectedColumn, StepFilter, StepKind};
 pub use admire_session::{Ending, Stop};
 pub use admire_study::settings::Method;
 pub use admire_syntax::diagnostic::{Code, Severity};
 pub use admire_syntax::diff::{Change, Difference, Tolerance};
+#[cfg(feature = "kc")]
+pub use front::{AxleTests, Beside};
 pub use front::{
-    AxleTests, Beside, Command, Commands, Complaint, Deck, DiagnosisAnswer, Error, ErrorKind,
-    Identification, Place, PlanAnswer, ProgressObserver, ProgressSnapshot, Results, Rows, Run,
-    SensitivityRow, SensitivityTable, Setting, SharedProgress, Study,
+    Command, Commands, Complaint, Deck, Error, ErrorKind, Place, ProgressObserver,
+    ProgressSnapshot, Results, Rows, Run, SensitivityRow, SensitivityTable, Setting,
+    SharedProgress,
 };
+#[cfg(feature = "report")]
+pub use front::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 
 /// What an [`Identification`] holds: the types of `identification.json`.
 pub mod fit {

@@ -3,21 +3,28 @@
 //! The Python package and the subcommands sit on the same functions, so that all three give the same answers.
 
 mod assignment;
+#[cfg(feature = "kc")]
 mod axle;
 mod commands;
 mod deck;
 mod deck_edits;
 mod error;
+#[cfg(feature = "report")]
 pub(crate) mod fit_view;
+#[cfg(feature = "report")]
 mod foreign;
+#[cfg(feature = "kc")]
 mod kc_measured;
+#[cfg(feature = "kc")]
 mod kc_page;
 pub(crate) mod permissions;
 mod persist;
 mod results;
 mod run;
 mod sensitivity;
+#[cfg(feature = "report")]
 mod study;
+#[cfg(feature = "report")]
 mod suggested;
 #[cfg(test)]
 mod tests;
@@ -27,6 +34,7 @@ mod writing;
 
 pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
 pub(crate) use assignment::{Before, edits, new_errors, outline};
+#[cfg(feature = "kc")]
 pub use axle::{AxleTests, Beside};
 pub use commands::{Command, Commands};
 pub use deck::{Deck, Setting};
@@ -34,14 +42,19 @@ pub(crate) use deck_edits::{
     edited, kind_with_ids, moving_parts, no_statement, removal, with_statements,
 };
 pub use error::{Complaint, Error, ErrorKind, Place};
+#[cfg(feature = "report")]
 pub(crate) use foreign::foreign_parts;
+#[cfg(feature = "kc")]
 pub(crate) use kc_measured::measured;
+#[cfg(feature = "kc")]
 pub(crate) use kc_page::kc_page;
 pub use results::{Results, Rows};
 pub use run::Run;
 pub(crate) use sensitivity::Unavailable;
 pub use sensitivity::{SensitivityRow, SensitivityTable};
+#[cfg(feature = "report")]
 pub use study::{DiagnosisAnswer, Identification, PlanAnswer, Study};
+#[cfg(feature = "report")]
 pub(crate) use suggested::suggested;
 pub(crate) use unit_words::units;
 pub(crate) use value::{is_angle, rounded, value};
