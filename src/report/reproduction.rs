@@ -1,18 +1,18 @@
-//! The page of the paper's validations run again.
+//! Page of the paper's validations, repeated with this program.
 
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use admire_identify::reproduction::Section;
 use admire_results::Timestamp;
 
-/// What the page shows.
+/// Report of the repeated validations.
 #[derive(Clone, Debug)]
 pub struct ReproductionReport<'a> {
-    /// The validations.
+    /// Validations.
     pub sections: &'a [Section],
 }
 
 impl ReproductionReport<'_> {
-    /// The whole page.
+    /// Creates the page.
     ///
     /// # Errors
     /// When a picture cannot be drawn.
