@@ -1,8 +1,7 @@
 //! `admire`: an ADAMS-compatible file toolkit and drop-in solver.
 //!
-//! It reads, edits, checks and writes ADAMS datasets (`.adm`), command files (`.acf`) and results (`.res`), solves the same decks
-//! for static equilibrium, identifies bushing stiffnesses from measured part displacements, and says what a model still gets
-//! wrong.
+//! It reads, edits, checks and writes ADAMS datasets (`.adm`), command files (`.acf`) and results (`.res`). It solves the same decks for
+//! static equilibrium, identifies bushing stiffnesses from measured part displacements, and diagnoses the remaining faults of a model.
 //!
 //! # First steps
 //!
@@ -22,8 +21,8 @@
 //! # }
 //! ```
 //!
-//! A [`Deck`] reads, changes, checks and saves a dataset, finds its equilibrium and executes command files; a [`Run`] holds what files would.
-//! [`Results`] reads results files of any size. A [`Study`] identifies stiffnesses and diagnoses:
+//! A [`Deck`] reads, changes, checks and saves a dataset, finds its equilibrium and executes command files. A [`Run`] contains the contents
+//! of the output files. [`Results`] reads results files of any size. A [`Study`] identifies stiffnesses and diagnoses the model:
 //!
 //! ```
 //! use admire::{SharedProgress, Study};
@@ -38,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! # The ladder: one word, one owner, one direction
+//! # From bytes to results
 //!
 //! ```text
 //! bytes -> Source -> tokens -> Dataset -> lower -> Model -> compile -> System + Parameters -> newton(State) -> Equilibrium
@@ -51,32 +50,32 @@
 //!
 //! # Crates
 //!
-//! From the bottom up; a crate uses those above it in this list only, and each can be taken alone. The commands, the Python package and
-//! this front use them all.
+//! The crates are listed from the bottom up. Each uses only crates above it in this list, and can be used alone. The commands, the Python
+//! package and this front use all of them.
 //!
-//! | crate | what it owns |
+//! | crate | contents |
 //! |---|---|
 //! | `admire-guide` | the pages of the guide, text only |
-//! | `admire-syntax` | datasets and command files as text, units, grammar, complaints |
+//! | `admire-syntax` | datasets and command files as text, units, grammar, diagnostics |
 //! | `admire-results` | results files: readers and writers |
 //! | `admire-solver` | model, laws, joints, equations, equilibrium, motion |
-//! | `admire-session` | command files executed, backends, the check of one file |
+//! | `admire-session` | execution of command files, backends, checks of single files |
 //! | `admire-study` | study files, marks, readings |
 //! | `admire-rig` | the virtual rig, planted effects |
 //! | `admire-kc` | standard tests and characteristics of an axle |
 //! | `admire-identify` | regression, direct, Gauss-Newton; tolerances of axle and rig |
 //! | `admire-diagnosis` | causes, search, extension, gain |
-//! | `admire-design` | what to measure next |
+//! | `admire-design` | planning of further measurements |
 //! | `admire-report` | HTML and SVG |
 //! | `admire-lsp` | the language server |
-//! | `admire-sweep` | variants and identifications by the thousand |
+//! | `admire-sweep` | sweeps over variants of a deck, repeated identifications |
 //!
 //! Features, on by default: `cli` (the command `admire`), `kc` (tests of an axle), `report` (studies with their pages), `lsp`, `sweep`. Off by
 //! default: `python` (the Python package).
 #![warn(unreachable_pub)]
-// Rooms that are hidden or private link to what is private with them.
+// Private and hidden modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
-// Some of the front is for the commands alone.
+// Some items of the front are used only by the commands.
 #![cfg_attr(not(feature = "cli"), allow(dead_code))]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -109,7 +108,7 @@ pub use front::{
 #[cfg(feature = "report")]
 pub use front::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 
-/// What an [`Identification`] holds: the types of `identification.json`.
+/// Contents of an [`Identification`]: the types of `identification.json`.
 pub mod fit {
     pub use admire_identify::structure::LackOfFitTest;
     pub use admire_identify::{
@@ -121,7 +120,7 @@ pub mod fit {
     pub use admire_solver::system::Name;
 }
 
-/// What a [`DiagnosisAnswer`] holds: the types of `diagnosis.json`.
+/// Contents of a [`DiagnosisAnswer`]: the types of `diagnosis.json`.
 pub mod diagnosis {
     pub use admire_diagnosis::{
         BaselineFit, Cause, CauseLimit, CrossValidation, DetectionLimit, Diagnosis, Evidence,
@@ -131,7 +130,7 @@ pub mod diagnosis {
     pub use admire_identify::{NoiseFound, Status, ToleranceFound};
 }
 
-/// What a [`PlanAnswer`] holds: the types of `plan.json`.
+/// Contents of a [`PlanAnswer`]: the types of `plan.json`.
 pub mod plan {
     pub use admire_design::{
         Combination, Curves, Kind, Plan, Ranked, Separation, Undecided, WheelSd,

@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     target: Target,
 }
 
-/// Writes the larger deck.
+/// Adds the statements and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);

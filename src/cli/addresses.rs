@@ -1,4 +1,4 @@
-//! Completion of addresses inside of a deck.
+//! Shell completion of addresses within a deck.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -11,11 +11,11 @@ use admire_syntax::grammar::ValueKind;
 use admire_syntax::text::Source;
 use admire_syntax::{Dataset, Statement};
 
-/// More candidates than a person chooses from are not offered.
+/// Largest number of candidates offered.
 const MOST: usize = 2000;
 
-/// The addresses of the deck on the command line that begin with what was typed: first objects by keyword and id and by view
-/// name, behind a dot their arguments, behind another the places of their values.
+/// Returns the completions of an address in the deck named on the command line. These are objects by keyword and id or by view name, after
+/// a dot their arguments, and after another dot the indices of their values.
 pub(super) fn complete(current: &OsStr) -> Vec<CompletionCandidate> {
     let Some(typed) = current.to_str() else {
         return Vec::new();
@@ -36,7 +36,7 @@ pub(super) fn complete(current: &OsStr) -> Vec<CompletionCandidate> {
         .collect()
 }
 
-/// The columns of the results file on the command line that begin with what was typed.
+/// Returns the completions of a column name in the results file named on the command line.
 pub(super) fn complete_columns(current: &OsStr) -> Vec<CompletionCandidate> {
     let typed = current.to_string_lossy();
     let file = std::env::args_os().map(PathBuf::from).find(|word| {

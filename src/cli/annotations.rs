@@ -1,4 +1,4 @@
-//! Complaints for other programs: SARIF 2.1.0 for code scanning, and workflow commands of GitHub.
+//! Diagnostics for other programs: SARIF 2.1.0 for code scanning, and workflow commands of GitHub.
 
 use serde_json::{Value, json};
 
@@ -6,7 +6,7 @@ use admire_session::Sources;
 use admire_syntax::diagnostic::{Code, Diagnostic, Label, Severity};
 use admire_syntax::text::{Source, Span};
 
-/// One log with one run; the rules are the codes that occur.
+/// Formats diagnostics as a SARIF log with one run; the rules are the codes that occur.
 pub(super) fn sarif(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let mut codes: Vec<Code> = diagnostics.iter().map(|found| found.code).collect();
     codes.sort_unstable();
@@ -115,7 +115,7 @@ fn location(label: &Label, sources: &Sources) -> Value {
     location
 }
 
-/// Lines and columns from 1; columns count characters.
+/// Returns lines and columns, counted from 1; columns count characters.
 fn lines(source: &Source, span: Span) -> Value {
     let place = |offset: usize| {
         let at = source.line_column(offset);
@@ -127,7 +127,7 @@ fn lines(source: &Source, span: Span) -> Value {
     json!({ "startLine": line, "startColumn": column, "endLine": end_line, "endColumn": end_column })
 }
 
-/// A path as a reference of a URI.
+/// Encodes a path as a URI reference.
 fn uri(path: &str) -> String {
     let mut out = String::new();
     for byte in path.replace('\\', "/").bytes() {
@@ -141,7 +141,7 @@ fn uri(path: &str) -> String {
     out
 }
 
-/// One line each: `::error file=a.adm,line=3,col=5,...::message`.
+/// Formats each diagnostic as one line: `::error file=a.adm,line=3,col=5,...::message`.
 pub(super) fn github(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let mut out = String::new();
     for found in diagnostics {
@@ -157,7 +157,7 @@ pub(super) fn github(diagnostics: &[Diagnostic], sources: &Sources) -> String {
                 let from = source.line_column(label.span.start());
                 let to = source.line_column(label.span.end());
                 properties.push(format!("line={},endLine={}", from.line, to.line));
-                // Columns of several lines mean nothing there.
+                // GitHub ignores columns of a range over several lines.
                 if from.line == to.line {
                     properties.push(format!("col={},endColumn={}", from.column, to.column));
                 }

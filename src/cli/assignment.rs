@@ -1,4 +1,4 @@
-//! What an assignment of the command line means: `BUSHING/*.K.1*=1.2` is one value for each of several addresses.
+//! Assignments on the command line: `BUSHING/*.K.1*=1.2` assigns one value to each of several addresses.
 
 use crate::front::{is_angle, rounded};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -6,7 +6,7 @@ use admire_syntax::{Address, Argument, Dataset, Value, number, spell_like};
 
 use super::shell::{Exit, Shell};
 
-/// What stands in front of the equals sign.
+/// Operator before the equals sign.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Operator {
     Set,
@@ -16,21 +16,21 @@ enum Operator {
     Divide,
 }
 
-/// One assignment of the command line, taken apart.
+/// Parsed assignment from the command line.
 pub(super) struct Assignment<'a> {
-    /// What stands in front of the operator: an address or a pattern.
+    /// Text before the operator: an address or a pattern.
     pub left: &'a str,
     operator: Operator,
     value: &'a str,
 }
 
 impl<'a> Assignment<'a> {
-    /// What stands in front of the operator, if the text is an assignment.
+    /// Returns the text before the operator, if the text is an assignment.
     pub(crate) fn left(text: &'a str) -> Option<&'a str> {
         Some(operator(text.split_once('=')?.0).0)
     }
 
-    /// Takes an assignment apart.
+    /// Parses an assignment.
     pub(crate) fn of(text: &'a str, shell: &Shell) -> Result<Self, Exit> {
         let Some((left, value)) = text.split_once('=') else {
             return Err(shell.usage(
@@ -47,8 +47,8 @@ impl<'a> Assignment<'a> {
     }
 }
 
-/// The plain assignments that one of the command line stands for: an address and the text of its new value each. `degrees` says
-/// that plain numbers for angles are degrees.
+/// Expands an assignment into plain assignments: addresses, each with the text of its new value. With `degrees`, plain numbers for angles
+/// are degrees.
 pub(super) fn expanded(
     assignment: &str,
     dataset: &Dataset,
@@ -64,7 +64,7 @@ pub(super) fn expanded(
     reckoned(&assignment, addresses, dataset, degrees, shell)
 }
 
-/// The new value of each address, as text.
+/// Computes the new value of each address, as text.
 pub(super) fn reckoned(
     assignment: &Assignment<'_>,
     addresses: Vec<Address>,
@@ -102,7 +102,7 @@ pub(super) fn reckoned(
             let message = format!("{address} is not a number");
             return Err(shell.fail(Diagnostic::error(Code::WrongType, message)));
         };
-        // An angle that is written in degrees is reckoned in degrees: they have fewer digits.
+        // An angle written in degrees is computed in degrees, which have fewer digits.
         let written = dataset
             .number_at(&address)
             .is_some_and(|number| number.degrees);
@@ -112,7 +112,7 @@ pub(super) fn reckoned(
         } else {
             old
         };
-        // A term has the unit of the value, a factor has none.
+        // A term has the unit of the value; a factor is dimensionless.
         let term = match (in_degrees, degrees && !has_suffix) {
             (true, false) => rounded(operand.to_degrees()),
             _ => operand,
@@ -130,7 +130,7 @@ pub(super) fn reckoned(
         }
         let suffix = if in_degrees { "D" } else { "" };
         let new = rounded(new);
-        // In the style of the old spelling, which holds an angle in radians.
+        // The new text follows the style of the old number. `spell_like` expects an angle in radians.
         let text = match dataset.number_at(&address) {
             Some(number) if written || !in_degrees => {
                 let value = if in_degrees { new.to_radians() } else { new };
@@ -143,7 +143,7 @@ pub(super) fn reckoned(
     Ok(all)
 }
 
-/// The address and the operator in front of the equals sign. A star behind a dot or slash is part of a pattern.
+/// Splits the text before the equals sign into address and operator. A star after a dot or slash is part of a pattern.
 fn operator(left: &str) -> (&str, Operator) {
     let left = left.trim();
     let Some(last) = left.chars().next_back() else {
@@ -161,7 +161,7 @@ fn operator(left: &str) -> (&str, Operator) {
     (before.trim_end(), operator)
 }
 
-/// An argument of several numbers is all of them.
+/// Expands an argument of several numbers into the addresses of its values.
 fn places(address: &Address, dataset: &Dataset) -> Vec<Address> {
     let Some(name) = address
         .argument

@@ -53,7 +53,7 @@ const EXAMPLES: &str = "Examples:
   admire check models --format sarif > admire.sarif
   admire check models --format github";
 
-/// Prints the complaints about all files.
+/// Checks all files and prints the diagnostics.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut found: Vec<Diagnostic> = Vec::new();
     let mut unread = false;
@@ -91,7 +91,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Some(loaded) => tables.push(Plausibility::of(loaded)),
             None => steps.extend(Study::read(folder).value.iter().flat_map(missing)),
         }
-        // What there is to say of its deck has been said, or is not to be shown.
+        // The deck's diagnostics were printed above, or are not to be shown.
         let deck = read
             .value
             .map(|loaded| loaded.study.deck.name().to_string());
@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let file = d.labels.first().map(|label| label.file.to_string());
             file.is_some() && file == deck
         };
-        // What is still to be filled in is no fault of a study: the list of steps says it.
+        // Missing entries of an unfinished study are not faults; the list of steps names them.
         let is_step = |d: &Diagnostic| {
             let Some(file) = d.labels.first().map(|label| &label.file) else {
                 return false;
@@ -135,7 +135,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit_of(&found))
 }
 
-/// `3 files: 1 error, 2 warnings, 0 notes`.
+/// Formats the totals: `3 files: 1 error, 2 warnings, 0 notes`.
 fn counted(files: usize, found: &[Diagnostic]) -> String {
     let many = |severity: Severity, word: &str| {
         let count = found.iter().filter(|d| d.severity == severity).count();
@@ -150,7 +150,7 @@ fn counted(files: usize, found: &[Diagnostic]) -> String {
     )
 }
 
-/// Everything there is to say of a command file: by itself, and against the decks it names.
+/// Returns all diagnostics of a command file, alone and against the decks it names.
 fn of_command_file(source: Source, shell: &mut Shell) -> Vec<Diagnostic> {
     shell.sources.add(source.clone());
     check::command_file(CommandFile::parse(source), |path| {
@@ -159,7 +159,7 @@ fn of_command_file(source: Source, shell: &mut Shell) -> Vec<Diagnostic> {
     })
 }
 
-/// Everything there is to say of a dataset, each fault once, in the order of the file.
+/// Returns all diagnostics of a dataset, each fault once, in the order of the file.
 fn of_dataset(source: Source, fortran: bool, shell: &mut Shell) -> Vec<Diagnostic> {
     let read = Dataset::parse(source);
     let files = shell.read_files(&read.value);

@@ -1,4 +1,4 @@
-//! What `admire check` shows: the flags of the command line on top of `admire.toml`.
+//! Settings of `admire check`: the flags of the command line on top of `admire.toml`.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use admire_syntax::diagnostic::Code;
 
 use super::shell::{Exit, Shell};
 
-/// Who is to solve a deck.
+/// Solver for which a deck is intended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum SolverChoice {
     /// ADAMS: limits of the built-in solver are not reported, nor files that only graphics read.
@@ -49,7 +49,7 @@ pub(super) struct Flags {
     config: Option<PathBuf>,
 }
 
-/// The settings of every folder met so far.
+/// Cache of the settings of all folders visited so far.
 pub(super) struct AllSettings<'a> {
     flags: &'a Flags,
     known: BTreeMap<PathBuf, Settings>,
@@ -63,7 +63,7 @@ impl<'a> AllSettings<'a> {
         }
     }
 
-    /// The settings for a file: those of the nearest `admire.toml` above it, and the flags, which come first.
+    /// Returns the settings for a file: the nearest `admire.toml` above it, overridden by the flags.
     pub(super) fn of(&mut self, file: &Path, shell: &mut Shell) -> Result<Settings, Exit> {
         let table = match &self.flags.config {
             Some(path) => Some(path.clone()),

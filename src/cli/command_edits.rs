@@ -11,11 +11,11 @@ use admire_syntax::{Address, CommandFile, Dataset, lint};
 use super::assignment::{Assignment, reckoned};
 use super::shell::{Exit, Shell};
 
-/// What a text names among the commands of a file: for each of them its own name (`SIMULATE#2.END`), the command as the only
-/// statement of a dataset, and the address in that.
+/// Finds the commands of a file that match a text. Each match consists of its name (`SIMULATE#2.END`), a dataset with the command as its
+/// only statement, and the address in this dataset.
 ///
 /// # Errors
-/// `undefined-id` if there is no such command, `ambiguous-keyword` if there are several and the text does not say which.
+/// `undefined-id` if there is no such command, `ambiguous-keyword` if there are several and the text does not select one.
 pub(super) fn places(
     file: &CommandFile,
     text: &str,
@@ -104,8 +104,8 @@ pub(super) fn places(
     Ok(all)
 }
 
-/// The command file after some assignments. One that would have a new fault is refused, unless `force` is; one that could not be read
-/// is refused in any case.
+/// Applies assignments to a command file and returns its new text. An assignment that causes a new fault is refused unless `force` is set;
+/// one that makes the file unreadable is always refused.
 pub(super) fn set(
     source: Source,
     assignments: &[String],

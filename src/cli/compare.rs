@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     all: bool,
 }
 
-/// Prints the differences.
+/// Compares the files and prints the differences.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (mut a, mut b) = (open(&arguments.a, shell)?, open(&arguments.b, shell)?);
     let tolerance = Tolerance {
@@ -149,7 +149,7 @@ fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{end}")
 }
 
-/// The columns of one entity in one line: its name and how many they are; a single column by its own name.
+/// Groups the columns by entity, each with its number of columns. A single column keeps its own name.
 fn by_entity(paths: &[String]) -> Vec<(&str, usize)> {
     let mut found: Vec<(&str, &str, usize)> = Vec::new();
     let mut places: HashMap<&str, usize> = HashMap::new();

@@ -17,13 +17,13 @@ pub(super) struct Arguments {
 }
 
 /// Prints the script.
-#[allow(clippy::unnecessary_wraps)] // Every subcommand has an outcome.
+#[allow(clippy::unnecessary_wraps)] // All subcommands return an outcome.
 pub(super) fn run(arguments: &Arguments) -> Outcome {
     let shells = Shells::builtins();
     let completer = shells
         .completer(&arguments.shell.to_string())
         .expect("every shell of the list has a completer");
-    // Nobody may be listening.
+    // Errors are ignored, because the reader may have closed the stream.
     let _ = completer.write_registration(
         "COMPLETE",
         "admire",

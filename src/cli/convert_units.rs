@@ -32,7 +32,7 @@ const EXAMPLES: &str = "Examples:
   admire convert-units deck.adm --to mks -o deck_m.adm
   admire convert-units deck.adm --to inch,pound_force,pound_mass --in-place";
 
-/// Writes the converted deck.
+/// Converts the deck and writes it.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if is_command_file(&arguments.deck) {
         return Err(shell.usage(

@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     permission: Permission,
 }
 
-/// What stands for a [`GainCheck`].
+/// Command-line choice of a [`GainCheck`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum CheckChoice {
     /// Refits without those cases; the causes were chosen with them.
@@ -56,7 +56,7 @@ enum CheckChoice {
     Folds,
 }
 
-/// What is written.
+/// Names of the output files.
 const OUTPUTS: [&str; 4] = [
     "extended.adm",
     "extended.acf",
@@ -64,13 +64,13 @@ const OUTPUTS: [&str; 4] = [
     "report.html",
 ];
 
-/// Diagnoses, writes and prints.
+/// Diagnoses the study, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     refuse_replacing(&arguments.out, &OUTPUTS, arguments.replacing, shell)?;
     let mut loaded = study(&arguments.study, shell)?;
     let foreign = foreign_parts(&loaded);
     if !foreign.is_empty() {
-        // Nobody asks what is wrong with a model when the readings are not of its parts.
+        // If the readings belong to other parts, a diagnosis of the model is meaningless.
         shell.complain(&foreign);
         return Err(Exit::Findings);
     }
@@ -133,8 +133,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Holds the solver of the study against the built-in one, which searches, and fits the numbers to it. Without an answer of it the diagnosis
-/// stands, and says so.
+/// Compares the study's own solver with the built-in solver, which does the search, and refits the numbers to it. If it fails, the
+/// diagnosis remains valid, with a remark.
 fn compare(loaded: &LoadedStudy, outcome: &mut Diagnosed<'_>, shell: &mut Shell) {
     let mut backend = solver::backend(&loaded.study, None, &|note| {
         shell.complain(std::slice::from_ref(note));
@@ -174,7 +174,7 @@ fn write(
     write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
-/// The answer for a person.
+/// Formats the result as text.
 fn words(loaded: &LoadedStudy, outcome: &Diagnosed<'_>) -> String {
     let diagnosis = &outcome.diagnosis;
     let verdict = match diagnosis.verdict {

@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     abs: f64,
 }
 
-/// Prints a line per change.
+/// Prints one line for each change.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (a, b) = (shell.read(&arguments.a)?, shell.read(&arguments.b)?);
     let (a, b) = (Dataset::parse(a).value, Dataset::parse(b).value);

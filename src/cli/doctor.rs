@@ -27,10 +27,10 @@ pub(super) struct Arguments {
     permission: Permission,
 }
 
-/// A program that says nothing for so long does not answer.
+/// Time after which a silent program counts as unresponsive.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Prints what was found; exit code 1 if something is broken.
+/// Prints the findings; the exit code is 1 if something is broken.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut report = Report::default();
     programs(&mut report);
@@ -92,7 +92,7 @@ impl Report {
     }
 }
 
-/// This program, the solver beside it, and the one a script finds.
+/// Reports this program, the solver next to it, and the solver that a script would find.
 fn programs(report: &mut Report) {
     let own = std::env::current_exe().and_then(dunce::canonicalize);
     let shown = own
@@ -124,7 +124,7 @@ fn programs(report: &mut Report) {
     report.fine("mdi on the PATH", &format!("{} ({whose})", found.display()));
 }
 
-/// True for the solver beside this program, or a shim that starts it.
+/// Returns true for the solver next to this program, and for a shim that starts it.
 fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
     let Some(beside) = beside else { return false };
     let same = dunce::canonicalize(found).ok().as_deref() == Some(beside);
@@ -135,7 +135,7 @@ fn is_ours(found: &Path, beside: Option<&Path>) -> bool {
     same || starts
 }
 
-/// The program that a study's `[solver]` names.
+/// Reports the program named in a study's `[solver]`.
 fn of_study(
     folder: &Path,
     permission: Permission,
@@ -170,7 +170,7 @@ fn of_study(
     };
     let named = NamedProgram::named_in(&study.folder.join("study.toml"), &study.solver.command);
     permission.ask(named.as_ref(), shell)?;
-    // `exit` leaves ADAMS' menu of commands before any product, and its licence, is asked for.
+    // `exit` leaves ADAMS' command menu before it starts a product and takes a licence.
     match first_words(&found, &["-c", "exit"]) {
         Some(words) => report.fine(
             "program of study",
@@ -184,7 +184,7 @@ fn of_study(
     Ok(())
 }
 
-/// The first line with words that a program says; `None` if it says none or does not end.
+/// Returns the first line with words in a program's output; `None` if there is none or the program does not end.
 fn first_words(program: &Path, arguments: &[&str]) -> Option<String> {
     let folder = tempfile::tempdir().ok()?;
     let mut child = Command::new(program)
@@ -198,7 +198,7 @@ fn first_words(program: &Path, arguments: &[&str]) -> Option<String> {
     let mut out = child.stdout.take()?;
     let reader = std::thread::spawn(move || {
         let mut text = Vec::new();
-        // What came before an error is enough.
+        // The output before a read error is sufficient.
         let _ = out.by_ref().take(65_536).read_to_end(&mut text);
         text
     });

@@ -1,4 +1,4 @@
-//! What an edit does to a deck beyond the value it is about: looked at before anything is written.
+//! Checks of a deck after an edit, before anything is written.
 
 use crate::front::Before;
 use admire_syntax::Dataset;
@@ -7,7 +7,7 @@ use admire_syntax::text::Edit;
 
 use super::shell::{Exit, Shell};
 
-/// The deck after edits of its text.
+/// Applies edits to the text of a deck.
 pub(super) fn edited(
     deck: &Dataset,
     edits: &[Edit],
@@ -16,7 +16,7 @@ pub(super) fn edited(
     crate::front::edited(deck, edits).map_err(|refused| shell.fail(refused))
 }
 
-/// Gives up, having said why, if a deck has an error that it had not before; with `force` the errors are only told.
+/// Reports new errors of a deck and refuses to continue; with `force`, they are only reported.
 pub(super) fn refuse_faults(
     before: &Before,
     after: &Checked<Dataset>,

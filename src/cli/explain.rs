@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
 }
 
-/// Keywords, functions and codes that begin with what was typed.
+/// Completes keywords, functions, codes and terms of the guide.
 fn complete(current: &std::ffi::OsStr) -> Vec<CompletionCandidate> {
     let typed = current.to_string_lossy();
     let statements = STATEMENTS.iter().map(|def| def.name);
@@ -104,12 +104,12 @@ fn list() -> String {
     out
 }
 
-/// A word and its meaning.
+/// Adds a word with its meaning.
 fn entry(out: &mut String, word: &str, meaning: &str) {
     out.push_str(&hanging(&format!("  {word:24} "), meaning));
 }
 
-/// The page of a word, or what to say when there is none.
+/// Returns the page of a word, or an error message if the word is unknown.
 fn page(word: &str) -> Result<String, String> {
     if word.eq_ignore_ascii_case("priors") {
         return Ok(priors());
@@ -154,7 +154,7 @@ fn page(word: &str) -> Result<String, String> {
         .chain(Code::ALL.iter().map(|code| code.as_str()));
     let entries: Vec<String> = glossary::entries().map(|entry| entry.term).collect();
     let names = names.chain(entries.iter().map(String::as_str));
-    // Spelling is compared in capitals.
+    // Words are compared in capitals.
     let capitals: Vec<(String, &str)> = names
         .map(|name| (name.to_ascii_uppercase(), name))
         .collect();

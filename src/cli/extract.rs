@@ -38,7 +38,7 @@ const EXAMPLES: &str = "Examples:
   admire extract car.adm knuckle -o knuckle.adm
   admire extract car.adm PART/7 PART/8 | admire check -";
 
-/// Writes the smaller deck.
+/// Extracts the parts and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
     let parsed = Dataset::parse(source);
@@ -65,8 +65,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// A deck as it may be printed: what names and comments hold that commands a terminal is spelled out. An extract is a dataset of its own,
-/// so that nothing has to stay as it is. Bytes that are no UTF-8 and line ends do.
+/// Escapes characters in names and comments that could control a terminal. An extract is a new dataset, so its text need not stay as in the
+/// original. Bytes that are not UTF-8 and line ends are kept.
 fn harmless(deck: &[u8]) -> Vec<u8> {
     let mut out = Vec::with_capacity(deck.len());
     for line in deck.split_inclusive(|byte| matches!(byte, b'\n' | b'\r')) {

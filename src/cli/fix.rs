@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     plain: Vec<String>,
 }
 
-/// Shows and makes the changes.
+/// Shows the changes and applies them.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut exit = Exit::Fine;
     for path in &files_of(&arguments.decks, shell)? {
@@ -74,7 +74,7 @@ const EXAMPLES: &str = "Examples:
   admire fix front.adm --write            change it
   admire fix models --unsafe              misspelt keywords, too";
 
-/// The file with every fix made that does not touch another one. A word that was mended may show more to mend.
+/// Applies all fixes that do not overlap. The rounds repeat, because a corrected word may reveal further faults.
 fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> {
     const ROUNDS: usize = 10;
     let mut source = source.clone();
@@ -92,7 +92,7 @@ fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> 
         } else {
             safe_fixes(&found, source.name())
         };
-        // Edits that still conflict leave the file as it is.
+        // If edits still conflict, the file stays as it is.
         match apply_edits(source.bytes(), &edits) {
             Ok(bytes) if !edits.is_empty() => source = Source::new(source.name(), bytes),
             _ => break,
@@ -101,7 +101,7 @@ fn fixed(source: &Source, is_command_file: bool, may_be_wrong: bool) -> Vec<u8> 
     source.bytes().to_vec()
 }
 
-/// The file with the curves of property files in place of the subroutines that read them.
+/// Replaces subroutines that read property files by the curves of these files.
 fn without_user_forces(
     source: &Source,
     arguments: &Arguments,
@@ -139,8 +139,8 @@ fn without_user_forces(
     Ok(apply_edits(source.bytes(), &replacement.edits).unwrap_or_else(|_| source.bytes().to_vec()))
 }
 
-/// The file of a name of the Adams/Car database (`mdids://acar/bushings.tbl/a.bus`) below a folder: by its last part, whatever
-/// the case of its letters.
+/// Finds the file of a name in the Adams/Car database (`mdids://acar/bushings.tbl/a.bus`) below a folder. Only the last part of the name is
+/// compared, regardless of case.
 fn below(folder: &Path, name: &str) -> Option<PathBuf> {
     let last = name.rsplit(['/', '\\']).next()?;
     let mut open = vec![folder.to_path_buf()];
@@ -167,7 +167,7 @@ fn below(folder: &Path, name: &str) -> Option<PathBuf> {
     None
 }
 
-/// The change as a unified diff.
+/// Formats the change as a unified diff.
 pub(super) fn diff(source: &Source, fixed: &[u8]) -> String {
     let text = |source: &Source| source.text(Span::new(0, source.bytes().len())).into_owned();
     let before = text(source);

@@ -1,4 +1,4 @@
-/// How complaints are printed.
+/// Output format of diagnostics.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 pub(super) enum Format {
     /// With the lines of the file and the place marked.

@@ -38,7 +38,7 @@ const EXAMPLES: &str = "Examples:
   admire get deck.adm 'MARKER/*.REULER' --degrees
   admire get run.acf SIMULATE#2.END 'SIMULATE#*.END'";
 
-/// Prints a value per line.
+/// Prints the values, one line each.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
     let file = if is_command_file(&arguments.deck) {
@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             Err(exit) => refused = Some(exit),
         }
     }
-    // Who asked for several values counts lines: all of them or none.
+    // A caller of several values counts lines, so either all values or none are printed.
     if let Some(exit) = refused {
         return Err(exit);
     }
@@ -81,13 +81,13 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// What values are taken from.
+/// File from which values are read.
 enum Looked {
     Deck(Dataset),
     Commands(CommandFile),
 }
 
-/// The values of an address or a pattern, each with its name: what was asked for, or its own address where a pattern was.
+/// Returns the values of an address or a pattern. Each has a name: the requested text, or its own address for a pattern.
 fn values(
     file: &Looked,
     text: &str,
@@ -124,14 +124,14 @@ fn values(
     Ok(all)
 }
 
-/// Says what is wrong with an address: the command line is no file to show places in.
+/// Reports a faulty address without a place, because the command line is not a file.
 fn of_text(mut refused: Diagnostic, text: &str, shell: &Shell) -> Exit {
     refused.labels.clear();
     refused.message = format!("`{text}`: {}", refused.message);
     shell.fail(refused)
 }
 
-/// An address of the command line.
+/// Parses an address from the command line.
 pub(super) fn parse(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Address, Exit> {
     Address::parse(text, dataset).map_err(|refused| of_text(refused, text, shell))
 }

@@ -67,7 +67,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// What is to be repeated.
+    /// Returns the requested repetitions.
     fn repeats(&self) -> Option<Repeats> {
         let asked = self.bootstrap.is_some() || self.posterior.is_some();
         asked.then(|| Repeats {
@@ -82,7 +82,7 @@ impl Arguments {
     }
 }
 
-/// The tables that are written where a fit is repeated.
+/// Returns the names of the tables written for the repetitions.
 fn tables(arguments: &Arguments) -> Vec<&'static str> {
     let bootstrap = arguments.bootstrap.map(|_| Kind::Bootstrap.file());
     bootstrap
@@ -91,10 +91,10 @@ fn tables(arguments: &Arguments) -> Vec<&'static str> {
         .collect()
 }
 
-/// What is written.
+/// Names of the output files.
 const OUTPUTS: [&str; 3] = ["identified.adm", "identification.json", "report.html"];
 
-/// `--method`.
+/// Command-line choice of the method.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(super) enum MethodChoice {
     GaussNewton,
@@ -112,7 +112,7 @@ impl From<MethodChoice> for Method {
     }
 }
 
-/// Identifies, writes and prints.
+/// Identifies the study, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut outputs = OUTPUTS.to_vec();
     outputs.extend(tables(arguments));
@@ -177,7 +177,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     } else {
         let report = arguments.out.join("report.html");
         let repeated = fit.bootstrap.is_some() || fit.posterior.is_some();
-        // What the repeats say is why they were asked for.
+        // The repetitions were requested, so their remarks are printed.
         let said = if repeated {
             fit.remarks.join("\n") + "\n"
         } else {
@@ -228,10 +228,10 @@ fn write(
     write_folder(&arguments.out, &files, arguments.replacing, shell)
 }
 
-/// Where journals and tables are while a fit is repeated.
+/// Subfolder for journals and tables during repetitions.
 const UNFINISHED: &str = "unfinished";
 
-/// Repeats a fit; the tables that come of it.
+/// Repeats a fit and returns the tables of the repetitions.
 fn repeated(
     (loaded, marginal): (&LoadedStudy, Option<&Marginal>),
     fit: &mut Fit,
@@ -296,13 +296,13 @@ fn repeated(
     Ok(tables)
 }
 
-/// A dash where there is none.
+/// Formats an interval; a missing end becomes a dash.
 fn ends(sides: [Option<f64>; 2], error: Option<f64>) -> String {
     let side = |side: Option<f64>| side.map_or_else(|| "-".to_string(), |v| number(v, error));
     sides.map(side).join(" to ")
 }
 
-/// The intervals of a fit that was repeated beside those by profile likelihood; nothing of another.
+/// Formats the intervals of the repetitions next to the profile likelihood intervals; empty without repetitions.
 fn repeats_table(fit: &Fit) -> String {
     if fit.bootstrap.is_none() && fit.posterior.is_none() {
         return String::new();
@@ -351,7 +351,7 @@ fn repeats_table(fit: &Fit) -> String {
     format!("{}\n", table_text(&table))
 }
 
-/// Initial and identified values, and those of a reference where the study has one.
+/// Tabulates initial and identified values, with reference values where the study has any.
 fn table(loaded: &LoadedStudy, fit: &Fit) -> String {
     let reference = loaded.reference_values();
     let compares = reference.iter().any(Option::is_some);

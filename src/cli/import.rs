@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     target: Target,
 }
 
-/// Writes the changed deck.
+/// Applies the changes and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         shell.complain(&new);
         return Err(not_written("the deck could not be read with it", shell));
     }
-    // What a value of the JSON did to the text must be what it says.
+    // The changed text must contain exactly the values of the JSON.
     if !edits.is_empty()
         && let Some(first) = json::disagreements(&changed.value, &read).first()
     {

@@ -9,18 +9,18 @@ use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
 
 use super::shell::{Exit, Shell};
 
-/// A dataset, its model, and the equations of that.
+/// Dataset with its model and equations.
 pub(super) struct Solvable {
     pub(super) dataset: Dataset,
     pub(super) model: Model,
     pub(super) system: System,
-    /// Complaints that a statement is left out as asked.
+    /// Diagnostics for the statements left out as requested.
     pub(super) left_out: Vec<Diagnostic>,
 }
 
-/// Reads a dataset with the files it names and compiles it; complaints are printed, and errors among them end the command.
+/// Reads a dataset with the files it names and compiles it. Diagnostics are printed; an error ends the command.
 ///
-/// What is `ignored` is left out where it is not solved.
+/// Statements listed in `ignored` are left out if they are not solved natively.
 pub(super) fn solvable(
     path: &Path,
     ignored: &[Ignore],
@@ -56,7 +56,7 @@ pub(super) fn solvable(
     })
 }
 
-/// Reads a study's folder; complaints are printed, and a study that cannot be used ends the command.
+/// Reads a study folder. Diagnostics are printed; an unusable study ends the command.
 pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exit> {
     let checked = read_study(folder, shell);
     shell.complain(&checked.diagnostics);
@@ -69,7 +69,7 @@ pub(super) fn study(folder: &Path, shell: &mut Shell) -> Result<LoadedStudy, Exi
     checked.value.ok_or(Exit::Findings)
 }
 
-/// Reads a study's folder, and remembers its texts for showing places in them.
+/// Reads a study folder, and stores its texts to show places in them.
 pub(super) fn read_study(folder: &Path, shell: &mut Shell) -> Checked<Option<LoadedStudy>> {
     let checked = LoadedStudy::read(folder);
     if let Some(loaded) = &checked.value {

@@ -1,4 +1,4 @@
-//! Which files a command line means: files, folders and patterns.
+//! Input files of a command line: files, folders and patterns.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -7,8 +7,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 
-/// The files of a command line in its order, each once: files as they are, of folders every dataset and command file below in
-/// the order of the alphabet, and what patterns such as `runs/*.adm` name where no shell has expanded them.
+/// Expands the words of a command line into files, in order and without duplicates. A folder stands for all datasets and command files
+/// below it in alphabetical order. Patterns such as `runs/*.adm` are expanded if the shell has not done so.
 pub(super) fn files_of(words: &[PathBuf], shell: &Shell) -> Result<Vec<PathBuf>, Exit> {
     let mut seen = BTreeSet::new();
     let mut files = Vec::new();
@@ -57,7 +57,7 @@ fn matching(pattern: &Path, shell: &Shell) -> Result<Vec<PathBuf>, Exit> {
         .collect())
 }
 
-/// Datasets and command files below a folder; what begins with a dot is left out, and links are not followed.
+/// Finds the datasets and command files below a folder. Hidden entries are left out, and links are not followed.
 fn below(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder)
         .into_iter()

@@ -22,14 +22,14 @@ pub(super) struct Arguments {
     prefix: Option<PathBuf>,
 }
 
-/// Where each shell looks for a completion of `admire`, below a prefix.
+/// Shells, each with the path of its completion script below a prefix.
 const COMPLETIONS: [(&str, &str); 3] = [
     ("bash", "share/bash-completion/completions/admire"),
     ("zsh", "share/zsh/site-functions/_admire"),
     ("fish", "share/fish/vendor_completions.d/admire.fish"),
 ];
 
-/// Writes the files.
+/// Installs the files.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let home = || std::env::home_dir().map(|home| home.join(".local"));
     let Some(prefix) = arguments.prefix.clone().or_else(home) else {
@@ -71,7 +71,7 @@ fn refused(path: &Path, error: &std::io::Error, shell: &Shell) -> Exit {
     shell.fail(Diagnostic::error(Code::CannotWrite, message))
 }
 
-/// A manual page of `admire` and of each of its commands.
+/// Creates the manual pages of `admire` and of each of its commands.
 fn pages() -> std::io::Result<Vec<(String, Vec<u8>)>> {
     let mut command = Cli::command();
     command.build();

@@ -27,7 +27,7 @@ const EXAMPLES: &str = "Examples:
   admire install-shims ~/bin/adams
   admire install-shims C:\\adams --names mdi,adams2023_4";
 
-/// What the releases of the last ten years call their launcher.
+/// Versions in the launcher names of the releases of the last ten years.
 const RELEASES: [&str; 31] = [
     "2016", "2017", "2017_1", "2017_2", "2018", "2018_1", "2019", "2019_1", "2019_2", "2020",
     "2020_1", "2021", "2021_0_1", "2021_0_2", "2021_1", "2021_2", "2021_3", "2021_4", "2022_1",
@@ -41,7 +41,7 @@ fn default_names() -> Vec<String> {
     names
 }
 
-/// Writes a batch file for each name, and on Unix a shell script.
+/// Writes a batch file for each name, and on Unix also a shell script.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let folder = &arguments.directory;
     let cannot = |path: &Path, error: &std::io::Error| {
@@ -112,18 +112,18 @@ fn unix_shim(mdi: &Path) -> String {
 
 fn windows_shim(mdi: &Path, folder: &Path) -> String {
     let ends = "%*\r\nexit /b %ERRORLEVEL%\r\n";
-    // `%` would be taken for a variable.
+    // `%` would start a variable.
     let quoted = |path: &str| path.replace('%', "%%");
     let whole = quoted(&mdi.to_string_lossy());
     if whole.is_ascii() {
         return format!("@echo off\r\n\"{whole}\" {ends}");
     }
-    // Batch files are read in the code page of the console, which spells other letters its own way. `%~dp0` is the folder of the
-    // batch file itself.
+    // A batch file is read in the console's code page, which encodes non-ASCII letters differently. `%~dp0` is the folder of the batch file
+    // itself.
     if let Some(steps) = steps(folder, mdi).filter(|steps| steps.is_ascii()) {
         return format!("@echo off\r\n\"%~dp0{}\" {ends}", quoted(&steps));
     }
-    // The program itself runs in the code page that was there before.
+    // The program itself runs in the previous code page.
     format!(
         "@echo off\r\nsetlocal\r\n\
         for /f \"tokens=2 delims=:.\" %%p in ('chcp') do set \"page=%%p\"\r\n\
@@ -131,7 +131,7 @@ fn windows_shim(mdi: &Path, folder: &Path) -> String {
     )
 }
 
-/// The way from a folder to a file, both absolute; `None` if they are on different drives.
+/// Returns the relative path from a folder to a file, both absolute; `None` if they are on different drives.
 fn steps(folder: &Path, file: &Path) -> Option<String> {
     let (from, to): (Vec<_>, Vec<_>) = (folder.components().collect(), file.components().collect());
     let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
@@ -157,7 +157,7 @@ mod tests {
             windows_shim(Path::new(r"C:\100%\mdi.exe"), Path::new(r"C:\bin")),
             "@echo off\r\n\"C:\\100%%\\mdi.exe\" %*\r\nexit /b %ERRORLEVEL%\r\n"
         );
-        // Letters beyond ASCII stand in no batch file, or in one that says how it is to be read.
+        // A non-ASCII path is avoided by a relative path, or the batch file switches the code page.
         let mdi = Path::new("/users/j\u{fc}rgen/.cargo/bin/mdi.exe");
         let near = windows_shim(mdi, Path::new("/users/j\u{fc}rgen/bin"));
         assert!(

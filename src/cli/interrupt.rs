@@ -4,12 +4,12 @@ use admire_session::backend::end_runs;
 
 use super::shell::Exit;
 
-/// Set by the first Ctrl-C; the second ends the process at once.
+/// Set by the first Ctrl-C; the second Ctrl-C ends the process at once.
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From here on Ctrl-C asks a run to stop after its present step, so that what it found so far is kept.
+/// Installs a handler: the first Ctrl-C requests a stop after the current step, so that the results so far are kept.
 pub(super) fn listen() {
-    // Without a handler Ctrl-C still ends the process: nothing is lost but the results so far.
+    // Without a handler Ctrl-C still ends the process, but the results so far are lost.
     let _ = ctrlc::set_handler(|| {
         if ASKED.swap(true, Ordering::Relaxed) {
             end_runs();
@@ -19,7 +19,7 @@ pub(super) fn listen() {
     });
 }
 
-/// True once Ctrl-C was pressed.
+/// Returns true after the first Ctrl-C.
 pub(super) fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }

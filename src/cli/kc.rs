@@ -57,14 +57,14 @@ pub(super) struct Arguments {
     replacing: Replacing,
 }
 
-/// A deck that was read.
+/// Deck as read from its file.
 struct Deck {
     dataset: Dataset,
     files: Files,
     model: Model,
 }
 
-/// Runs, writes and prints.
+/// Runs the tests, writes the outputs and prints the summary.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let names = ["curves.csv", "gradients.csv", "kc.json", "report.html"];
     refuse_replacing(&arguments.out, &names, arguments.replacing, shell)?;
@@ -200,7 +200,7 @@ fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<
     Ok(bench)
 }
 
-/// Says why there is no answer.
+/// Reports why there is no result.
 fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
     let file = path.display();
     match why {
@@ -244,7 +244,7 @@ fn refuse(why: &BenchError, path: &Path, shell: &Shell) -> Exit {
     }
 }
 
-/// Ride height and the gradients of every test.
+/// Summarises ride height and the gradients of every test.
 fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convention) -> String {
     let mut out = String::from("at ride height\n");
     let mut table = Table::new();

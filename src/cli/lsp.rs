@@ -18,7 +18,7 @@ pub(super) struct Arguments {
     stdio: bool,
 }
 
-/// Answers the editor until it goes away.
+/// Serves the editor until it disconnects.
 pub(super) fn run(_: &Arguments, shell: &mut Shell) -> Outcome {
     match serve_stdio() {
         Ok(Ended::Orderly) => Ok(Exit::Fine),

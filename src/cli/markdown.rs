@@ -1,13 +1,13 @@
-//! A page of the guide in the lines of a terminal: paragraphs and tables keep to the width, code stays as it is.
+//! Pages of the guide formatted for a terminal: paragraphs and tables fit the width, code is unchanged.
 
 use comfy_table::{ColumnConstraint, ContentArrangement, Table, Width, presets};
 
 use super::width::{WIDTH, hanging, table_text, wrapped};
 
-/// A first column up to so many characters is not broken: it holds the words that a table explains.
+/// Largest width in characters at which the first column of a table is not broken. It contains the words that the table explains.
 const WORD: usize = 34;
 
-/// The text of a page.
+/// Formats a page.
 pub(super) fn in_lines(page: &str) -> String {
     let mut out = String::new();
     let mut lines = page.lines().peekable();
@@ -45,7 +45,7 @@ pub(super) fn in_lines(page: &str) -> String {
     out
 }
 
-/// A line of code, indented. One that is too wide has its comment above it; a command goes on behind a backslash.
+/// Formats a line of code, indented. If it is too wide, its comment moves above it; a long command continues after a backslash.
 fn code_lines(code: &str) -> String {
     let indented = |text: &str| format!("    {text}").trim_end().to_string() + "\n";
     if code.chars().count() + 4 <= WIDTH {
@@ -70,7 +70,7 @@ fn code_lines(code: &str) -> String {
     text
 }
 
-/// True for a line that carries on the paragraph or the item before it.
+/// Returns true for a line that continues the previous paragraph or list item.
 fn goes_on(line: &str) -> bool {
     let begins = |start: &str| line.starts_with(start);
     !(line.trim().is_empty()
@@ -80,7 +80,7 @@ fn goes_on(line: &str) -> bool {
         || item(line.trim_start()) > 0)
 }
 
-/// How long the mark of a list's item is: `* `, `- `, `12. `.
+/// Returns the length of a list marker: `* `, `- `, `12. `.
 fn item(line: &str) -> usize {
     if line.starts_with("* ") || line.starts_with("- ") {
         return 2;
@@ -93,7 +93,7 @@ fn item(line: &str) -> usize {
     }
 }
 
-/// Links as a reader of a terminal needs them: another page by its name, anything else by its address. Code stays as it is.
+/// Formats links for a terminal: another page by its name, any other link by its address. Code is unchanged.
 fn linked(text: &str) -> String {
     let pieces = text.split('`').enumerate();
     let each = pieces.map(|(k, piece)| match k % 2 {
@@ -103,7 +103,7 @@ fn linked(text: &str) -> String {
     each.collect::<Vec<_>>().join("`")
 }
 
-/// The same of a text without code.
+/// Formats the links in a text without code.
 fn of_prose(text: &str) -> String {
     let mut out = String::new();
     let mut rest = text;
@@ -131,7 +131,7 @@ fn of_prose(text: &str) -> String {
     out + rest
 }
 
-/// The cells of a row; a bar in backticks parts nothing.
+/// Splits a row into cells; a bar within backticks does not separate cells.
 fn cells(row: &str) -> Vec<String> {
     let row = row.trim().trim_start_matches('|');
     let (mut found, mut cell, mut code) = (Vec::new(), String::new(), false);
@@ -150,7 +150,7 @@ fn cells(row: &str) -> Vec<String> {
     found.iter().map(|cell| linked(cell.trim())).collect()
 }
 
-/// A table within the width; its second row only holds dashes.
+/// Formats a table within the width; the row of dashes is skipped.
 fn table(rows: Vec<Vec<String>>) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -183,7 +183,7 @@ mod tests {
     use super::*;
     use admire_guide::PAGES;
 
-    /// Nothing is lost, and nothing but code is wider than the terminal.
+    /// No text is lost, and only code may be wider than the terminal.
     #[test]
     fn pages_keep_to_the_width() {
         for page in PAGES {

@@ -22,13 +22,13 @@ pub(super) struct Arguments {
     folder: PathBuf,
 }
 
-/// Joins.
+/// Joins the shards of a sweep.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let folder = SweepFolder::open(&arguments.folder).map_err(|wrong| shell.fail(wrong))?;
     whole(&folder, shell)
 }
 
-/// Joins what is there, and says what came of it.
+/// Joins the shards of a sweep folder and reports the result.
 pub(super) fn whole(folder: &SweepFolder, shell: &Shell) -> Outcome {
     merge(folder).map_err(|wrong| {
         shell.complain(&wrong);
@@ -109,7 +109,7 @@ fn text(summary: &Summary) -> String {
     out
 }
 
-/// The number that matters most, and how much.
+/// Returns the most important number with the size of its effect.
 fn most(output: &admire_sweep::OutputSummary) -> String {
     let by_total = output
         .indices

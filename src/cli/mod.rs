@@ -1,7 +1,7 @@
-//! The command `admire`: one file per subcommand.
+//! The command `admire`, with one file for each subcommand.
 //!
-//! The only place that prints, colours and asks. Knows no formats and no mechanics: every subcommand calls one function of a
-//! lower floor and shows what came back.
+//! Only this module prints, colours and asks. It is independent of formats and mechanics: every subcommand calls one function of a lower
+//! layer and shows the result.
 
 mod add;
 mod addresses;
@@ -149,14 +149,14 @@ enum Command {
     Completions(completions::Arguments),
 }
 
-/// Keeps large blocks with the process. The C library of Linux gives a freed one back to the system and fetches the next one anew, page
-/// by page. Once a block of nearly 32 MB was freed it keeps blocks up to that size. Source: mallopt(3), `M_MMAP_THRESHOLD`, "dynamic
-/// mmap threshold". Elsewhere this does nothing.
+/// Keeps large freed blocks in the process. By default, the C library of Linux returns a freed block to the system and maps the next one
+/// anew, page by page. After a block of nearly 32 MB was freed, it keeps blocks up to that size. Source: mallopt(3), `M_MMAP_THRESHOLD`,
+/// "dynamic mmap threshold". On other systems this has no effect.
 fn keep_freed_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(31 << 20)));
 }
 
-/// Runs `admire` on the arguments of the process.
+/// Runs `admire` with the arguments of the process.
 pub fn main() -> ExitCode {
     keep_freed_memory();
     clap_complete::CompleteEnv::with_factory(Cli::command).complete();
@@ -213,5 +213,5 @@ pub fn main() -> ExitCode {
     ExitCode::from(shell.exit(exit.unwrap_or_else(|exit| exit)) as u8)
 }
 
-/// The exit code of a subcommand; `Err` when it gave up early, having said why.
+/// Exit code of a subcommand; `Err` if it stopped early and has reported why.
 type Outcome = Result<Exit, Exit>;

@@ -41,7 +41,7 @@ const EXAMPLES: &str = "Examples:
   admire new my-axle --from front.adm --measured curves      # from a K&C rig
   admire check my-axle                       # what is still missing";
 
-/// `--measured`.
+/// Command-line choice of the measured quantities.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
 enum Measured {
     /// Marks on parts: coordinate measuring machine, cameras.
@@ -65,7 +65,7 @@ impl From<Measured> for Kind {
     }
 }
 
-/// Looks into the deck, asks and writes.
+/// Reads the deck, asks the questions and writes the study.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let parsed = Dataset::parse(shell.read(&arguments.from)?);
     let files = shell.read_files(&parsed.value);
@@ -153,12 +153,12 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// A line that a person typed; empty where the input ended.
+/// Asks a question and returns the typed line in lower case; empty at the end of input.
 pub(super) fn answer(question: &str, shell: &Shell) -> String {
     shell.say(question);
     let _ = std::io::stderr().flush();
     let mut line = String::new();
-    // Input that ends is an empty answer.
+    // The end of input counts as an empty answer.
     let _ = std::io::stdin().lock().read_line(&mut line);
     line.trim().to_lowercase()
 }
@@ -210,7 +210,7 @@ fn ask_bushings(all: &[String], shell: &Shell) -> Vec<String> {
     }
 }
 
-/// Bushings by id or address; `None` if one of them is none.
+/// Returns the bushings with these ids or addresses; `None` if any of them does not exist.
 fn chosen(wanted: &[&str], all: &[String]) -> Option<Vec<String>> {
     let of = |word: &&str| {
         let id = word.trim().rsplit('/').next().unwrap_or(word);

@@ -1,8 +1,8 @@
-//! What lower floors log while a command runs, such as that it waits for a licence: a line each on standard error.
+//! Log messages of lower layers during a command, such as waiting for a licence: one line each on standard error.
 
 use std::io::IsTerminal as _;
 
-/// Goes to the start of the line and clears it: progress may stand there.
+/// Moves to the start of the line and clears it, because it may show progress.
 const CLEAR: &str = "\r\x1b[2K";
 
 struct Lines;
@@ -26,9 +26,9 @@ impl log::Log for Lines {
     fn flush(&self) {}
 }
 
-/// Shows warnings from here on.
+/// Enables the display of warnings.
 pub(super) fn show() {
-    // A second call finds the first in its place.
+    // A second call changes nothing.
     if log::set_logger(&Lines).is_ok() {
         log::set_max_level(log::LevelFilter::Warn);
     }

@@ -1,4 +1,4 @@
-//! A folder that takes outputs: what an earlier run wrote there is replaced, anything else only with `--force`.
+//! Output folder. Files written by an earlier run are replaced; other files only with `--force`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::shell::{Exit, Shell};
 
-/// The list of what runs wrote into a folder, beside the files themselves.
+/// Name of the list of files that runs wrote into a folder.
 const MANIFEST: &str = "admire-outputs.json";
 
 /// Whether files that no earlier run wrote may be replaced.
@@ -22,13 +22,13 @@ pub(super) struct Replacing {
     pub(super) force: bool,
 }
 
-/// What `admire-outputs.json` holds: each file with the SHA-256 of its bytes as they were written.
+/// Contents of `admire-outputs.json`: each file with the SHA-256 of its bytes as written.
 #[derive(Default, Serialize, Deserialize)]
 struct Manifest {
-    /// Tells the file from one of somebody else.
+    /// Marker that distinguishes the file from files of other programs.
     written_by: String,
     files: BTreeMap<String, String>,
-    /// Those of a run that goes on, or that ended before all of them were there.
+    /// Files of a run that is in progress, or that ended before all of them were written.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     begun: BTreeMap<String, String>,
 }
@@ -44,7 +44,8 @@ impl Manifest {
             .unwrap_or_default()
     }
 
-    /// True if a file may be replaced unasked: it is not there, it holds these bytes already, or it is as a run left it.
+    /// Returns true if a file may be replaced without asking: it does not exist, already contains these bytes, or is unchanged since a run
+    /// wrote it.
     fn gives_up(&self, folder: &Path, name: &Path, new: Option<&[u8]>) -> bool {
         let path = folder.join(name);
         if path.symlink_metadata().is_err() {
@@ -59,7 +60,7 @@ impl Manifest {
     }
 }
 
-/// How a file is called in the manifest, on all systems.
+/// Returns the name of a file in the manifest, the same on all systems.
 fn key(name: &Path) -> String {
     let parts: Vec<String> = name
         .components()
@@ -76,8 +77,7 @@ fn sha256(bytes: &[u8]) -> String {
     text
 }
 
-/// Refuses before the work begins what [`write_folder`] would refuse after it: outputs of these names would replace files of the
-/// user's.
+/// Refuses, before the computation, outputs that [`write_folder`] would refuse after it because they would replace the user's files.
 pub(super) fn refuse_replacing(
     folder: &Path,
     names: &[&str],
@@ -94,8 +94,8 @@ pub(super) fn refuse_replacing(
     refuse(taken, replacing, shell)
 }
 
-/// Writes files into a folder, each whole or not at all, and lists them in its manifest. Files of the user's are replaced only if
-/// that was asked for, and named.
+/// Writes files into a folder, each atomically, and lists them in its manifest. The user's files are replaced only with `--force`, and are
+/// then named.
 pub(super) fn write_folder(
     folder: &Path,
     files: &[(PathBuf, Vec<u8>)],
@@ -124,7 +124,7 @@ pub(super) fn write_folder(
         let text = serde_json::to_string_pretty(manifest).expect("names and digits print");
         shell.write(&list, (text + "\n").as_bytes())
     };
-    // Told first: a run that ends half-way leaves files that the next one may replace.
+    // The list is written first, so that the next run may replace the files of an interrupted run.
     let sums = files.iter().map(|(name, bytes)| (key(name), sha256(bytes)));
     manifest.begun = sums.collect();
     made(folder)?;
@@ -139,7 +139,7 @@ pub(super) fn write_folder(
     listed(&manifest)
 }
 
-/// Gives up if files would be replaced that may not; says which are replaced where that was asked for.
+/// Refuses to replace files that may not be replaced; with `--force`, names the replaced files.
 fn refuse(taken: Vec<PathBuf>, replacing: Replacing, shell: &Shell) -> Result<(), Exit> {
     if taken.is_empty() {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Whether a program that a study or a sweep names is started.
+//! Permission to start a program named by a study or a sweep.
 
 use std::io::IsTerminal;
 
@@ -16,7 +16,7 @@ pub(super) struct Permission {
 }
 
 impl Permission {
-    /// Asks for a program that is not allowed yet; without a terminal it is refused.
+    /// Asks whether a program may be started, unless it is already allowed; without a terminal it is refused.
     pub(super) fn ask(self, program: Option<&NamedProgram>, shell: &Shell) -> Result<(), Exit> {
         let Some(program) = program.filter(|program| !self.allow_command && !program.is_allowed())
         else {

@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     replacing: Replacing,
 }
 
-/// `--for`.
+/// Command-line choice of the aim.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 enum AimChoice {
     /// The three worst-determined combinations of stiffnesses.
@@ -54,17 +54,17 @@ enum AimChoice {
     Causes,
 }
 
-/// What is written.
+/// Names of the output files.
 const OUTPUTS: [&str; 2] = ["plan.json", "suggested.csv"];
 
-/// A smaller rise of a probability is none.
+/// Smallest rise of a probability that counts as a gain.
 const LITTLE: f64 = 0.005;
-/// A standard deviation that falls by less, in percent, stays what it is.
+/// Smallest fall of a standard deviation, in percent, that counts as a gain.
 const NOTHING: f64 = 0.1;
-/// So many of what is not possible are named.
+/// Number of impossible measurements that are named.
 const SHOWN: usize = 4;
 
-/// Ranks, writes and prints.
+/// Ranks the measurements, writes the outputs and prints the result.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
         refuse_replacing(out, &OUTPUTS, arguments.replacing, shell)?;
@@ -128,7 +128,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// The answer for a person.
+/// Formats the result as text.
 fn words(found: &Plan, count: usize, length: &str) -> String {
     let mut text = String::new();
     for (k, combination) in found.combinations.iter().enumerate() {
@@ -184,7 +184,7 @@ fn words(found: &Plan, count: usize, length: &str) -> String {
     text
 }
 
-/// `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`: shares over the largest.
+/// Formats a combination: `BUSHING/1.KT.3 - 0.5 BUSHING/2.K.1`, with shares relative to the largest.
 fn name(combination: &Combination) -> String {
     let mut shares: Vec<(&String, f64)> = combination
         .combination
@@ -210,12 +210,12 @@ fn name(combination: &Combination) -> String {
     text
 }
 
-/// A number of percent with one decimal; what rounds to zero has no sign.
+/// Formats a percentage with one decimal; a value that rounds to zero has no sign.
 fn percent(value: f64) -> String {
     format!("{:.1}", (10.0 * value).round() / 10.0 + 0.0)
 }
 
-/// By how many percent a standard deviation falls.
+/// Returns the relative fall of a standard deviation in percent.
 fn fall(before: f64, after: f64) -> f64 {
     if before > 0.0 {
         100.0 * (1.0 - after / before)
@@ -276,7 +276,7 @@ fn table(found: &Plan, count: usize) -> String {
     table_text(&table) + "\n"
 }
 
-/// The best one in a sentence.
+/// Describes the best candidate in a sentence.
 fn sentence(found: &Plan, best: &Ranked) -> String {
     let mut gains = Vec::new();
     let worst = found.combinations.iter().zip(&best.sd_log);

@@ -1,4 +1,4 @@
-//! The table of plausibility: shown before every fit, which it may refuse.
+//! Plausibility table, shown before every fit. It may refuse the fit.
 
 use comfy_table::{ContentArrangement, Table, presets};
 
@@ -10,7 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::shell::{Exit, Shell};
 use super::width::table_text;
 
-/// Shows the table beside the answer; a study that cannot be meant ends the command unless it is forced.
+/// Shows the plausibility table. An implausible study ends the command unless `force` is set.
 pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> Result<(), Exit> {
     let found = Plausibility::of(loaded);
     shell.say(&text(&found));
@@ -27,12 +27,12 @@ pub(super) fn before_a_fit(loaded: &LoadedStudy, force: bool, shell: &Shell) -> 
     ))
 }
 
-/// What the lint says of the deck of a fit that fails: above the failure, for it may be the reason.
+/// Prints the lint warnings of a deck before the failure of its fit, because they may be the reason.
 pub(super) fn deck_warnings(loaded: &LoadedStudy, shell: &Shell) {
     shell.complain(&lint::check(&loaded.dataset, &loaded.model));
 }
 
-/// The table for a terminal.
+/// Formats the table for a terminal.
 pub(super) fn text(found: &Plausibility) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);

@@ -1,4 +1,5 @@
-//! How far a command is: stage, count, rate and the time that is left. On a terminal from half a second on, elsewhere a line a minute.
+//! Progress of a command: stage, count, rate and remaining time. On a terminal it appears after half a second; elsewhere it is one line a
+//! minute.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,29 +14,30 @@ use super::format::Format;
 use super::interrupt;
 use super::shell::Shell;
 
-/// Before this nobody wonders.
+/// Delay before progress is shown.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Between two lines where no terminal is.
+/// Interval between lines without a terminal.
 const MINUTE: Duration = Duration::from_secs(60);
-/// Between two looks.
+/// Interval between updates.
 const TICK: Duration = Duration::from_millis(120);
 
-/// So many are done, of how many, and of what.
+/// Number of finished items.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Count {
-    /// Done so far.
+    /// Number of items finished so far.
     pub done: usize,
-    /// Of how many at most, where that is known.
+    /// Upper bound of the number of items, if known.
     pub of: Option<usize>,
-    /// What is counted.
+    /// Name of the counted items.
     pub what: &'static str,
 }
 
-/// A rate counts from so many on, and from such a share of all.
+/// Smallest number of finished items for an estimate of the remaining time.
 const SETTLED: usize = 2;
+/// Smallest share of finished items for an estimate of the remaining time.
 const SETTLED_SHARE: f64 = 0.02;
 
-/// What is shown: the stage, and how much of it is done.
+/// Displayed state: the stage, and its finished items.
 #[derive(Clone, Debug, Default)]
 struct State {
     stage: String,
@@ -43,17 +45,17 @@ struct State {
     count: Option<Count>,
 }
 
-/// A line on a terminal that says how far a command is; it goes when this is dropped. Without a terminal a line a minute.
+/// Progress line on a terminal, which disappears when this is dropped. Without a terminal, one line a minute.
 pub(super) struct Progress {
     state: Arc<Mutex<State>>,
     ended: Arc<AtomicBool>,
     painter: Option<JoinHandle<()>>,
-    /// Where nobody watches a terminal and more is asked for, each stage is a line.
+    /// True if each stage is printed as a line: verbose output without a terminal.
     lines: bool,
 }
 
 impl Progress {
-    /// Begins to show; `look` gives stage and count at every tick, also where nothing is shown.
+    /// Starts the display. `look` returns stage and count at every tick, even if nothing is shown.
     pub(crate) fn new(
         stage: &str,
         shell: &Shell,
@@ -129,13 +131,13 @@ impl Drop for Progress {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(painter) = self.painter.take() {
             painter.thread().unpark();
-            // A painter that failed has nothing to clean up.
+            // A failed painter needs no cleanup.
             let _ = painter.join();
         }
     }
 }
 
-/// A line a minute if the command `speaks`, and one at each stage that `look` gives if stages are wanted.
+/// Prints a line a minute if the command `speaks`, and a line for each new stage of `look` if stages are wanted.
 fn report(
     state: &Mutex<State>,
     ended: &AtomicBool,
@@ -160,7 +162,7 @@ fn report(
     }
 }
 
-/// What the command says of itself, or what `look` does.
+/// Returns the state set by the command, overridden by `look`.
 fn present(state: &Mutex<State>, look: &dyn Fn() -> Option<(&'static str, Count)>) -> State {
     let mut now = state.lock().unwrap_or_else(PoisonError::into_inner).clone();
     if let Some((stage, count)) = look() {
@@ -170,7 +172,7 @@ fn present(state: &Mutex<State>, look: &dyn Fn() -> Option<(&'static str, Count)
     now
 }
 
-/// Paints the line until the end.
+/// Paints the progress line until the end.
 fn paint(
     state: &Mutex<State>,
     ended: &AtomicBool,
@@ -192,7 +194,8 @@ fn paint(
     bar.finish_and_clear();
 }
 
-/// `cases: 812 of 3000 cases (27 %) · 61/s · at most 36 s more · 13 s`; where nobody knows the end `search: 812 sweeps · 61/s · 13 s`.
+/// Formats the progress line, such as `cases: 812 of 3000 cases (27 %) · 61/s · at most 36 s more · 13 s`. If the end is unknown: `search:
+/// 812 sweeps · 61/s · 13 s`.
 fn line(state: &State, elapsed: Duration) -> String {
     let mut pieces = Vec::new();
     if !state.detail.is_empty() {
@@ -220,7 +223,7 @@ fn line(state: &State, elapsed: Duration) -> String {
     format!("{}: {}", state.stage, pieces.join(" · "))
 }
 
-/// `40 s`, `12 min`.
+/// Formats a duration: `40 s`, `12 min`.
 fn span(seconds: f64) -> String {
     if seconds < 120.0 {
         format!("{seconds:.0} s")
@@ -248,7 +251,7 @@ mod tests {
             line(&state, Duration::from_secs(10)),
             "search: 600 of 3000 runs (20 %) · 60/s · at most 40 s more · 10 s"
         );
-        // Few, slow ones have a rate too, once there is more than one.
+        // A few slow items also give a rate, from the second item on.
         let state = State {
             count: Some(Count {
                 done: 4,
@@ -261,7 +264,7 @@ mod tests {
             line(&state, Duration::from_secs(8)),
             "search: 4 of 13 cases (31 %) · 0.5/s · at most 18 s more · 8 s"
         );
-        // Where nobody knows the end there is none.
+        // If the total is unknown, no remaining time is shown.
         let search = State {
             count: Some(Count {
                 done: 60,

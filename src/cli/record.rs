@@ -35,13 +35,13 @@ pub(super) struct Arguments {
     permission: Permission,
 }
 
-/// Runs the study and keeps its runs.
+/// Runs the study and records its runs.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut loaded = study(&arguments.study, shell)?;
     if let Some(method) = arguments.method {
         loaded.study.identify.method = method.into();
     }
-    // Whatever the study asks for otherwise: a native run has nothing to record.
+    // The study's own backend is overridden, because a native run leaves nothing to record.
     loaded.study.solver.backend = BackendChoice::Command;
     let program = NamedProgram::of_study(&loaded.study);
     arguments.permission.ask(program.as_ref(), shell)?;

@@ -41,14 +41,14 @@ const EXAMPLES: &str = "Examples:
   admire remove deck.adm 'REQUEST/*' --in-place
   admire remove deck.adm PART/7 --cascade -o without.adm";
 
-/// Writes the smaller deck.
+/// Removes the statements and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     let original = Dataset::parse(source);
     let mut deck = original.clone();
     let mut whole = BTreeSet::new();
     for text in &arguments.addresses {
-        // Names are those of the deck as it was, whatever has gone meanwhile.
+        // Addresses refer to the original deck, whatever has been removed meanwhile.
         let addresses = if Address::is_pattern(text) {
             Address::matching(text, &original.value).map_err(|mut refused| {
                 refused.labels.clear();
@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// The deck without some statements of the original and all that cannot stand without them; says what that is.
+/// Removes statements of the original deck with everything that depends on them, and reports the dependents.
 fn cascaded(
     original: &Dataset,
     deck: &Dataset,

@@ -13,10 +13,10 @@ use admire_syntax::text::{Source, Span, masked, printable};
 use super::annotations;
 use super::format::Format;
 
-/// More complaints than a person reads are counted, not shown.
+/// Largest number of diagnostics shown; the others are only counted.
 const SHOWN: usize = 200;
 
-/// Complaints as text in the format asked for, in colours or not, in lines of a width.
+/// Formats diagnostics in the given format, with or without colours, within a width.
 pub(super) fn diagnostics(
     diagnostics: &[Diagnostic],
     sources: &Sources,
@@ -151,7 +151,7 @@ fn latin1(bytes: &[u8]) -> String {
     }
 }
 
-/// A diagnostic in miette's terms.
+/// Diagnostic in miette's terms.
 struct Shown<'a> {
     diagnostic: &'a Diagnostic,
     source: Option<&'a Decoded>,
@@ -245,18 +245,19 @@ impl miette::Diagnostic for Shown<'_> {
     }
 }
 
-/// A file as UTF-8. Where it is not, every byte is shown as the Latin-1 character it would be.
+/// File as UTF-8. In a file that is not UTF-8, every byte is shown as its Latin-1 character.
 struct Decoded {
     name: String,
     text: String,
-    /// The bytes of a file that is not UTF-8, for turning its offsets into those of `text`.
+    /// Original of a file that is not UTF-8, to convert its offsets to offsets of `text`.
     original: Option<Source>,
 }
 
-/// Places in larger files are named by their line, not shown: to show them needs a copy of the text.
+/// Size in bytes up to which places are shown. Places in larger files are named by their line only, because showing them needs a copy of
+/// the text.
 pub(super) const LARGEST_SHOWN: usize = 64 << 20;
 
-/// Longer lines are shown as a window around the place.
+/// Length from which a line is shown as a window around the place.
 const LONG_LINE: usize = 240;
 
 impl Decoded {
@@ -273,7 +274,7 @@ impl Decoded {
         }
     }
 
-    /// A byte offset of the file as one of `text`: Latin-1 characters from 128 on take two bytes there.
+    /// Converts a byte offset of the file to an offset of `text`, where Latin-1 characters from 128 on take two bytes.
     fn offset(&self, offset: usize) -> usize {
         let moved = match &self.original {
             None => offset,
@@ -285,7 +286,7 @@ impl Decoded {
         self.boundary(moved)
     }
 
-    /// The last character boundary at or before an offset.
+    /// Returns the last character boundary at or before an offset.
     fn boundary(&self, offset: usize) -> usize {
         let mut at = offset.min(self.text.len());
         while !self.text.is_char_boundary(at) {

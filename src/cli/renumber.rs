@@ -92,7 +92,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// What one word of the command line asks for.
+/// Parses one renumbering from the command line.
 fn ids(text: &str, dataset: &Dataset, shell: &Shell) -> Result<Renumbering, Exit> {
     let wrong = |message: String| {
         shell.usage(

@@ -36,10 +36,10 @@ pub(super) struct Arguments {
     replacing: Replacing,
 }
 
-/// What is written.
+/// Name of the output file.
 const OUTPUT: &str = "report.html";
 
-/// Reproduces and prints.
+/// Repeats the validations and prints the tables.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(out) = &arguments.out {
         refuse_replacing(out, &[OUTPUT], arguments.replacing, shell)?;

@@ -68,7 +68,7 @@ const EXAMPLES: &str = "Examples:
   admire results run.gra --get PART_7.Z
   admire results run.msg";
 
-/// Prints the list or the values, or writes the file anew.
+/// Prints the list or the values, or writes the changed file.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(summary) = messages(&arguments.file) {
         return Ok(told(&summary, shell));
@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit_of(reader.diagnostics()))
 }
 
-/// The steps that the command line asks for.
+/// Returns the filter of steps from the command line.
 fn filter(arguments: &Arguments) -> Result<StepFilter, Diagnostic> {
     let mut filter = StepFilter::default();
     if let Some(text) = &arguments.steps {
@@ -138,7 +138,7 @@ fn filter(arguments: &Arguments) -> Result<StepFilter, Diagnostic> {
     Ok(filter)
 }
 
-/// The message file of this name, if it is one.
+/// Parses a message file; `None` if the file is not a message file.
 fn messages(path: &Path) -> Option<MessageFile> {
     let named = path
         .extension()
@@ -147,7 +147,7 @@ fn messages(path: &Path) -> Option<MessageFile> {
     MessageFile::is_one(&source).then(|| MessageFile::parse(&source))
 }
 
-/// Says what a run did; exit code 1 if there were errors or it did not come to its end.
+/// Describes a run from its messages. The exit code is 1 if there were errors or the run did not finish.
 fn told(file: &MessageFile, shell: &Shell) -> Exit {
     let bad = !file.finished || file.frames.iter().any(|frame| frame.kind == "ERROR");
     let exit = if bad { Exit::Findings } else { Exit::Fine };

@@ -1,4 +1,4 @@
-//! New values in a results file: the file is written whole, and only the numbers that change are spelled anew.
+//! Assignments to a results file. The whole file is rewritten, but only changed numbers get a new spelling.
 
 use std::io::{BufReader, BufWriter};
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::results_file::{open, refused, selection};
 use super::shell::{Exit, Shell};
 use super::target::Target;
 
-/// One `COLUMN=VALUE`, with the operator in front of the equals sign.
+/// One `COLUMN=VALUE`, with the operator before the equals sign.
 struct Assignment {
     ids: Vec<usize>,
     operator: Option<char>,
@@ -129,7 +129,7 @@ fn read(
         return Err(wrong(format!("`{}` is not a number", value.trim())));
     };
     let left = left.trim();
-    // A star behind a dot stands for any component.
+    // A star after a dot stands for any component.
     let operator = left
         .chars()
         .next_back()

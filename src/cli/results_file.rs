@@ -1,4 +1,4 @@
-//! A file of results as several commands open it.
+//! Opening of results files, for several commands.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_results::{AnyResults, ResultsError, ResultsReader, Selection, open_an
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::nearest;
 
-/// Opens a results file of any kind that can be read, and prints the complaints about it.
+/// Opens a results file of any readable kind, and prints its diagnostics.
 pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
     let opened = open_any(path).map_err(|error| match error {
         ResultsError::Io(error) => shell.fail(Diagnostic::error(
@@ -20,12 +20,12 @@ pub(super) fn open(path: &Path, shell: &Shell) -> Result<AnyResults, Exit> {
     Ok(opened.value)
 }
 
-/// Says why a file is not read further.
+/// Reports why a file cannot be read further.
 pub(super) fn refused(error: ResultsError, shell: &Shell) -> Exit {
     shell.fail(error.into_diagnostic())
 }
 
-/// The columns that patterns name; every pattern must name one.
+/// Selects the columns that match patterns; every pattern must match at least one column.
 pub(super) fn selection(
     reader: &dyn ResultsReader,
     patterns: &[String],

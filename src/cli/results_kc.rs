@@ -1,4 +1,4 @@
-//! `admire results RUN.res --kc`: what wheels show by their places alone.
+//! `admire results RUN.res --kc`: characteristics that follow from the positions of wheels alone.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -60,7 +60,7 @@ pub(super) struct KcArguments {
     against_file: bool,
 }
 
-/// An axis.
+/// Axis of a part.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Spin {
     X,
@@ -151,16 +151,16 @@ impl KcArguments {
     }
 }
 
-/// One step of the answer.
+/// One step of the output.
 struct Row {
     kind: StepKind,
     time: f64,
     readings: Vec<Reading>,
-    /// The file's own value of each, where it has a column of that name.
+    /// The file's own value of each reading, where it has a column of that name.
     own: Vec<Option<f64>>,
 }
 
-/// Prints the characteristics of the steps a filter takes.
+/// Prints the characteristics of the steps that pass a filter.
 pub(super) fn run(
     (path, arguments): (&Path, &KcArguments),
     (filter, plain, json): (&StepFilter, bool, bool),
@@ -195,7 +195,7 @@ pub(super) fn run(
     Ok(exit_of(reader.diagnostics()))
 }
 
-/// The units of the columns: a file tells its length, and the places of wheels show no forces.
+/// Returns the units of the columns. The file states its length unit, and these characteristics contain no forces.
 fn units(reader: &dyn ResultsReader) -> Units {
     let word = &reader.header().units.length;
     let length = LENGTH_UNITS.iter().find(|unit| unit.word == word);
@@ -244,7 +244,7 @@ fn rows(
             .map_err(|e| refused(e, shell))?
             .map_err(|error| no_wheel(&error, shell))?;
         let now = time.map(|id| values[id - 1]);
-        // The model as it was put in is the design position, not an answer.
+        // The model as read (step kind `input`) is the design position and is not an output unless requested.
         let wanted = filter.takes(index, kind, now)
             && (kind != StepKind::Input || filter.kinds.contains(&StepKind::Input));
         if !wanted {
@@ -358,7 +358,7 @@ fn write_json(
     )
 }
 
-/// The largest difference of each characteristic to the file's own column of its name.
+/// Finds the largest difference of each characteristic from the file's own column of that name.
 fn against(rows: &[Row], json: bool) -> String {
     let mut worst: BTreeMap<String, (f64, f64)> = BTreeMap::new();
     let mut order = Vec::new();

@@ -55,7 +55,7 @@ pub(super) struct Arguments {
     replacing: Replacing,
 }
 
-/// Load programmes at hand.
+/// Built-in load programmes.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 enum Programme {
     #[value(name = "table-1")]
@@ -75,7 +75,7 @@ impl From<Programme> for LoadTable {
     }
 }
 
-/// Measures and writes.
+/// Runs the virtual measurement and writes the study.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let mut effects = Vec::new();
     for file in &arguments.effects {

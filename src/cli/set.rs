@@ -52,7 +52,7 @@ const EXAMPLES: &str = "Examples:
   admire set deck.adm MARKER/7.REULER.1=30 --degrees
   admire set run.acf SIMULATE#2.END=4 EQUILIBRIUM.MAXIT=200";
 
-/// Writes the changed deck.
+/// Applies the assignments and writes the deck.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = arguments.target.read(&arguments.deck, shell)?;
     if is_command_file(&arguments.deck) {
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let beside: BTreeSet<&Address> = named.iter().collect();
     let mut refused = None;
     for assignment in &arguments.assignments {
-        // The others are looked at too, so that all faults are told at once.
+        // The remaining assignments are still checked, so that all faults are reported at once.
         if let Err(exit) = change(&mut deck, (assignment, &beside), arguments.degrees, shell) {
             refused = Some(exit.max(refused.unwrap_or(exit)));
         }
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(Exit::Fine)
 }
 
-/// The addresses of some assignments, but for those that mean nothing.
+/// Returns the addresses of the assignments, without the invalid ones.
 fn named(assignments: &[String], dataset: &Dataset) -> Vec<Address> {
     let addresses = assignments.iter().filter_map(|assignment| {
         let left = Assignment::left(assignment)?;
@@ -99,8 +99,8 @@ fn named(assignments: &[String], dataset: &Dataset) -> Vec<Address> {
     addresses.flatten().collect()
 }
 
-/// Makes one assignment, which may be about many addresses; `beside` are those of all assignments. The deck is as it was if it is
-/// refused.
+/// Makes one assignment, which may set many addresses; `beside` are the addresses of all assignments. The deck is unchanged if the
+/// assignment is refused.
 fn change(
     deck: &mut Checked<Dataset>,
     (assignment, beside): (&str, &BTreeSet<&Address>),
@@ -110,7 +110,7 @@ fn change(
     let all = expanded(assignment, &deck.value, degrees, shell)?;
     let edits = edits_of(&deck.value, (&all, beside), shell)?;
     match deck.value.text_after(&edits) {
-        // Values that are not written yet would be added at one place: one after the other.
+        // Missing values would all be inserted at the same place, so they are written one after the other.
         Err(_) if all.len() > 1 => {
             let before = deck.value.source().clone();
             let one_by_one = all.iter().try_for_each(|one| {
@@ -128,7 +128,7 @@ fn change(
     }
 }
 
-/// The edits of some assignments of a deck as it is.
+/// Creates the edits of some assignments for the current deck.
 fn edits_of(
     dataset: &Dataset,
     (assignments, beside): (&[(Address, String)], &BTreeSet<&Address>),
@@ -138,7 +138,7 @@ fn edits_of(
     for (address, value) in assignments {
         all.extend(
             edits(dataset, address, value, beside).map_err(|diagnostic| {
-                // A function that cannot be read is shown by itself.
+                // A function that cannot be read is shown on its own.
                 shell
                     .sources
                     .add(Source::new("expression", value.as_bytes()));
@@ -149,7 +149,7 @@ fn edits_of(
     Ok(all)
 }
 
-/// Reads the text after edits, if it can be read and nothing else has changed. The deck is as it was otherwise.
+/// Reparses the edited text, if it is readable and nothing besides the assigned values has changed. Otherwise the deck is unchanged.
 fn look_at(
     deck: &mut Checked<Dataset>,
     text: Result<Source, EditConflict>,
@@ -173,7 +173,7 @@ fn look_at(
     let known = std::mem::take(&mut deck.diagnostics);
     deck.diagnostics = deck.value.reread(text);
     let refused = if let Some(first) = new_errors(&known, deck).first() {
-        // The place is one of the text as it would be.
+        // The place refers to the edited text.
         let shown = shell.sources.get(before.name()).cloned();
         shell.sources.add(deck.value.source().clone());
         shell.complain(&[(*first).clone()]);

@@ -14,7 +14,7 @@ use super::format::Format;
 use super::render;
 use super::width::{WIDTH, wrapped};
 
-/// When to colour.
+/// Use of colours.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 pub(super) enum ColorChoice {
     /// On a terminal, unless NO_COLOR is set.
@@ -25,21 +25,21 @@ pub(super) enum ColorChoice {
     Never,
 }
 
-/// How much is said beside the answer.
+/// Amount of output besides the result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Verbosity {
-    /// Complaints only.
+    /// Diagnostics only.
     Quiet,
-    /// What a person wants to know.
+    /// Usual remarks.
     Usual,
-    /// Every stage, also where no terminal is.
+    /// Every stage, even without a terminal.
     Verbose,
 }
 
-/// What the process returns.
+/// Exit code of the process.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Exit {
-    /// All went well.
+    /// Success.
     Fine = 0,
     /// The input has errors, a file cannot be read or written, or a comparison found differences.
     Findings = 1,
@@ -47,12 +47,12 @@ pub(super) enum Exit {
     Usage = 2,
     /// There is no equilibrium, or no fit.
     NoAnswer = 3,
-    /// Ctrl-C ended the run; what it had found is written.
+    /// Ctrl-C ended the run; the results so far are written.
     Interrupted = 130,
 }
 
 impl Exit {
-    /// The exit with this code.
+    /// Returns the exit with this code.
     pub(super) fn of_code(code: u8) -> Self {
         match code {
             0 => Self::Fine,
@@ -63,15 +63,15 @@ impl Exit {
     }
 }
 
-/// What every subcommand shares: how to print, and the files read so far.
+/// State shared by all subcommands: output settings, and the files read so far.
 pub(super) struct Shell {
     pub(super) format: Format,
     color: ColorChoice,
     verbosity: Verbosity,
     pub(super) sources: Sources,
-    /// How text is printed where there is no terminal.
+    /// Encoding of output that does not go to a terminal.
     page: CodePage,
-    /// Why some of the answer did not reach standard output.
+    /// First error that kept output from standard output.
     lost: RefCell<Option<std::io::Error>>,
 }
 
@@ -87,14 +87,14 @@ impl Shell {
         }
     }
 
-    /// Prints in the code page that the environment asks for.
+    /// Sets the code page that the environment requests.
     pub(super) fn obey_code_page(&mut self) -> Result<(), Exit> {
         let page = CodePage::of_environment();
         self.page = page.map_err(|why| self.usage(Diagnostic::error(Code::CannotWrite, why)))?;
         Ok(())
     }
 
-    /// What is sent to a stream to show a text.
+    /// Encodes a text for a stream.
     fn encoded<'a>(&self, text: &'a str, terminal: bool) -> Cow<'a, [u8]> {
         let page = if terminal { CodePage::Utf8 } else { self.page };
         page.encode(text)
@@ -112,7 +112,7 @@ impl Shell {
         }
     }
 
-    /// Prints complaints on standard error; of a quiet command no notes.
+    /// Prints diagnostics on standard error; a quiet command omits notes.
     pub(super) fn complain(&self, diagnostics: &[Diagnostic]) {
         let counts = |found: &&Diagnostic| !self.is_quiet() || found.severity > Severity::Note;
         let diagnostics: Vec<Diagnostic> = diagnostics.iter().filter(counts).cloned().collect();
@@ -124,12 +124,12 @@ impl Shell {
         let sources = self.with_streamed(diagnostics);
         let how = (self.colours(terminal), width_of(terminal));
         let text = render::diagnostics(diagnostics, &sources, self.format, how);
-        // Nobody may be listening.
+        // Errors are ignored, because the reader may have closed the stream.
         let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
 
-    /// The files of complaints, those too that are read step by step and not kept: to show the place in them. Huge ones are not
-    /// read again for that.
+    /// Adds the files of diagnostics to the sources, to show places in files that were read step by step and not kept. Huge files are not
+    /// read again.
     fn with_streamed(&self, diagnostics: &[Diagnostic]) -> Sources {
         let mut sources = self.sources.clone();
         for label in diagnostics.iter().flat_map(|found| &found.labels) {
@@ -148,10 +148,10 @@ impl Shell {
         sources
     }
 
-    /// Says something on standard error, beside the answer.
+    /// Prints a remark on standard error.
     pub(super) fn say(&self, text: &str) {
         if self.format == Format::Text && self.verbosity != Verbosity::Quiet {
-            // Nobody may be listening.
+            // Errors are ignored, because the reader may have closed the stream.
             let terminal = std::io::stderr().is_terminal();
             let text = printable(text);
             let text = if terminal {
@@ -163,24 +163,24 @@ impl Shell {
         }
     }
 
-    /// True if a person watches standard error.
+    /// Returns true if progress is shown: standard error is a terminal and the command is not quiet.
     pub(super) fn shows_progress(&self) -> bool {
         self.format == Format::Text
             && self.verbosity != Verbosity::Quiet
             && std::io::stderr().is_terminal()
     }
 
-    /// True if nothing but complaints and the answer is wanted.
+    /// Returns true if only diagnostics and the result are printed.
     pub(super) fn is_quiet(&self) -> bool {
         self.verbosity == Verbosity::Quiet
     }
 
-    /// True if every stage is wanted.
+    /// Returns true if every stage is printed.
     pub(super) fn is_verbose(&self) -> bool {
         self.verbosity == Verbosity::Verbose
     }
 
-    /// Prints complaints on standard output: where they are what was asked for.
+    /// Prints diagnostics on standard output, for commands whose result they are.
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let terminal = std::io::stdout().is_terminal();
         let sources = self.with_streamed(diagnostics);
@@ -189,13 +189,13 @@ impl Shell {
         self.put(&self.encoded(&text, terminal));
     }
 
-    /// Prints on standard output. What files brought cannot command the terminal.
+    /// Prints on standard output. Control sequences from files are made harmless.
     pub(super) fn print(&self, text: &str) {
         let text = printable(text);
         self.put(&self.encoded(&text, std::io::stdout().is_terminal()));
     }
 
-    /// Prints sentences on standard output: on a terminal in lines of its width, elsewhere each in one line.
+    /// Prints sentences on standard output, wrapped to the width of a terminal, or unwrapped elsewhere.
     pub(super) fn tell(&self, text: &str) {
         if self.format == Format::Text && std::io::stdout().is_terminal() {
             self.print(&wrapped(text));
@@ -204,13 +204,13 @@ impl Shell {
         }
     }
 
-    /// Bytes on standard output. A closed pipe ends nothing; what a full disk swallowed is remembered for the exit code.
+    /// Writes bytes to standard output. A closed pipe is ignored; any other error affects the exit code.
     fn put(&self, bytes: &[u8]) {
         let mut out = std::io::stdout().lock();
         self.printed(out.write_all(bytes).and_then(|()| out.flush()));
     }
 
-    /// Remembers that something could not be printed.
+    /// Records that output could not be written. A closed pipe is ignored.
     pub(super) fn printed(&self, outcome: std::io::Result<()>) {
         if let Err(error) = outcome
             && error.kind() != ErrorKind::BrokenPipe
@@ -219,7 +219,7 @@ impl Shell {
         }
     }
 
-    /// What the process returns: a lost answer is never fine.
+    /// Returns the exit code of the process. It indicates failure if output was lost.
     pub(super) fn exit(&self, exit: Exit) -> Exit {
         let Some(error) = self.lost.take() else {
             return exit;
@@ -228,19 +228,19 @@ impl Shell {
         exit.max(self.fail(Diagnostic::error(Code::CannotWrite, message)))
     }
 
-    /// Says what is wrong with the input, and gives up.
+    /// Reports a fault of the input and returns the exit code.
     pub(super) fn fail(&self, diagnostic: Diagnostic) -> Exit {
         self.complain(&[diagnostic]);
         Exit::Findings
     }
 
-    /// Says what is wrong with the command line, and gives up.
+    /// Reports a fault of the command line and returns the exit code.
     pub(super) fn usage(&self, diagnostic: Diagnostic) -> Exit {
         self.complain(&[diagnostic]);
         Exit::Usage
     }
 
-    /// Reads a file and remembers it for showing places in it; `-` is standard input.
+    /// Reads a file and stores it to show places in it; `-` is standard input.
     pub(super) fn read(&mut self, path: &Path) -> Result<Source, Exit> {
         let source = if path == Path::new("-") {
             let mut bytes = Vec::new();
@@ -266,8 +266,7 @@ impl Shell {
         }
     }
 
-    /// Reads a file that may be replaced afterwards: with `in_place`, what is no file (a pipe, which would wait for a writer, or a
-    /// device) is refused.
+    /// Reads a file that may be replaced afterwards. With `in_place`, a device or a pipe is refused; a pipe would wait for a writer.
     pub(super) fn read_for(&mut self, path: &Path, in_place: bool) -> Result<Source, Exit> {
         if in_place && std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
             return Err(self.fail(Diagnostic::error(
@@ -281,8 +280,8 @@ impl Shell {
         self.read(path)
     }
 
-    /// Reads the files a dataset names, below its own folder, the working directory and where ADMIRE_ALLOW_PATH says, and remembers
-    /// them for showing places in them.
+    /// Reads the files named by a dataset and stores them to show places in them. They must be below its own folder, the working directory
+    /// or a folder in ADMIRE_ALLOW_PATH.
     pub(super) fn read_files(&mut self, dataset: &Dataset) -> Checked<Files> {
         let folder = folder_of(dataset.source());
         let mut policy = FilePolicy::new(Path::new(""));
@@ -295,7 +294,7 @@ impl Shell {
         read
     }
 
-    /// Writes bytes to a file, or to standard output if there is none. What they hold cannot command a terminal.
+    /// Writes bytes to a file, or to standard output without one. On a terminal, control sequences are made harmless.
     pub(super) fn deliver(&self, target: Option<&Path>, bytes: &[u8]) -> Result<(), Exit> {
         if let Some(path) = target.filter(|path| *path != Path::new("-")) {
             return self.write(path, bytes);
@@ -308,7 +307,7 @@ impl Shell {
         Ok(())
     }
 
-    /// Writes a file whole or not at all: through a temporary file beside it that takes its place.
+    /// Writes a file atomically, through a temporary file in the same folder that replaces it.
     pub(super) fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Exit> {
         if path == Path::new("-") {
             let message = "standard input cannot be replaced";
@@ -325,12 +324,12 @@ impl Shell {
     }
 }
 
-/// In which width complaints are shown: a terminal may have no more columns than [`WIDTH`].
+/// Returns the width of displayed diagnostics; a terminal may have only [`WIDTH`] columns.
 fn width_of(terminal: bool) -> usize {
     if terminal { WIDTH } else { 100 }
 }
 
-/// True if the terminal understands colours: it is no "dumb" one, and no console of Windows that would show their codes as text.
+/// Returns true if the terminal supports colours: it is neither "dumb" nor a Windows console without colour codes.
 fn takes_colours() -> bool {
     if cfg!(windows) {
         return anstyle_query::windows::enable_ansi_colors() == Some(true);
@@ -338,7 +337,7 @@ fn takes_colours() -> bool {
     std::env::var_os("TERM").is_none_or(|kind| kind != "dumb")
 }
 
-/// Findings when any complaint is an error.
+/// Returns the exit for findings if any diagnostic is an error.
 pub(super) fn exit_of(diagnostics: &[Diagnostic]) -> Exit {
     if diagnostics.iter().any(|d| d.severity == Severity::Error) {
         Exit::Findings

@@ -53,7 +53,7 @@ pub(super) struct Arguments {
     taken: Taken,
 }
 
-/// What one `--ignore` names.
+/// Statements named by one `--ignore`.
 #[derive(Clone, Debug)]
 struct Ignored(Vec<Ignore>);
 
@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
             let softest = Softest::at_equilibrium(&system, &parameters, &state, solver.scratch());
             let mut softest = softest.ok().flatten();
             let unstable = softest.clone().filter(Softest::is_unstable);
-            // Told where it is: the words name markers.
+            // The description uses the present state, because it names markers.
             let motion = unstable
                 .as_ref()
                 .and_then(|softest| softest.described(&system, &parameters, &state));
@@ -169,7 +169,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
 }
 
-/// The warning of a part that went far.
+/// Creates the warning for a part that moved far.
 fn went_far(part: &str) -> Diagnostic {
     Diagnostic::warning(
         Code::LargeMotion,
@@ -178,7 +178,7 @@ fn went_far(part: &str) -> Diagnostic {
     .help("it may be another equilibrium than the one that is meant; loads in steps lead to the nearest")
 }
 
-/// The warning of an unstable equilibrium.
+/// Creates the warning for an unstable equilibrium.
 fn does_not_last(motion: Option<&str>) -> Diagnostic {
     Diagnostic::warning(
         Code::UnstableEquilibrium,
@@ -207,7 +207,7 @@ fn no_equilibrium(error: &SolveError) -> Diagnostic {
     diagnostic.help(lines.join("\n"))
 }
 
-/// The part that an address or a name means.
+/// Finds the part with an address or a name.
 fn part(text: &str, model: &Model, shell: &Shell) -> Result<PartIx, Exit> {
     let wanted = text.to_ascii_uppercase();
     let found = model.parts.iter().position(|part| {
@@ -229,22 +229,22 @@ struct Answer<'a> {
     system: &'a System,
     state: &'a State,
     report: &'a Report,
-    /// The motion of the smallest stiffness; force per length.
+    /// Motion with the smallest stiffness; the stiffness is in force per length.
     softest: Option<&'a Softest>,
-    /// The motion of a negative stiffness where the iteration first ended, in words.
+    /// Motion of negative stiffness at the first equilibrium, in words.
     motion: Option<&'a str>,
-    /// How it was left.
+    /// Stabilised equilibrium that replaced an unstable one.
     settled: Option<&'a StabilisedEquilibrium>,
-    /// Parts that went far.
+    /// Parts that moved far.
     far: &'a [String],
-    /// Parts whose loads are shown.
+    /// Parts whose loads are listed.
     bodies: &'a [PartIx],
-    /// What is left out as asked.
+    /// Diagnostics for the statements left out as requested.
     left_out: &'a [Diagnostic],
 }
 
 impl Answer<'_> {
-    /// Name, position and 3-1-3 angles in degrees of every part that moves.
+    /// Returns name, position and 3-1-3 angles in degrees of every moving part.
     fn parts(&self) -> Vec<(&str, [f64; 6])> {
         self.model
             .parts
@@ -260,7 +260,7 @@ impl Answer<'_> {
             .collect()
     }
 
-    /// Name of every bushing, with its deflection and the force and torque on I, in J axes.
+    /// Returns the name of every bushing with its deflection, and force and torque on I, in J axes.
     fn bushings(&self) -> Vec<(&str, [f64; 9])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
@@ -281,7 +281,7 @@ impl Answer<'_> {
         out
     }
 
-    /// What acts on a part: who, force (ground axes) and torque about the part origin; the sum last.
+    /// Returns the loads on a part: source, force (ground axes) and torque about the part origin. The sum comes last.
     fn loads(&self, part: PartIx) -> Vec<(String, [f64; 6])> {
         let parameters = self.system.parameters();
         let mut scratch = Scratch::new(self.system);
@@ -306,7 +306,7 @@ impl Answer<'_> {
         out
     }
 
-    /// What the smallest eigenvalue of the tangent stiffness says.
+    /// Describes stability by the smallest eigenvalue of the tangent stiffness.
     fn stability(&self) -> Option<String> {
         let units = &self.model.units;
         let Softest {
@@ -338,7 +338,7 @@ impl Answer<'_> {
         })
     }
 
-    /// How an unstable equilibrium was left.
+    /// Describes how an unstable equilibrium was left.
     fn left(&self) -> Option<String> {
         let settled = self.settled?;
         let length = self.model.units.name(Dimension::LENGTH);
@@ -353,13 +353,13 @@ impl Answer<'_> {
         ))
     }
 
-    /// What is left of forces and torques that were summed anew.
+    /// Describes the remaining imbalance in an independent sum of forces and torques.
     fn left_over(&self) -> Option<String> {
         let told = self.report.balance.told(&self.model.units);
         (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
     }
 
-    /// How it was reached, if plain iteration did not do.
+    /// Describes the continuation method, if plain iteration did not converge.
     fn help_needed(&self) -> Option<String> {
         Some(match self.report.continuation? {
             Continuation::Damped => "reached by slowing motions down, less and less".to_string(),

@@ -16,7 +16,7 @@ use super::output_folder::{Replacing, refuse_replacing};
 use super::results_file::{open, refused, selection};
 use super::shell::{Exit, Shell};
 
-/// Curves in one picture; more of them cannot be told apart.
+/// Largest number of curves in one chart.
 const CURVES: usize = 8;
 
 /// What is written of a run besides the files of ADAMS.
@@ -36,13 +36,13 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    /// True if anything is to be written.
+    /// Returns true if any output is requested.
     pub(crate) fn is_asked(&self) -> bool {
         self.csv.is_some() || self.plot.is_some()
     }
 }
 
-/// Runs a command file, on a dataset of its own if one is given, and writes what is taken of its results.
+/// Runs a command file, on a separate dataset if given, and writes the requested columns of its results.
 pub(super) fn run(
     (deck, commands): (Option<&Path>, &Path),
     (allowed, ignored): (&[PathBuf], Vec<Ignore>),
@@ -101,7 +101,7 @@ pub(super) fn run(
     Ok(Exit::of_code(ending.exit_code(true)))
 }
 
-/// One line: the time of the end, the step, what is left.
+/// Formats the progress line: time, end time, step size, remaining time.
 fn told(moment: &Moment, elapsed: Duration) -> String {
     let share = moment.share();
     let left = if share > 0.0 {
@@ -119,7 +119,7 @@ fn told(moment: &Moment, elapsed: Duration) -> String {
     )
 }
 
-/// Writes the columns of a results file.
+/// Writes the requested columns of a results file.
 fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     let read = || -> Result<_, Exit> {
         let reader = open(results, shell)?;
@@ -149,7 +149,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     }
     if let Some(path) = &taken.plot {
         let (mut reader, selection) = read()?;
-        // The step `input` is the dataset before anything was computed.
+        // The step `input` is the dataset before any computation.
         let filter = StepFilter {
             kinds: StepKind::NAMED
                 .into_iter()
@@ -167,7 +167,7 @@ fn take(results: &Path, taken: &Taken, shell: &Shell) -> Result<(), Exit> {
     Ok(())
 }
 
-/// A page with the columns over the time.
+/// Creates a page with the columns over time.
 fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<String, DrawingError> {
     let is_time = |path: &str| {
         path.rsplit('.')
@@ -180,7 +180,7 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
         Some(unit) => format!("time [{unit}]"),
         None => "time".to_string(),
     };
-    // Columns of one unit share a picture, in the order of the file.
+    // Columns of the same unit share a chart, in the order of the file.
     let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
     for (at, column) in columns.iter().enumerate() {
         if Some(at) == time {

@@ -30,10 +30,10 @@ pub(super) struct Arguments {
     all: bool,
 }
 
-/// More names than a person reads are counted, not shown.
+/// Largest number of names shown; the others are only counted.
 const SHOWN: usize = 8;
 
-/// Prints the numbers.
+/// Prints the summary.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let source = shell.read(&arguments.deck)?;
     if PropertyFile::is_one(source.bytes()) {
@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     })
 }
 
-/// Says what a file of Adams/Car is that was named in place of a dataset.
+/// Names the kind of an Adams/Car file that was given instead of a dataset.
 fn not_a_dataset(source: Source) -> Diagnostic {
     let name = source.name().to_string();
     let file = PropertyFile::parse(source).value;
@@ -209,7 +209,7 @@ fn listed(out: &mut String, what: &str, names: &[String], all: bool) {
     }
 }
 
-/// Nine digits: what is summed has rounding errors no one wants to see.
+/// Rounds to ten digits, to hide the round-off of sums.
 fn rounded(value: f64) -> f64 {
     format!("{value:.9e}").parse().unwrap_or(value)
 }

@@ -68,7 +68,7 @@ fn parse_shard(text: &str) -> Result<Shard, ShardError> {
     text.parse()
 }
 
-/// Runs what is left, and joins it when all is there.
+/// Runs the unfinished cases, and joins the shards when all are finished.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let read = SweepPlan::read(&arguments.plan);
     shell.complain(&read.diagnostics);
@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     super::merge::whole(&folder, shell)
 }
 
-/// Runs what is left of a shard, showing how far it is.
+/// Runs the unfinished cases of a shard and shows progress.
 fn cases(
     runner: &Runner<'_>,
     plan: &SweepPlan,

@@ -1,4 +1,4 @@
-//! A sweep as an array of SLURM jobs over its shards, and a job that joins them.
+//! Submission of a sweep as an array of SLURM jobs over its shards, with a job that joins them.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,17 +9,17 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use super::Outcome;
 use super::shell::{Exit, Shell};
 
-/// What is submitted.
+/// Sweep to be submitted.
 pub(super) struct Submitted<'a> {
-    /// SWEEP.toml.
+    /// Path of SWEEP.toml.
     pub(super) plan: &'a Path,
     /// Options for every `sbatch`.
     pub(super) options: &'a [String],
-    /// It names a program, which was allowed here; nobody is asked where the jobs run.
+    /// True if the sweep starts a program, which the user has allowed. The jobs cannot ask again.
     pub(super) starts_program: bool,
 }
 
-/// Writes both scripts and submits them. Shards that are finished are left out.
+/// Writes both scripts and submits them. Finished shards are left out.
 pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Shell) -> Outcome {
     let (plan, options) = (submitted.plan, submitted.options);
     let cannot = |what: &Path, error: &dyn std::fmt::Display| {
@@ -39,7 +39,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     let place = out.join("slurm");
     std::fs::create_dir_all(&place).map_err(|error| cannot(&place, &error))?;
     let of = folder.manifest.shards;
-    // The array itself: neighbours as one range.
+    // A complete array is written as one range.
     let tasks = if left.len() as u64 == of {
         format!("1-{of}")
     } else {
@@ -91,7 +91,7 @@ pub(super) fn submit(submitted: &Submitted<'_>, folder: &SweepFolder, shell: &Sh
     Ok(Exit::Fine)
 }
 
-/// Submits a script; gives the number of the job.
+/// Submits a script and returns the number of the job.
 fn sbatch(
     own: &[String],
     options: &[String],
@@ -119,7 +119,7 @@ fn sbatch(
         )
     })?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    // With several clusters their name stands behind a semicolon.
+    // With several clusters, the cluster's name follows after a semicolon.
     let job = text
         .trim()
         .split(';')
@@ -136,7 +136,7 @@ fn sbatch(
     Ok(job)
 }
 
-/// A path as one word of a POSIX shell.
+/// Quotes a path as one word of a POSIX shell.
 fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', "'\\''"))
 }
@@ -153,7 +153,7 @@ mod tests {
         let words = Command::new("sh")
             .args(["-c", &format!("printf '%s|' x {} y", quoted(path))])
             .output();
-        // Only where there is such a shell.
+        // The test is skipped without such a shell.
         if let Ok(words) = words {
             let words = String::from_utf8_lossy(&words.stdout).into_owned();
             assert_eq!(words, format!("x|{}|y|", path.display()));

@@ -17,12 +17,12 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// Reads the deck that is to be changed.
+    /// Reads the deck that will be changed.
     pub(crate) fn read(&self, deck: &Path, shell: &mut Shell) -> Result<Source, Exit> {
         shell.read_for(deck, self.in_place)
     }
 
-    /// Writes the changed deck; `deck` is where it was read from.
+    /// Writes the changed deck; `deck` is the path it was read from.
     pub(crate) fn deliver(&self, deck: &Path, bytes: &[u8], shell: &mut Shell) -> Result<(), Exit> {
         if self.in_place && deck == Path::new("-") {
             return Err(shell.usage(
@@ -33,7 +33,7 @@ impl Target {
         shell.deliver(self.file(deck), bytes)
     }
 
-    /// The file to write: the one named, or for --in-place the one that was read; `None` is standard output.
+    /// Returns the output file: the named file, or with --in-place the input file; `None` means standard output.
     pub(crate) fn file<'a>(&'a self, read: &'a Path) -> Option<&'a Path> {
         if self.in_place {
             Some(read)

@@ -1,4 +1,4 @@
-/// A tolerance of the command line: a finite number, zero or larger. Everything would be within NaN or infinity of everything.
+/// Parses a tolerance: a finite number, zero or larger. NaN and infinity are refused, because any difference would pass.
 pub(super) fn tolerance(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),

@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         let lowered = Model::lower_with(&parsed.value, &files.value);
         let mut complaints = parsed.diagnostics;
         complaints.extend(lowered.diagnostics);
-        // A deck with errors is shown as far as it can be understood.
+        // A deck with errors is shown as far as it can be interpreted.
         exit = exit_of(&complaints);
         complaints.retain(|d| d.severity == Severity::Error);
         shell.complain(&complaints);
@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     Ok(exit)
 }
 
-/// Whether a file is a results file, by how it begins; those may be too large to be read whole.
+/// Returns true if a file is a results file, judged by its first bytes only, because results may be too large to read whole.
 fn is_results(path: &Path) -> bool {
     let mut head = Vec::new();
     let read = open_to_read(path).and_then(|file| file.take(64).read_to_end(&mut head));
@@ -97,7 +97,7 @@ fn is_results(path: &Path) -> bool {
     read.is_ok() && (begins.starts_with(b"<?xml") || begins.starts_with(b"FILE TYPE AND SOURCE"))
 }
 
-/// Where the page goes; a file that is there is only replaced where the user names it.
+/// Returns the path of the page. An existing file is replaced only if the user names it.
 fn target(arguments: &Arguments, shell: &Shell) -> Result<PathBuf, Exit> {
     if let Some(out) = &arguments.out {
         return Ok(out.clone());
@@ -124,7 +124,7 @@ fn name(path: &Path) -> String {
     )
 }
 
-/// Gives the scene the steps of a results file.
+/// Adds the steps of a results file to the scene.
 fn moved(scene: &mut Scene, reader: &mut dyn ResultsReader, shell: &Shell) -> Result<(), Exit> {
     let found = motion(scene, reader).map_err(|error| refused(error, shell))?;
     shell.complain(reader.diagnostics());

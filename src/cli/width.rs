@@ -1,12 +1,12 @@
-//! How wide text is: tables and prose keep to a terminal of 80 columns.
+//! Text width: tables and prose fit a terminal of 80 columns.
 
 use comfy_table::{ColumnConstraint, Table};
 
-/// Columns of a terminal that tables and prose keep to.
+/// Number of columns for tables and prose.
 pub(super) const WIDTH: usize = 80;
 
-/// The text of a table, without blanks at the ends of its lines. One that is too wide for a terminal gets narrower gaps; if that is
-/// not enough, its columns stand in several blocks one below the other, each with the first column.
+/// Formats a table without trailing blanks. A table that is too wide gets narrower gaps; if that does not suffice, its columns are split
+/// into blocks, each of which repeats the first column.
 pub(super) fn table_text(table: &Table) -> String {
     if let Some(text) = within(table) {
         return text;
@@ -41,7 +41,7 @@ pub(super) fn table_text(table: &Table) -> String {
     blocks.join("\n")
 }
 
-/// A text in lines that keep to the width, the first behind `head`, the others behind as many blanks. Ends with a line end.
+/// Wraps a text to the width, with `head` before the first line and equal indentation on the others. The result ends with a line end.
 pub(super) fn hanging(head: &str, text: &str) -> String {
     let margin = head.chars().count();
     let mut out = head.to_string();
@@ -64,7 +64,7 @@ pub(super) fn hanging(head: &str, text: &str) -> String {
     out
 }
 
-/// The text with its long lines broken at blanks; what goes on stands two columns further in than its line. All else stays as it is.
+/// Breaks long lines of a text at blanks; continuation lines are indented by two more columns. Other lines are unchanged.
 pub(super) fn wrapped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split_inclusive('\n') {
@@ -84,7 +84,8 @@ pub(super) fn wrapped(text: &str) -> String {
     out
 }
 
-/// Where a line that begins at a column is to be broken: at the last blank within the width, else at the first behind it.
+/// Returns the position at which a line that starts at a column is broken: the last blank within the width, or else the first blank beyond
+/// it.
 fn broken(line: &str, column: usize, blanks: usize) -> Option<usize> {
     let text = line.trim_end();
     if column + text.chars().count() <= WIDTH {
@@ -107,7 +108,7 @@ fn broken(line: &str, column: usize, blanks: usize) -> Option<usize> {
     last.or(next)
 }
 
-/// The text of a table if it keeps to the width.
+/// Formats a table if it fits the width.
 fn within(table: &Table) -> Option<String> {
     let text = text_of(table);
     let fits = text.lines().all(|line| line.chars().count() <= WIDTH);
@@ -138,7 +139,7 @@ mod tests {
             text.lines().all(|line| line.chars().count() <= 80),
             "{text}"
         );
-        // Every cell is there, and the first column in each of the two blocks.
+        // Every cell occurs once, and the first column occurs in both blocks.
         for word in ["h", "a", "b"] {
             assert_eq!(text.matches(&format!("{word}00000000")).count(), 2);
             for cell in cells(word).iter().skip(1) {
@@ -162,7 +163,7 @@ mod tests {
             text.split_whitespace().count(),
             long.split_whitespace().count()
         );
-        // What has no blank is not broken.
+        // Text without blanks is not broken.
         let path = "p/".repeat(60);
         assert_eq!(wrapped(&path), path);
         assert_eq!(

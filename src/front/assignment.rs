@@ -1,4 +1,4 @@
-//! What edits of a deck are, and what they do beyond the value they are about.
+//! Edits for assignments to a deck, and checks that they change nothing else.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,8 +10,8 @@ use admire_syntax::lint::{self, Options};
 use admire_syntax::text::Edit;
 use admire_syntax::{Address, Dataset};
 
-/// A flag is switched by true and false; a number and anything else is written as it was typed. `beside` are addresses that have values
-/// of their own.
+/// Creates the edits that assign a value to an address. A flag is set by true and false; any other value is written as typed. `beside` are
+/// the addresses that get a value in the same change.
 pub(crate) fn edits(
     dataset: &Dataset,
     address: &Address,
@@ -45,7 +45,7 @@ fn is_flag(address: &Address) -> bool {
     argument.is_some_and(|argument| argument.kind == ValueKind::Flag)
 }
 
-/// The errors of the reader that a deck has after an edit and had not `before`.
+/// Returns the parser errors of a deck after an edit that were not there `before`.
 pub(crate) fn new_errors<'a>(
     before: &[Diagnostic],
     after: &'a Checked<Dataset>,
@@ -53,7 +53,7 @@ pub(crate) fn new_errors<'a>(
     beyond(before, &after.diagnostics)
 }
 
-/// What was wrong with a deck before an edit. It is kept instead of the deck, which may be large.
+/// Diagnostics of a deck before an edit. They are kept instead of the deck, which may be large.
 #[derive(Clone, Debug)]
 pub(crate) struct Before {
     read: Vec<Diagnostic>,
@@ -61,7 +61,7 @@ pub(crate) struct Before {
 }
 
 impl Before {
-    /// What the reader and `admire check` find in a deck.
+    /// Collects the diagnostics of the parser and of `admire check`.
     pub(crate) fn of(deck: &Checked<Dataset>) -> Self {
         Self {
             read: deck.diagnostics.clone(),
@@ -69,7 +69,7 @@ impl Before {
         }
     }
 
-    /// The errors that reader and `admire check` find in the new deck and did not find in this one, at the places of the new text.
+    /// Returns the errors of the parser and of `admire check` that are new in the changed deck, at their places in the new text.
     pub(crate) fn new_faults(&self, after: &Checked<Dataset>) -> Vec<Diagnostic> {
         let checked = lint::check(&after.value, &Options::default());
         let of_reader = beyond(&self.read, &after.diagnostics).into_iter();
@@ -80,7 +80,7 @@ impl Before {
     }
 }
 
-/// Errors of `new` that are not in `old`, whatever their places.
+/// Returns the errors of `new` that are not in `old`, regardless of their places.
 fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> {
     let mut known: BTreeMap<(Code, &str), usize> = BTreeMap::new();
     for diagnostic in old {
@@ -102,12 +102,12 @@ fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> 
         .collect()
 }
 
-/// A digest of all statements and arguments of a deck, whatever their values, but for some arguments: those of the statements at
-/// `places`. It is the same before and after an edit that changes no more than these.
+/// Computes a digest of the names of all statements and arguments of a deck, independent of their values. The arguments listed in `places`,
+/// by statement index, are left out. The digest is unchanged by an edit that changes only those.
 pub(crate) fn outline(dataset: &Dataset, places: &BTreeSet<(usize, &str)>) -> [u8; 32] {
     let mut hash = Sha256::new();
     let mut name = |name: Option<&str>| {
-        // No name of the grammar has one of these bytes.
+        // No name in the grammar contains one of these bytes.
         hash.update(name.map_or(&b"\x01"[..], str::as_bytes));
         hash.update(b"\0");
     };

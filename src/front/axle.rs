@@ -17,29 +17,29 @@ use super::kc_page::kc_page;
 /// Characteristics of an axle under the standard K&C tests.
 #[derive(Clone, Debug)]
 pub struct AxleTests {
-    /// Curves, gradients and the state at ride height: what `kc.json` holds.
+    /// Contents of `kc.json`: curves, gradients and the state at ride height.
     pub values: Value,
-    /// `curves.csv`: a row for each state of each test.
+    /// Contents of `curves.csv`: one row for each state of each test.
     pub curves: String,
-    /// `gradients.csv`.
+    /// Contents of `gradients.csv`.
     pub gradients: String,
-    /// The report, a whole HTML page.
+    /// Report as a complete HTML page.
     pub html: String,
-    /// Remarks on the configuration.
+    /// Diagnostics of the configuration.
     pub complaints: Vec<Complaint>,
 }
 
-/// What stands beside an axle in the report of its tests.
+/// Comparisons shown in the report of an axle's tests.
 #[derive(Clone, Debug, Default)]
 pub struct Beside {
     /// Other decks under the same tests, with their names.
     pub decks: Vec<(String, Deck)>,
-    /// A table of measured curves: CSV with the columns test, value and characteristics such as `toe_angle.left [deg]`.
+    /// Path of a table of measured curves: CSV with the columns test, value, and characteristics such as `toe_angle.left [deg]`.
     pub measured: Option<PathBuf>,
 }
 
 impl Deck {
-    /// Drives the axle of the deck through the standard K&C tests that a configuration (`kc.toml`) asks for.
+    /// Runs the standard K&C tests of a configuration (`kc.toml`) on the axle of the deck.
     ///
     /// # Errors
     /// When the configuration or the deck cannot be used, or a test has no equilibrium.
@@ -47,10 +47,10 @@ impl Deck {
         self.kc_beside(config, convention, &Beside::default())
     }
 
-    /// The same, with other decks and measured curves beside in the report.
+    /// Runs the tests as [`kc`](Self::kc) does, and compares with other decks and measured curves in the report.
     ///
     /// # Errors
-    /// Those of [`kc`](Self::kc), of any of the decks; when another deck is in other units; when the measured curves cannot be read.
+    /// The errors of [`kc`](Self::kc) for any of the decks; another deck in other units; measured curves that cannot be read.
     pub fn kc_beside(
         &self,
         config: impl AsRef<Path>,

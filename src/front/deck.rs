@@ -23,28 +23,28 @@ use super::value::{address, typed, value};
 use super::writing::{may_replace, replace_file};
 use admire_diagnosis::{ProgressObserver, SharedProgress};
 
-/// A dataset (.adm): its values by address, its equilibrium, its runs. Cheap to clone.
+/// ADAMS dataset (.adm): its values by address, its equilibrium, its simulation runs. Cloning is cheap.
 ///
-/// An address is `BUSHING/12.K.2`, `front_arm.K`, `SFORCE/3`; in a pattern `*` stands for any id, name or place of a value. Numbers are in
-/// the deck's units, angles in radians. A change keeps every byte of the file but those of the value.
+/// An address is `BUSHING/12.K.2`, `front_arm.K` or `SFORCE/3`. In a pattern, `*` matches any id, name or index of a value. Numbers are in
+/// the deck's units, angles in radians. A change keeps every byte of the file except those of the changed value.
 #[derive(Clone, Debug)]
 pub struct Deck {
     pub(super) read: Arc<Checked<Dataset>>,
-    /// As the file holds it, with what was found wrong then.
+    /// Dataset as stored in its file, with the diagnostics of that text.
     stored: Arc<Checked<Dataset>>,
     pub(super) path: Option<PathBuf>,
 }
 
-/// A new value for an address.
+/// New value for an address.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Setting {
-    /// A number in the deck's units, radians for angles.
+    /// Number in the deck's units; radians for angles.
     Number(f64),
     /// All numbers of an argument.
     Numbers(Vec<f64>),
-    /// A flag, on or off.
+    /// Flag, on or off.
     Flag(bool),
-    /// A number, a function or a word as it would be typed.
+    /// Number, function or word, as typed in a deck.
     Text(String),
 }
 
@@ -92,8 +92,8 @@ impl Setting {
 }
 
 impl Deck {
-    /// Reads a dataset. What is wrong with its text does not keep it from being looked at: [`check`](Self::check) tells it, and
-    /// [`solve`](Self::solve) refuses it.
+    /// Reads a dataset. A text with errors can still be inspected: [`check`](Self::check) reports them, and [`solve`](Self::solve) refuses
+    /// the deck.
     ///
     /// # Errors
     /// When the file cannot be read.
@@ -108,7 +108,7 @@ impl Deck {
         })
     }
 
-    /// A dataset from its bytes. Files it names are looked up beside `name`.
+    /// Parses a dataset from its bytes. Files named in the dataset are looked up in the folder of `name`.
     pub fn parse(name: &str, bytes: impl Into<Vec<u8>>) -> Self {
         let read = Arc::new(Dataset::parse(Source::new(name, bytes)));
         Self {
@@ -118,40 +118,40 @@ impl Deck {
         }
     }
 
-    /// The first line.
+    /// Returns the title, which is the first line.
     pub fn title(&self) -> String {
         self.dataset().title().into_owned()
     }
 
-    /// The path it was read from, or the name it was given.
+    /// Returns the path of its file, or the name given to [`parse`](Self::parse).
     pub fn name(&self) -> &str {
         self.dataset().source().name()
     }
 
-    /// The text as it is now.
+    /// Returns the current text.
     pub fn bytes(&self) -> &[u8] {
         self.dataset().bytes()
     }
 
-    /// The parsed text.
+    /// Returns the parsed text.
     pub(crate) fn dataset(&self) -> &Dataset {
         &self.read.value
     }
 
-    /// The value at an address: a number, a list of numbers, a text, `true` for a flag; what is not written has its default. An object
-    /// alone gives its statement.
+    /// Returns the value at an address: a number, a list of numbers, a text, or `true` for a flag. A missing argument has its default
+    /// value. The address of an object alone returns its statement.
     ///
     /// # Errors
-    /// When the address means nothing in this deck.
+    /// When the address is invalid in this deck.
     pub fn get(&self, text: &str) -> Result<Value, Error> {
         let address = address(text, self.dataset()).map_err(usage)?;
         value(self.dataset(), &address, false).map_err(usage)
     }
 
-    /// The number at an address.
+    /// Returns the number at an address.
     ///
     /// # Errors
-    /// When there is none.
+    /// When the value is not a single number.
     pub fn number(&self, text: &str) -> Result<f64, Error> {
         let found = self.get(text)?;
         found.as_f64().ok_or_else(|| {
@@ -160,7 +160,7 @@ impl Deck {
         })
     }
 
-    /// The value of each address that a pattern names, in the order of the deck.
+    /// Returns the addresses that match a pattern with their values, in the order of the deck.
     ///
     /// # Errors
     /// When nothing matches.
@@ -177,10 +177,11 @@ impl Deck {
         Address::matching(pattern, self.dataset()).map_err(|refused| usage(typed(refused, pattern)))
     }
 
-    /// Gives an address, or each of a pattern, a new value. A marker is moved without being turned: ZP and XP move along with QP.
+    /// Sets the value of an address, or of all addresses that match a pattern. A marker is moved without rotation: ZP and XP move along
+    /// with QP.
     ///
     /// # Errors
-    /// When the address means nothing, or the deck could not be read with the value; the deck is as before then.
+    /// When the address is invalid, or the deck would be unreadable with the value; the deck is then unchanged.
     pub fn set(&mut self, text: &str, setting: impl Into<Setting>) -> Result<&mut Self, Error> {
         let setting = setting.into();
         let addresses = self.matching(text)?;
@@ -198,7 +199,7 @@ impl Deck {
             self.read = Arc::new(self.edited(&self.read, &all, &addresses, text)?);
             return Ok(self);
         }
-        // Values that are not written yet would be added at one place: one after the other.
+        // Missing values would all be inserted at the same place, so they are written one after the other.
         let mut read = Arc::clone(&self.read);
         for address in &addresses {
             let found = setting.edits(&read.value, address, &beside);
@@ -210,7 +211,7 @@ impl Deck {
         Ok(self)
     }
 
-    /// The deck after edits, if it can be read and nothing but these addresses has changed.
+    /// Applies edits. Fails if the result has new errors, or if anything besides these addresses would change.
     fn edited(
         &self,
         before: &Checked<Dataset>,
@@ -251,11 +252,11 @@ impl Deck {
         Error::new(ErrorKind::Usage, found, &sources)
     }
 
-    /// Writes the deck back into its own file, whole or not at all.
+    /// Writes the deck back to its own file, atomically.
     ///
     /// # Errors
-    /// When it has no file, the file was changed since it was read, the deck has an error that it had not when it was read (`force`
-    /// writes it all the same), or the file cannot be written.
+    /// When the deck has no file, the file has changed since it was read, the deck has an error it did not have when read (`force` saves in
+    /// these two cases), or the file cannot be written.
     pub fn save(&mut self, force: bool) -> Result<(), Error> {
         let Some(path) = self.path.clone() else {
             let nameless = Diagnostic::error(Code::CannotWrite, "this deck was read from no file");
@@ -272,10 +273,10 @@ impl Deck {
         self.store(&path, force)
     }
 
-    /// Writes the deck into a file, which is its own from then on. A file that is there already is replaced only with `replace`.
+    /// Writes the deck to a file, which becomes its own file. An existing file is replaced only with `replace`.
     ///
     /// # Errors
-    /// Those of [`save`](Self::save), and when another file is there.
+    /// The errors of [`save`](Self::save), and an existing file at this path without `replace`.
     pub fn save_as(
         &mut self,
         path: impl AsRef<Path>,
@@ -302,8 +303,8 @@ impl Deck {
         Ok(())
     }
 
-    /// Everything there is to say of the deck, each fault once, in the order of the file: what `admire check` tells, with the
-    /// `admire.toml` of its folder or above.
+    /// Checks the deck as `admire check` does, with the `admire.toml` of its folder or of a folder above. Each fault is reported once, in
+    /// the order of the file.
     ///
     /// # Errors
     /// When `admire.toml` cannot be used.
@@ -335,12 +336,12 @@ impl Deck {
             .collect())
     }
 
-    /// What changed from this deck to another, object by object, whatever their layout.
+    /// Returns the differences from this deck to another, object by object, regardless of layout.
     pub fn diff(&self, other: &Self, tolerance: Tolerance) -> Vec<Difference> {
         diff::diff(self.dataset(), other.dataset(), tolerance)
     }
 
-    /// The static equilibrium, as SIMULATE/STATICS finds it from the positions of the deck.
+    /// Finds the static equilibrium, as SIMULATE/STATICS does from the positions of the deck.
     ///
     /// # Errors
     /// When the deck has errors or there is no equilibrium.
@@ -350,15 +351,16 @@ impl Deck {
         Ok(run)
     }
 
-    /// Executes a command file on this deck, whatever model it names. Nothing is written: the run holds what files would.
+    /// Executes a command file on this deck, whichever model it names. No file is written: the run contains the contents of all output
+    /// files.
     ///
     /// # Errors
-    /// When the command file cannot be read. What the commands come to is told by the run.
+    /// When the command file cannot be read. Failures of the commands are reported by the run.
     pub fn run(&self, commands: impl AsRef<Path>) -> Result<Run, Error> {
         self.run_file_watched(commands.as_ref(), &SharedProgress::default())
     }
 
-    /// The same; the run ends early when the watch says so.
+    /// Executes a command file on this deck. The run stops early when `watch` requests it.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -373,18 +375,21 @@ impl Deck {
         Ok(Run::execute(&self.read, &parsed, (start, watch)))
     }
 
-    /// Executes commands that are given as text; files they name are looked up beside `name`. The run ends early when the watch says so.
+    /// Executes commands given as text. Files named in them are looked up in the folder of `name`. The run stops early when `watch`
+    /// requests it.
     pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn ProgressObserver) -> Run {
         let start = Instant::now();
         let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
         Run::execute(&self.read, &parsed, (start, watch))
     }
 
-    /// How the equilibrium at a time changes with the numbers of the deck. `of`: parts (their motion), forces and joints (their force on
-    /// I), `REQUEST/1.F2`. `by`: numbers such as `BUSHING/1.K`, all that have an effect if there are none.
+    /// Computes the derivatives of the equilibrium at a time with respect to numbers of the deck.
+    ///
+    /// `of` names the results: parts (their motion), forces and joints (their force on I), or request components such as `REQUEST/1.F2`.
+    /// `by` names the numbers, such as `BUSHING/1.K`; if empty, all numbers with an effect are used.
     ///
     /// # Errors
-    /// When a name means nothing, the deck has errors or there is no equilibrium.
+    /// When a name is invalid, the deck has errors or there is no equilibrium.
     pub fn sensitivity(
         &self,
         of: &[String],
@@ -402,7 +407,7 @@ impl Deck {
         })
     }
 
-    /// The model of the deck.
+    /// Builds the model of the deck, and returns the files it uses.
     pub(super) fn model(&self) -> Result<(Model, admire_syntax::files::Files), Error> {
         let folder = folder_of(self.dataset().source());
         let files = read_files(self.dataset(), &folder, &check::policy(&folder));

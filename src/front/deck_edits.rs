@@ -1,4 +1,4 @@
-//! Edits of a whole deck: what the commands `add`, `remove`, `renumber`, `extract` and `convert-units` do, and what they share.
+//! Edits of a whole deck: the operations of the commands `add`, `remove`, `renumber`, `extract` and `convert-units`.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Gives the statements of a kind, such as `MARKER`, the ids `first`, `first + step`, ... in their order. References follow.
+    /// Gives the statements of a kind, such as `MARKER`, the ids `first`, `first + step`, ... in their order, and updates all references.
     ///
     /// # Errors
     /// When the kind has no ids, or two statements would get the same id. The deck is then unchanged.
@@ -64,10 +64,11 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// A deck of the named parts, given by addresses or patterns, with the elements between them and to ground. All other parts become ground.
+    /// Returns a deck of the named parts, given by addresses or patterns, with the elements between them and to ground. All other parts
+    /// become ground.
     ///
     /// # Errors
-    /// When a name is not that of a part that moves, or an element refers to something that would be missing.
+    /// When a name is not a moving part, or an element refers to something that would be missing.
     pub fn extract(&self, parts: &[&str]) -> Result<Self, Error> {
         let dataset = self.dataset();
         let mut bodies = BTreeSet::new();
@@ -96,7 +97,7 @@ impl Deck {
         self.replace_by(after)
     }
 
-    /// Replaces the text, unless the new one has a fault that the old one has not.
+    /// Replaces the text, unless the new text has a fault that the old text does not have.
     fn replace_by(&mut self, after: Checked<Dataset>) -> Result<&mut Self, Error> {
         let faults = Before::of(&self.read).new_faults(&after);
         if !faults.is_empty() {
@@ -108,20 +109,20 @@ impl Deck {
     }
 }
 
-/// The dataset after edits.
+/// Applies edits to a dataset.
 pub(crate) fn edited(dataset: &Dataset, edits: &[Edit]) -> Result<Checked<Dataset>, Diagnostic> {
     let refused = |why: String| Diagnostic::error(Code::CannotWrite, why);
     let after = dataset.edited(edits);
     after.map_err(|conflict| refused(conflict.to_string()))
 }
 
-/// Refuses a text that is not a statement.
+/// Creates the diagnostic for a text that is not a statement.
 pub(crate) fn no_statement(text: &str) -> Diagnostic {
     let message = format!("`{text}` is not a statement that can be added");
     Diagnostic::error(Code::SyntaxError, message)
 }
 
-/// The dataset with more statements, whose ids must be free.
+/// Adds statements to a dataset; their ids must be free.
 pub(crate) fn with_statements(
     before: &Checked<Dataset>,
     statements: &[NewStatement],
@@ -140,7 +141,7 @@ pub(crate) fn with_statements(
     Ok(after)
 }
 
-/// Edits that remove a statement or an argument; `text` is what the user typed.
+/// Creates the edits that remove a statement or an argument; `text` is the address as typed.
 pub(crate) fn removal(
     dataset: &Dataset,
     address: &Address,
@@ -154,7 +155,7 @@ pub(crate) fn removal(
     Err(Diagnostic::error(Code::WrongType, message).help(help))
 }
 
-/// The parts that move among the objects of a pattern; at least one.
+/// Returns the moving parts that match a pattern; fails if there are none.
 pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<Object>, Diagnostic> {
     let addresses = Address::matching(text, dataset).map_err(|mut refused| {
         refused.labels.clear();
@@ -175,7 +176,7 @@ pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<Object>,
     Ok(found)
 }
 
-/// The whole keyword of a kind of statement with ids, from that or a shorter spelling. `MARKER_3` is a name, not a longer spelling.
+/// Returns the full keyword of a kind of statement with ids, from the keyword or its abbreviation. A name such as `MARKER_3` is rejected.
 pub(crate) fn kind_with_ids(word: &str) -> Option<&'static str> {
     match find_statement(word.as_bytes(), Role::Dataset) {
         Lookup::Found(def) if def.id.is_some() && word.len() <= def.name.len() => Some(def.name),
@@ -198,7 +199,7 @@ mod tests {
         deck.add("MARKER/900, PART=4, QP=0, 0, 100").unwrap();
         assert_eq!(deck.number("MARKER/900.QP.3").unwrap(), 100.0);
         let before = deck.bytes().to_vec();
-        // A second time, something that refers to what is not there, a part that markers refer to, a value of a list, no statement.
+        // These must fail: the same statement again, an undefined reference, no statement, a part with markers, and one value of a list.
         assert!(deck.add("MARKER/900, PART=4").is_err());
         assert!(deck.add("REQUEST/900, DISPLACEMENT, I=901, J=2").is_err());
         assert!(deck.add("not a statement").is_err());
@@ -209,7 +210,7 @@ mod tests {
         assert!(deck.number("MARKER/900.QP.3").is_err());
     }
 
-    /// Newtons, kilograms and seconds in both systems: a length in metres is a thousandth of one in millimetres.
+    /// Newtons, kilograms and seconds occur in both systems; a length in metres is a thousandth of the length in millimetres.
     #[test]
     fn other_ids_and_units_are_the_same_model() {
         let place = |deck: &Deck| {

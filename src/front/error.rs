@@ -5,64 +5,64 @@ use std::path::Path;
 use admire_session::{Sources, located};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
-/// Why there is no answer: the complaints of the command line, at their places.
+/// Error of an operation, with the same diagnostics as the command line, located in their files.
 #[derive(Clone, Debug)]
 pub struct Error {
-    /// What kind of trouble it is.
+    /// Kind of error.
     pub kind: ErrorKind,
-    /// The complaints, the reason first.
+    /// Diagnostics, errors first.
     pub complaints: Vec<Complaint>,
 }
 
-/// What kind of trouble an [`Error`] is.
+/// Kind of an [`Error`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ErrorKind {
     /// A deck, command file, study or results file has errors.
     Input,
-    /// An address, a column or an option that means nothing there.
+    /// An address, a column or an option is invalid here.
     Usage,
-    /// No equilibrium, no motion or no fit.
+    /// There is no equilibrium, no motion or no fit.
     NoAnswer,
     /// A file cannot be read or written.
     File(io::ErrorKind),
 }
 
-/// A complaint with its places worked out.
+/// Diagnostic with resolved places.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Complaint {
     /// Stable code, for example `undefined-id`.
     pub code: Code,
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// One sentence.
+    /// Message in one sentence.
     pub message: String,
-    /// What to do about it.
+    /// Suggested remedy.
     pub help: Option<String>,
-    /// Where it is, the main place first.
+    /// Places, the main place first.
     pub places: Vec<Place>,
-    /// All of it as text, with the line of the file and the place marked.
+    /// Complete text, with the line of the file and the place marked.
     pub text: String,
 }
 
-/// A place in a file.
+/// Place in a file.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Place {
-    /// The file, as it was named.
+    /// File, as it was named.
     pub file: String,
     /// Offset of the first byte.
     pub start: usize,
     /// Offset past the last byte.
     pub end: usize,
-    /// Line, from 1; `None` where the text is not at hand.
+    /// Line, from 1; `None` if the text is not available.
     pub line: Option<usize>,
-    /// Column in bytes, from 1.
+    /// Column in bytes, from 1; `None` if the text is not available.
     pub column: Option<usize>,
-    /// What is said of this place.
+    /// Message for this place.
     pub message: String,
 }
 
 impl Complaint {
-    /// A complaint with places in these files.
+    /// Creates a complaint with its places in these files.
     pub(crate) fn new(diagnostic: &Diagnostic, sources: &Sources) -> Self {
         let place = |label: &admire_syntax::diagnostic::Label| {
             let source = sources.get(&label.file);
@@ -88,7 +88,7 @@ impl Complaint {
 }
 
 impl Error {
-    /// An error from complaints, those that are errors first.
+    /// Creates an error from diagnostics, sorted by severity.
     pub(crate) fn new(kind: ErrorKind, diagnostics: &[Diagnostic], sources: &Sources) -> Self {
         let mut complaints: Vec<Complaint> = diagnostics
             .iter()
@@ -98,19 +98,19 @@ impl Error {
         Self { kind, complaints }
     }
 
-    /// An error without a place.
+    /// Creates an error without a place.
     pub(crate) fn plain(kind: ErrorKind, diagnostic: &Diagnostic) -> Self {
         Self::new(kind, std::slice::from_ref(diagnostic), &Sources::default())
     }
 
-    /// A file that cannot be read.
+    /// Creates the error for a file that cannot be read.
     pub(crate) fn unreadable(path: &Path, error: &io::Error) -> Self {
         let message = format!("`{}` cannot be read: {error}", path.display());
         let diagnostic = Diagnostic::error(Code::CannotRead, message);
         Self::plain(ErrorKind::File(error.kind()), &diagnostic)
     }
 
-    /// A file that cannot be written.
+    /// Creates the error for a file that cannot be written.
     pub(crate) fn unwritable(path: &Path, error: &io::Error) -> Self {
         let message = format!("`{}` cannot be written: {error}", path.display());
         let diagnostic = Diagnostic::error(Code::CannotWrite, message);

@@ -1,4 +1,4 @@
-//! What a fit looks like: places of the parts, and lines of the deck that change.
+//! Views of a fit: positions of the parts, and changed lines of the deck.
 
 use admire_identify::{Fit, LoadedStudy};
 use admire_report::Positions;
@@ -6,14 +6,14 @@ use admire_report::scene::Role;
 use admire_session::backend::Backend;
 use admire_study::settings::BackendChoice;
 
-/// Where the solver puts the parts with the initial and with the identified numbers; without those it does not tell, as a recording
-/// that lacks them.
+/// Returns the positions of the parts with the initial and with the identified numbers. Positions that the solver cannot provide are left
+/// out.
 pub(crate) fn positions(
     loaded: &LoadedStudy,
     fit: &Fit,
     backend: &mut dyn Backend,
 ) -> Vec<Positions> {
-    // Pictures are not worth the licences of another solver.
+    // Pictures do not justify the use of another solver's licences.
     if loaded.study.solver.backend != BackendChoice::Native {
         return Vec::new();
     }
@@ -29,7 +29,7 @@ pub(crate) fn positions(
     solved.collect()
 }
 
-/// The lines that differ, with the three lines before and behind them that tell whose they are.
+/// Returns the changed lines as a unified diff, with three lines of context.
 pub(crate) fn changed_lines(before: &[u8], after: &[u8]) -> String {
     let (before, after) = (
         String::from_utf8_lossy(before),

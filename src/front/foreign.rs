@@ -2,7 +2,7 @@ use admire_identify::LoadedStudy;
 use admire_study::{ForeignMarks, foreign_marks};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Marks that belong to other parts, with the cases where they do.
+/// Returns an error for each group of marks that belong to other parts, with the cases concerned.
 pub(crate) fn foreign_parts(loaded: &LoadedStudy) -> Vec<Diagnostic> {
     let measurement = &loaded.measurement;
     let Some(marks) = &loaded.study.marks else {

@@ -1,4 +1,4 @@
-//! Measured curves beside those of K&C tests.
+//! Measured curves for comparison with K&C tests.
 
 use admire_kc::{Config, unit_in_deck};
 use admire_report::MeasuredCurve;
@@ -6,8 +6,10 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::Source;
 use admire_syntax::units::Units;
 
-/// Reads a table with the columns `test`, `value` and characteristics. A head may end in a unit as `curves.csv` has it, such as `[deg]`; without one
-/// values are in the deck's units and radians. Cells may be empty. Semicolons or tabs between the cells are read too, and then decimal commas.
+/// Reads a table with the columns `test`, `value` and characteristics.
+///
+/// A heading may end in a unit as in `curves.csv`, such as `[deg]`; without a unit, values are in the deck's units and radians. Cells may
+/// be empty. Semicolons or tabs are accepted as separators, with decimal commas.
 pub(crate) fn measured(
     source: &Source,
     config: &Config,

@@ -1,6 +1,6 @@
-//! The front of the library: a deck, its runs, studies and results files, each with a handful of methods.
+//! Front of the library: a deck, its runs, studies and results files, each with a few methods.
 //!
-//! The Python package and the subcommands sit on the same functions, so that all three give the same answers.
+//! The Python package and the subcommands use the same functions, so that all three give the same results.
 
 mod assignment;
 #[cfg(feature = "kc")]

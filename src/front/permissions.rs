@@ -1,14 +1,15 @@
-//! Who may read and run the files `admire` writes: the one place with an interface that only Unix has.
+//! Permissions of the files that `admire` writes. Interfaces that exist only on Unix are confined to this module.
 
 use std::path::Path;
 
-/// A temporary file is private; one that takes the place of a user's file is as readable as any new file.
+/// Gives a temporary file the usual permissions of a new file, because it will replace a user's file. By default, a temporary file is
+/// private.
 #[cfg(unix)]
 pub(crate) fn as_new_files<'a, 'b>(
     builder: &'a mut tempfile::Builder<'b, 'b>,
 ) -> &'a mut tempfile::Builder<'b, 'b> {
     use std::os::unix::fs::PermissionsExt;
-    // The system takes off what the user's mask forbids.
+    // The operating system removes the permissions excluded by the user's umask.
     builder.permissions(std::fs::Permissions::from_mode(0o666))
 }
 
@@ -19,7 +20,7 @@ pub(crate) fn as_new_files<'a, 'b>(
     builder
 }
 
-/// True if a new file can take the place of an old one: it has no other names, and its owner can be given to the new one.
+/// Returns true if a new file can replace an old one: the old file has no other hard links, and the new file can be given its owner.
 #[cfg(unix)]
 pub(crate) fn can_be_replaced(path: &Path, new: &Path) -> bool {
     use std::os::unix::fs::{MetadataExt, chown};
@@ -31,7 +32,7 @@ pub(crate) fn can_be_replaced(path: &Path, new: &Path) -> bool {
     old.nlink() < 2 && (same || chown(new, Some(old.uid()), Some(old.gid())).is_ok())
 }
 
-/// True if a new file can take the place of an old one: it has no other names. What it has of attributes is kept elsewhere.
+/// Returns true if a new file can replace an old one: the old file has no other hard links. Its attributes are restored elsewhere.
 #[cfg(windows)]
 pub(crate) fn can_be_replaced(path: &Path, _: &Path) -> bool {
     let opened = winapi_util::Handle::from_path_any(path);
@@ -39,7 +40,7 @@ pub(crate) fn can_be_replaced(path: &Path, _: &Path) -> bool {
     told.map_or(true, |told| told.number_of_links() < 2)
 }
 
-/// Lets a file be run as a command.
+/// Makes a file executable.
 #[cfg(unix)]
 pub(crate) fn make_executable(path: &Path) -> std::io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
@@ -63,7 +64,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
-        // As root, `-o /dev/null` once made a file of the device.
+        // As root, `-o /dev/null` once replaced the device by a regular file.
         assert!(replace_file(&path, b"text").is_err());
         let kind = std::fs::metadata(&path).unwrap().file_type();
         assert!(kind.is_socket());
@@ -82,7 +83,7 @@ mod tests {
         let data = std::fs::metadata(&path).unwrap();
         assert_eq!((data.nlink(), data.mode() & 0o777), (2, 0o640));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-        // The owner stays: only root may give a file away.
+        // The owner is preserved; only root can change it.
         let third = folder.path().join("c.adm");
         std::fs::write(&third, "text").unwrap();
         if std::os::unix::fs::chown(&third, Some(4242), Some(4243)).is_ok() {

@@ -1,4 +1,4 @@
-//! A whole new file in the place of another.
+//! Atomic replacement of a file.
 
 use std::io::Result;
 use std::path::Path;
@@ -6,21 +6,21 @@ use std::path::Path;
 use admire_syntax::text::patiently;
 use tempfile::NamedTempFile;
 
-/// Puts a whole new file in the place of `path`. On Windows attributes of the old one (read-only, hidden) stay; elsewhere the caller
-/// gives the new file its permissions before.
+/// Replaces the file at `path` by a complete new file. On Windows the attributes of the old file (read-only, hidden) are preserved;
+/// elsewhere the caller sets the permissions of the new file beforehand.
 ///
 /// # Errors
-/// When it cannot take the place; the old file is as it was.
+/// When the file cannot be replaced; the old file is then unchanged.
 pub(super) fn persist(new: NamedTempFile, path: &Path) -> Result<()> {
     let before = std::fs::metadata(path)
         .ok()
         .filter(|_| cfg!(windows))
         .map(|there| there.permissions());
     if let Some(before) = before.as_ref().filter(|before| before.readonly()) {
-        // Windows replaces no file that is read-only.
+        // Windows does not replace a read-only file.
         let mut writable = before.clone();
         #[allow(clippy::permissions_set_readonly_false)]
-        // An attribute, not a mode: this is Windows.
+        // On Windows this is an attribute and not a mode.
         writable.set_readonly(false);
         std::fs::set_permissions(path, writable)?;
     }

@@ -10,10 +10,10 @@ use admire_syntax::grammar::nearest;
 use super::error::{Error, ErrorKind};
 use admire_diagnosis::ProgressObserver;
 
-/// A results file of any kind (.res, .req, .gra): names and units at once, values read from the file when they are asked for, step by
-/// step, so that its size does not matter.
+/// Results file of any kind (.res, .req, .gra). Names and units are read on opening, and values on request, step by step, so that files may
+/// be of any size.
 ///
-/// The bushing force that a lateral load changes most:
+/// Example: find the bushing force that a lateral load changes most.
 ///
 /// ```
 /// use admire::{Deck, Results, SharedProgress, StepFilter, StepKind};
@@ -47,10 +47,10 @@ pub struct Results {
     columns: Vec<SelectedColumn>,
 }
 
-/// Columns of a results file, a row for each step.
+/// Selected columns of a results file, with one row for each step.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Rows {
-    /// The columns in the order of their values.
+    /// Columns in the order of their values.
     pub columns: Vec<SelectedColumn>,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
@@ -59,10 +59,10 @@ pub struct Rows {
 }
 
 impl Results {
-    /// Reads the head of a results file.
+    /// Opens a results file and reads its header.
     ///
     /// # Errors
-    /// When the file cannot be read or is no results file.
+    /// When the file cannot be read or is not a results file.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let reader = open(path)?;
@@ -74,36 +74,36 @@ impl Results {
         })
     }
 
-    /// Where it is.
+    /// Returns its path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What it says of itself.
+    /// Returns its header.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// The columns with their units.
+    /// Returns the columns with their units.
     pub fn columns(&self) -> &[SelectedColumn] {
         &self.columns
     }
 
-    /// A column, a value per step: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
+    /// Reads a column, one value for each step: `KNUCKLE.X`, `KNUCKLE_XFORM.X`, `BUSHING/1.FX`.
     ///
     /// # Errors
-    /// When there is no such column, the name means several, or the file cannot be read to its end.
+    /// When there is no such column, the name is ambiguous, or the file cannot be read to its end.
     pub fn column(&self, name: &str, watch: &dyn ProgressObserver) -> Result<Vec<f64>, Error> {
         let columns = vec![one_column(&self.catalogue, name)?];
         let read = self.read(Selection { columns }, &StepFilter::default(), watch)?;
         Ok(read.values)
     }
 
-    /// The columns that any of the patterns names (`*` any text, `?` one character, an entity all its components; all columns without a
-    /// pattern), in the steps that a filter takes.
+    /// Reads the columns that match any of the patterns, in the steps that pass a filter. `*` matches any text, `?` one character, and the
+    /// name of an entity all its components. Without patterns, all columns are read.
     ///
     /// # Errors
-    /// When a pattern names nothing, or the file cannot be read to its end.
+    /// When a pattern matches nothing, or the file cannot be read to its end.
     pub fn select(
         &self,
         patterns: &[&str],
@@ -156,7 +156,7 @@ fn failed(path: &Path, error: ResultsError) -> Error {
     }
 }
 
-/// The columns that patterns name; every pattern must name one.
+/// Selects the columns that match patterns; every pattern must match at least one column.
 pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selection, Error> {
     let (selection, unused) = Selection::matching(catalogue, patterns);
     let Some(pattern) = unused.first() else {
@@ -184,7 +184,7 @@ pub(crate) fn selected(catalogue: &Catalogue, patterns: &[&str]) -> Result<Selec
     Err(Error::plain(ErrorKind::Usage, &refused))
 }
 
-/// The one column that a name means.
+/// Returns the single column with a name.
 pub(crate) fn one_column(catalogue: &Catalogue, name: &str) -> Result<SelectedColumn, Error> {
     let mut found = selected(catalogue, &[name])?.columns;
     if found.len() == 1 {

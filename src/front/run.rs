@@ -16,10 +16,10 @@ use super::results::{one_column, selected};
 use super::writing::{may_replace, replace_file};
 use admire_diagnosis::ProgressObserver;
 
-/// What came of executing commands on a deck: results, messages and other files, all in memory.
+/// Results of executing commands on a deck: results, messages and other files, all in memory.
 ///
-/// Values are the full numbers of what the results file of `admire solve` or `mdi` spells with so many decimals, and
-/// [`write`](Self::write) writes the same bytes as they.
+/// Values have full precision, while the results file of `admire solve` or `mdi` rounds them. [`write`](Self::write) writes the same bytes
+/// as these programs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
     ending: Ending,
@@ -58,7 +58,7 @@ impl Run {
         });
         let balance = left.collect();
         let table = record.results.take();
-        // A run is over when what it needed is given back.
+        // The elapsed time includes the release of resources.
         drop(record);
         Self {
             ending,
@@ -70,15 +70,15 @@ impl Run {
         }
     }
 
-    /// How it ended.
+    /// Returns how the run ended.
     pub fn ending(&self) -> &Ending {
         &self.ending
     }
 
-    /// An error if a command was not understood, refused, or had no answer: where `admire solve` ends with another exit code than 0.
+    /// Checks the outcome. The run failed if `admire solve` would end with an exit code other than 0.
     ///
     /// # Errors
-    /// In these cases.
+    /// When a command was not understood, was refused, or had no result.
     pub fn succeeded(&self) -> Result<(), Error> {
         if self.ending.exit_code(true) == 0 {
             return Ok(());
@@ -91,7 +91,7 @@ impl Run {
         let mut told = self.complaints.clone();
         told.sort_by_key(|complaint| std::cmp::Reverse(complaint.severity));
         if told.first().is_none_or(|c| c.severity != Severity::Error) {
-            // What is no error elsewhere ended this run.
+            // The run ended for a reason that is not an error elsewhere.
             let last = Diagnostic::error(Code::NoEquilibrium, "the run did not come to its end");
             let help = last.help("the messages of the run say why");
             return Err(Error::plain(kind, &help));
@@ -102,34 +102,34 @@ impl Run {
         })
     }
 
-    /// Warnings and errors in the order they came up.
+    /// Returns warnings and errors in the order of their occurrence.
     pub fn complaints(&self) -> &[Complaint] {
         &self.complaints
     }
 
-    /// What was left of the forces on a part at worst when they were summed anew, in all static solutions: `force` and `torque` in
-    /// units of the deck, and where. Empty if there was none.
+    /// Returns the worst imbalance on a part over all static solutions, from an independent sum of the loads. The keys are `force` and
+    /// `torque`; the values are the size in units of the deck, and the part. Empty without static solutions.
     pub fn balance(&self) -> &BTreeMap<String, (f64, String)> {
         &self.balance
     }
 
-    /// The message file.
+    /// Returns the message file.
     pub fn messages(&self) -> String {
         let said = self.files.get("msg").map_or(&[][..], Vec::as_slice);
         String::from_utf8_lossy(said).into_owned()
     }
 
-    /// How long it took, the reading of the commands included.
+    /// Returns the elapsed time, including the reading of the commands.
     pub fn elapsed(&self) -> Duration {
         self.elapsed
     }
 
-    /// The results as a table; `None` if no simulation began.
+    /// Returns the results as a table; `None` if no simulation started.
     pub(crate) fn table(&self) -> Option<&ResultsTable> {
         self.table.as_ref()
     }
 
-    /// Puts the values back that serialisation leaves out.
+    /// Restores the values that serialisation omits.
     #[cfg(feature = "python")]
     pub(crate) fn set_values(&mut self, values: Vec<f64>) {
         if let Some(table) = &mut self.table {
@@ -137,21 +137,21 @@ impl Run {
         }
     }
 
-    /// The columns in the order of their values.
+    /// Returns the columns in the order of their values.
     pub fn columns(&self) -> Vec<SelectedColumn> {
         self.table()
             .map_or_else(Vec::new, |table| Selection::all(&table.catalogue).columns)
     }
 
-    /// Kind of each step.
+    /// Returns the kind of each step.
     pub fn kinds(&self) -> &[StepKind] {
         self.table().map_or(&[], |table| &table.kinds)
     }
 
-    /// Which value of each step a name means, from 0: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING/1.FX`.
+    /// Returns the index, from 0, of a column in the values of a step: `KNUCKLE.X`, `knuckle_XFORM.X`, `BUSHING/1.FX`.
     ///
     /// # Errors
-    /// When there is no such column, or the name means several.
+    /// When there is no such column, or the name is ambiguous.
     pub fn position(&self, name: &str) -> Result<usize, Error> {
         let Some(table) = self.table() else {
             let none = Diagnostic::error(Code::CannotRead, "the run has no results");
@@ -160,10 +160,10 @@ impl Run {
         Ok(one_column(&table.catalogue, name)?.id - 1)
     }
 
-    /// The columns that patterns name, as [`Results::select`](super::Results::select) has them.
+    /// Returns the columns that match patterns, with the rules of [`Results::select`](super::Results::select).
     ///
     /// # Errors
-    /// When a pattern names nothing.
+    /// When a pattern matches nothing.
     pub fn select(&self, patterns: &[String]) -> Result<Vec<SelectedColumn>, Error> {
         let patterns: Vec<&str> = patterns.iter().map(String::as_str).collect();
         let none = Catalogue::default();
@@ -171,7 +171,7 @@ impl Run {
         Ok(selected(catalogue, &patterns)?.columns)
     }
 
-    /// A column, a value per step. The first step is the model as it was read.
+    /// Returns a column, one value for each step. The first step is the model as read.
     ///
     /// # Errors
     /// As [`position`](Self::position).
@@ -185,13 +185,13 @@ impl Run {
         Ok(values.copied().collect())
     }
 
-    /// The other files by extension (`msg`, `req`, `gra`, `out`), those of LINEAR by name.
+    /// Returns the other files by extension (`msg`, `req`, `gra`, `out`), and the files of LINEAR by their names.
     pub fn files(&self) -> &BTreeMap<String, Vec<u8>> {
         &self.files
     }
 
-    /// Writes a file of the run, chosen by the extension: `.res`, or `.msg`, `.req`, `.gra`, `.out`. A file that is there already is
-    /// replaced only with `replace`.
+    /// Writes a file of the run, chosen by its extension: `.res`, `.msg`, `.req`, `.gra` or `.out`. An existing file is replaced only with
+    /// `replace`.
     ///
     /// # Errors
     /// When the run has no such file, or it cannot be written.

@@ -5,43 +5,43 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 use admire_syntax::{Address, Dataset};
 
-/// How an equilibrium changes with the numbers of a deck: exact derivatives, in the deck's units (angles in radians). By QP a marker moves
-/// without turning, and markers that are given in its frame (RM) move with it.
+/// Exact derivatives of an equilibrium with respect to numbers of a deck, in the deck's units (angles in radians). A change of QP moves a
+/// marker without rotation; markers defined in its frame (RM) move with it.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SensitivityTable {
-    /// What changes: names of the columns, for example `PART/4 x`.
+    /// Names of the results, which are the columns, for example `PART/4 x`.
     pub of: Vec<String>,
-    /// Their units; empty where none is known.
+    /// Units of the results; empty where unknown.
     pub units: Vec<String>,
-    /// By which numbers, a row each.
+    /// Rows, one for each number of the deck.
     pub by: Vec<SensitivityRow>,
 }
 
-/// The derivatives by one number.
+/// Derivatives with respect to one number.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SensitivityRow {
     /// Address of the number.
     pub address: String,
-    /// Its value; NaN where it is a function.
+    /// Its value; NaN if it is a function.
     pub value: f64,
-    /// Its unit; empty without one. A derivative is in the unit of its column per this.
+    /// Its unit; empty if dimensionless. A derivative is in the unit of its column per this unit.
     pub unit: String,
-    /// The derivative of each column by it.
+    /// Derivative of each column with respect to the number.
     pub derivatives: Vec<f64>,
 }
 
-/// Why there is no table.
+/// Reason why there is no table.
 #[derive(Debug)]
 pub(crate) enum Unavailable {
-    /// A word that means nothing.
+    /// A name is invalid.
     Word(Diagnostic),
-    /// No equilibrium.
+    /// There is no equilibrium.
     NoAnswer(SolveError),
 }
 
 impl SensitivityTable {
-    /// Solves and differentiates at a time. `of`: parts (their motion), forces and joints (their force on I), `REQUEST/1.F2`; `by`:
-    /// numbers, all that have an effect if there are none.
+    /// Solves the equilibrium at a time and differentiates it. `of` names parts (their motion), forces and joints (their force on I), or
+    /// `REQUEST/1.F2`. `by` names numbers; if empty, all numbers with an effect are used.
     pub(crate) fn new(
         (dataset, model, system): (&Dataset, &Model, &System),
         of: &[String],
@@ -72,7 +72,7 @@ impl SensitivityTable {
                 unit: model.units.name(system.catalogue().info(slot).dimension),
                 derivatives,
             });
-        // Asked for by name even a zero is an answer; else only what has an effect.
+        // Numbers requested by name are listed even if their derivatives are zero; otherwise only numbers with an effect are listed.
         let all = !by.is_empty();
         let by = named.filter(|row| all || row.derivatives.iter().any(|d| *d != 0.0));
         Ok(Self {
@@ -83,14 +83,14 @@ impl SensitivityTable {
     }
 }
 
-/// A column of the table.
+/// Column of the table.
 struct Column {
     head: String,
     unit: String,
     quantity: Quantity,
 }
 
-/// The quantities that a word means.
+/// Returns the quantities named by a word.
 fn quantities(
     text: &str,
     (dataset, model, system): (&Dataset, &Model, &System),
@@ -141,13 +141,14 @@ fn quantities(
     Err(Diagnostic::error(Code::WrongType, message))
 }
 
-/// The numbers that the words mean: those whose address begins so. Without any, all but the literals of functions.
+/// Returns the numbers whose addresses begin with the words. Without words, returns all numbers except literals of functions, and numbers
+/// of REQUEST and SENSOR.
 fn slots(
     words: &[String],
     (dataset, system): (&Dataset, &System),
 ) -> Result<Vec<Slot>, Diagnostic> {
     let catalogue = system.catalogue();
-    // Angles that points give instead of REULER have no number to change.
+    // Angles defined by points (ZP, XP) instead of REULER are not numbers that could be changed.
     let by_points = |address: &Address| {
         let marker = dataset.find(address).filter(|_| address.kind == "MARKER");
         address.argument.as_deref() == Some("REULER")

@@ -20,68 +20,68 @@ use super::suggested::suggested;
 use admire_diagnosis::{ProgressObserver, study_fit as fit};
 use admire_study::{NamedProgram, solver};
 
-/// The largest file in which places are shown, in bytes.
+/// Size in bytes up to which a file is read to show places in it.
 const LARGEST_SHOWN: u64 = 64 << 20;
 
-/// A study folder: a deck, load cases and what was measured.
+/// Study folder: a deck, load cases and measurements.
 #[derive(Clone, Debug)]
 pub struct Study {
     loaded: LoadedStudy,
-    /// The program it names may be started.
+    /// True if the external program of the study may be started.
     allowed: bool,
     complaints: Vec<Complaint>,
     sources: Sources,
 }
 
-/// The stiffnesses of a study with their uncertainty.
+/// Identified stiffnesses of a study with their uncertainty.
 #[derive(Clone, Debug)]
 pub struct Identification {
-    /// The numbers, and how well they explain the readings: what `identification.json` holds.
+    /// Contents of `identification.json`: the identified numbers, and how well they explain the readings.
     pub fit: Fit,
-    /// The answer in a sentence.
+    /// Summary in a few sentences.
     pub lead: String,
-    /// The deck with the identified numbers.
+    /// Deck with the identified numbers.
     pub deck: Vec<u8>,
-    /// The report, a whole HTML page.
+    /// Report as a complete HTML page.
     pub html: String,
-    /// Remarks of the backend that solved.
+    /// Remarks of the solver backend.
     pub remarks: Vec<String>,
 }
 
-/// What a model gets wrong after its best fit.
+/// Result of a diagnosis: the faults of a model that remain after its best fit.
 #[derive(Clone, Debug)]
 pub struct DiagnosisAnswer {
-    /// Verdict, findings and their evidence: what `diagnosis.json` holds.
+    /// Contents of `diagnosis.json`: verdict, findings and their evidence.
     pub diagnosis: Diagnosis,
-    /// The answer in sentences.
+    /// Result in sentences.
     pub sentences: Vec<String>,
-    /// The deck with the causes modelled.
+    /// Deck extended by the causes found.
     pub deck: Vec<u8>,
-    /// The command file that runs it on any ADAMS.
+    /// Command file that runs the extended deck on any ADAMS.
     pub commands: String,
-    /// The report, a whole HTML page.
+    /// Report as a complete HTML page.
     pub html: String,
-    /// Remarks of the backend of the study.
+    /// Remarks of the study's solver backend.
     pub remarks: Vec<String>,
 }
 
-/// What to measure next.
+/// Recommended further measurements.
 #[derive(Clone, Debug)]
 pub struct PlanAnswer {
-    /// What the readings leave open, and what each candidate would do: what `plan.json` holds.
+    /// Contents of `plan.json`: what the readings leave undetermined, and the effect of each candidate measurement.
     pub plan: Plan,
-    /// Load cases among the first candidates as rows of the study's own table.
+    /// Load cases of the first candidates, as rows of the study's own table.
     pub suggested: String,
 }
 
-/// Does a fit of a study again, and puts what comes of it into the fit.
+/// Callback that repeats the fit of a study and stores the results in the fit.
 pub(crate) type Again<'a> = dyn FnMut(&LoadedStudy, &Marginal, &mut Fit) -> Result<(), Error> + 'a;
 
 impl Study {
-    /// Reads a study folder and everything it names.
+    /// Reads a study folder and all files it names.
     ///
     /// # Errors
-    /// What keeps it from being used.
+    /// The faults that make the study unusable.
     pub fn open(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let read = LoadedStudy::read(folder);
@@ -91,7 +91,7 @@ impl Study {
             sources.add(loaded.study.deck.clone());
         }
         for label in read.diagnostics.iter().flat_map(|found| &found.labels) {
-            // To show the place in it; what is huge is shown by its name alone.
+            // Sources are kept to show places in them. A huge file is shown by its name only.
             if sources.get(&label.file).is_none()
                 && let Ok(bytes) = read_at_most(Path::new(&*label.file), LARGEST_SHOWN)
             {
@@ -113,29 +113,29 @@ impl Study {
         }
     }
 
-    /// Its folder.
+    /// Returns its folder.
     pub fn folder(&self) -> &Path {
         &self.loaded.study.folder
     }
 
-    /// Warnings and notes about its files.
+    /// Returns warnings and notes about its files.
     pub fn complaints(&self) -> &[Complaint] {
         &self.complaints
     }
 
-    /// Another method than the study's own.
+    /// Replaces the identification method of the study.
     pub fn set_method(&mut self, method: Method) {
         self.loaded.study.identify.method = method;
     }
 
-    /// The program that the study starts for every equilibrium, if it names one.
+    /// Returns the program that the study starts for every equilibrium, if it names one.
     pub fn starts_program(&self) -> Option<&[String]> {
         let solver = &self.loaded.study.solver;
         (solver.backend == BackendChoice::Command).then_some(&solver.command)
     }
 
-    /// Lets it start the program that it names, this time. Without, it does where the user has allowed the command before, or has begun
-    /// the study by `admire new`.
+    /// Allows this `Study` value to start the external program of the study. Otherwise the program is started only if the user allowed the
+    /// command before, or created the study by `admire new`.
     pub fn allow_command(&mut self) {
         self.allowed = true;
     }
@@ -150,10 +150,10 @@ impl Study {
         }
     }
 
-    /// Identifies the stiffnesses. With `force` also of a study that cannot be meant.
+    /// Identifies the stiffnesses. `force` skips the plausibility check.
     ///
     /// # Errors
-    /// When nothing is sought, the study is not plausible, or there is no fit.
+    /// When the study has no unknowns, is implausible, or has no fit.
     pub fn identify(
         &self,
         force: bool,
@@ -162,10 +162,10 @@ impl Study {
         self.identify_and(force, watch, None)
     }
 
-    /// The same; the fit is repeated by `again` before it is reported.
+    /// Identifies the stiffnesses, and repeats the fit by `again` before it is reported.
     ///
     /// # Errors
-    /// As [`identify`](Self::identify), when the fit cannot be repeated, and those of `again`.
+    /// As [`identify`](Self::identify); a fit that cannot be repeated; errors of `again`.
     pub(crate) fn identify_and(
         &self,
         force: bool,
@@ -215,10 +215,10 @@ impl Study {
         })
     }
 
-    /// Says what the model still gets wrong after its best fit. With `force` also of a study that cannot be meant.
+    /// Diagnoses the faults of the model that remain after its best fit. `force` skips the plausibility check.
     ///
     /// # Errors
-    /// When the readings are not of the deck's parts, the study is not plausible, or there is no fit.
+    /// When the readings do not belong to the deck's parts, the study is implausible, or there is no fit.
     pub fn diagnose(
         &self,
         force: bool,
@@ -227,7 +227,7 @@ impl Study {
         self.diagnose_checked(force, GainCheck::default(), watch)
     }
 
-    /// The same, with more or less done to learn what the causes gain.
+    /// Diagnoses the model as [`diagnose`](Self::diagnose) does; `check` sets how thoroughly the gain of the causes is verified.
     ///
     /// # Errors
     /// As [`diagnose`](Self::diagnose).
@@ -270,8 +270,8 @@ impl Study {
         })
     }
 
-    /// Ranks measurements that could be added to the study by what each would gain; load cases among the first `count` are suggested.
-    /// With `force` also of a study that cannot be meant.
+    /// Ranks possible further measurements of the study by their gain, and suggests load cases from the first `count` candidates. `force`
+    /// skips the plausibility check.
     ///
     /// ```
     /// use admire::{Aim, SharedProgress, Study};
@@ -286,8 +286,8 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// When nothing is sought that the aim is about, the readings are not of the deck's parts, the study is not plausible, or there
-    /// is no fit.
+    /// When the study has no unknowns of this aim, the readings do not belong to the deck's parts, the study is implausible, or there is no
+    /// fit.
     pub fn plan(
         &self,
         aim: Aim,
@@ -310,7 +310,7 @@ impl Study {
         })
     }
 
-    /// The study with the noise its marks show, and the progress that is watched, where a diagnosis can be made of it.
+    /// Prepares a diagnosis: returns the study with the noise estimated from its marks, and the progress to report.
     fn for_diagnosis(
         &self,
         force: bool,
@@ -328,7 +328,7 @@ impl Study {
         Ok((loaded, progress))
     }
 
-    /// The path of its deck.
+    /// Returns the path of its deck.
     pub fn deck(&self) -> PathBuf {
         PathBuf::from(self.loaded.study.deck.name())
     }
@@ -348,7 +348,7 @@ impl Study {
         self.failed(ErrorKind::NoAnswer, Diagnostic::error(Code::NoFit, why))
     }
 
-    /// An error of a fit, with the warnings of the deck: they may be the reason.
+    /// Creates an error of a fit, with the deck's warnings as possible reasons.
     fn failed(&self, kind: ErrorKind, why: Diagnostic) -> Error {
         let mut all = vec![why];
         all.extend(lint::check(&self.loaded.dataset, &self.loaded.model));
@@ -360,7 +360,7 @@ impl Study {
     }
 }
 
-/// Who solves the study. That a program is started is told by [`Study::starts_program`].
+/// Creates the solver backend of the study. [`Study::starts_program`] tells whether a program is started.
 fn backend(loaded: &LoadedStudy) -> Box<dyn Backend> {
     solver::backend(&loaded.study, None, &|_| {})
 }

@@ -1,9 +1,10 @@
-//! Load cases of a plan as rows of the study's own table.
+//! Recommended load cases as rows of the study's own table.
 
 use admire_design::{Plan, Ranked};
 use admire_identify::LoadedStudy;
 
-/// Load cases among the first candidates, or the best one, as rows of the study's own file of load cases; what begins with # is no row.
+/// Formats the load cases of the first `count` candidates, or else of the best candidate with load cases, as rows of the study's load case
+/// file. Lines that begin with `#` are comments.
 pub(crate) fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> String {
     let table = &loaded.study.loads;
     let (label, programme) = (table.column("case"), &loaded.programme);
@@ -13,7 +14,7 @@ pub(crate) fn suggested(loaded: &LoadedStudy, found: &Plan, count: usize) -> Str
         .map(|load| table.column(&load.name))
         .collect();
     let mut text = String::new();
-    // So that the last row of the file ends before the first one of these begins.
+    // The last row of the file must end before the first new row.
     if !table.source.bytes().ends_with(b"\n") {
         text += "\n";
     }

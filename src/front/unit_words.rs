@@ -1,10 +1,10 @@
-//! Units as a person types them: a system, or words.
+//! Units as typed by the user: a unit system, or single units.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::nearest;
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit};
 
-/// Systems by the names ADAMS/View gives them.
+/// Unit systems with their names in ADAMS/View: force, mass, length, time.
 const SYSTEMS: [(&str, [&str; 4]); 4] = [
     ("MMKS", ["NEWTON", "KILOGRAM", "MILLIMETER", "SECOND"]),
     ("MKS", ["NEWTON", "KILOGRAM", "METER", "SECOND"]),
@@ -12,7 +12,7 @@ const SYSTEMS: [(&str, [&str; 4]); 4] = [
     ("IPS", ["POUND_FORCE", "POUND_MASS", "INCH", "SECOND"]),
 ];
 
-/// The units a text asks for; what it does not name stays.
+/// Parses the requested units; units that the text does not name are unchanged.
 pub(crate) fn units(text: &str, old: [Unit; 4]) -> Result<[Unit; 4], Diagnostic> {
     let tables = [FORCE_UNITS, MASS_UNITS, LENGTH_UNITS, TIME_UNITS];
     let mut found = old;

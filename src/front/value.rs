@@ -1,4 +1,4 @@
-//! What stands in a deck at an address.
+//! Values of a deck by address.
 
 use serde_json::{Value, json};
 
@@ -8,7 +8,8 @@ use admire_syntax::grammar::{STATEMENTS, ValueKind};
 use admire_syntax::units::Dimension;
 use admire_syntax::{Address, Argument, Dataset};
 
-/// A number, a list of numbers, a text, or the statement as it is written; what is not written has its default.
+/// Returns the value at an address: a number, a list of numbers, a text, or the statement as written. A missing argument has its default
+/// value.
 pub(crate) fn value(
     dataset: &Dataset,
     address: &Address,
@@ -92,7 +93,7 @@ pub(crate) fn value(
     }
 }
 
-/// There is no value at such a place.
+/// Creates the error for an index beyond the number of values.
 fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     let count = count.unwrap_or(0);
     let what = Address {
@@ -106,7 +107,7 @@ fn beyond(address: &Address, count: Option<usize>) -> Diagnostic {
     )
 }
 
-/// True if an address is that of an angle. Numbers inside of functions have no unit but that of their suffix.
+/// Returns true if the address is an angle. A number inside a function is an angle only if its suffix says so.
 pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
     match address.definition() {
         Some(def) if def.kind == ValueKind::Real => def.dimension == Dimension::ANGLE,
@@ -120,17 +121,17 @@ pub(crate) fn is_angle(address: &Address, dataset: &Dataset) -> bool {
     }
 }
 
-/// Fifteen digits: what is reckoned has rounding errors nobody wants in a deck.
+/// Rounds a computed number to fifteen digits, to keep rounding errors out of a deck.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }
 
-/// An address as it was typed; what is wrong with it is said of the text.
+/// Parses an address as typed; errors refer to the typed text.
 pub(crate) fn address(text: &str, dataset: &Dataset) -> Result<Address, Diagnostic> {
     Address::parse(text, dataset).map_err(|refused| typed(refused, text))
 }
 
-/// A refusal of a text that is in no file.
+/// Adapts a diagnostic to a typed text that is in no file.
 pub(crate) fn typed(mut refused: Diagnostic, text: &str) -> Diagnostic {
     refused.labels.clear();
     refused.message = format!("`{text}`: {}", refused.message);

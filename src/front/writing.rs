@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all.
+//! Atomic writing of files.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::permissions::{as_new_files, can_be_replaced};
 use super::persist::persist;
 use admire_study::leftover;
 
-/// Refuses to replace a file unless that is asked for.
+/// Refuses to replace an existing file unless `replace` is set.
 pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
     if replace || path.symlink_metadata().is_err() {
         return Ok(());
@@ -28,11 +28,11 @@ pub(super) fn may_replace(path: &Path, replace: bool) -> Result<(), Error> {
     ))
 }
 
-/// Writes a file whole or not at all: through a temporary file beside it that takes its place.
+/// Writes a file atomically, through a temporary file in the same folder that replaces it.
 pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     check_name(&path.to_string_lossy()).map_err(std::io::Error::other)?;
     let path = whole(path);
-    // A device or a pipe is written to. A new file in its place would be its end.
+    // A device or a pipe is written to directly; replacing it would destroy it.
     if std::fs::metadata(&path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         let mut device = std::fs::OpenOptions::new().write(true).open(&path)?;
         return device.write_all(bytes).and_then(|()| device.flush());
@@ -49,7 +49,7 @@ pub(crate) fn replace_file(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     take_place(file, &path)
 }
 
-/// Puts a whole new file in the place of another, with its owner, permissions and further names.
+/// Replaces a file by a complete new file, and preserves its owner, permissions and hard links.
 pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()> {
     let path = whole(path);
     if let Ok(before) = std::fs::metadata(&path) {
@@ -63,8 +63,8 @@ pub(crate) fn take_place(new: NamedTempFile, path: &Path) -> std::io::Result<()>
     persist(new, &path)
 }
 
-/// The whole path of a file that may not exist yet. A link is followed, so that the file it points to is replaced and not the link; on
-/// Windows a path of this form may be longer than 260 characters.
+/// Returns the absolute path of a file that may not exist yet. Links are followed, so that the target is replaced instead of the link. On
+/// Windows, a path of this form may exceed 260 characters.
 fn whole(path: &Path) -> PathBuf {
     let beside = || {
         let folder = path.parent().filter(|it| !it.as_os_str().is_empty());
@@ -75,10 +75,10 @@ fn whole(path: &Path) -> PathBuf {
     real.or_else(beside).unwrap_or_else(|| path.to_path_buf())
 }
 
-/// Writes into a file whose place no other can take: it has further names, or an owner that cannot be given. `new` stays if its bytes
-/// cannot be written, or if the process ends before they are.
+/// Overwrites a file that cannot be replaced because it has other hard links or an owner that cannot be set. `new` is kept if its bytes
+/// cannot be written, or if the process ends before they are written.
 fn overwrite(path: &Path, new: NamedTempFile) -> std::io::Result<()> {
-    // Under the name of a temporary file it would be swept away as soon as this process is gone.
+    // A name of a temporary file would let other runs delete it once this process has ended.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(format!(".whole-{}", std::process::id()));
     let whole = path.with_file_name(name);

@@ -1,28 +1,30 @@
-//! Anti-dive, anti-lift, anti-squat and the pitch they leave. Source of every formula: guide page `kc`, section "Anti effects".
+//! Anti-dive, anti-lift and anti-squat percentages, and the resulting height change of the axle. Source of every formula: guide page `kc`,
+//! section "Anti effects".
 
 use serde::{Deserialize, Serialize};
 
 use super::{Compliance, Side, ride};
 
-/// What the anti effects need to know of the vehicle, in the units of the deck. None of it is in the deck.
+/// Vehicle data for the anti effects, in the units of the deck. They are not part of a deck.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vehicle {
-    /// Distance of the axles L.
+    /// Wheelbase L.
     pub wheelbase: f64,
-    /// Height of the centre of mass h over the road.
+    /// Height h of the centre of mass above the road.
     pub cg_height: f64,
     /// Sprung mass m.
     pub sprung_mass: f64,
-    /// Part of the braking force on the front axle.
+    /// Share of the braking force on the front axle, 0 to 1.
     pub front_brake: f64,
-    /// Part of the driving force on the front axle.
+    /// Share of the driving force on the front axle, 0 to 1.
     pub front_drive: f64,
-    /// Of a live axle (dependent suspension): turns of the drive shaft per turn of the wheels. An independent suspension if absent.
+    /// Axle ratio of a live axle (dependent suspension): turns of the drive shaft per turn of the wheels. `None` means an independent
+    /// suspension.
     pub axle_ratio: Option<f64>,
 }
 
-/// The four cases.
+/// Anti effect: axle and load case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Anti {
     /// Front axle, braking.
@@ -36,7 +38,7 @@ pub enum Anti {
 }
 
 impl Anti {
-    /// All of them. Adams/Car writes all for any axle: those of the other axle are formulas only.
+    /// All four cases. Adams/Car writes all four for any axle; the two values of the other axle have no physical meaning.
     pub(crate) const ALL: [Self; 4] = [
         Self::DiveBraking,
         Self::LiftAcceleration,
@@ -44,7 +46,8 @@ impl Anti {
         Self::SquatAcceleration,
     ];
 
-    /// Longitudinal force per wheel (+X is rearward) and vertical load transfer per wheel, per unit of the total force.
+    /// Returns the longitudinal force per wheel (+X is rearward) and the vertical load transfer per wheel, both per unit of total
+    /// longitudinal force.
     pub(crate) fn force_and_transfer(self, v: &Vehicle) -> (f64, f64) {
         let w = v.cg_height / (2.0 * v.wheelbase);
         match self {
@@ -55,8 +58,8 @@ impl Anti {
         }
     }
 
-    /// True if the force acts at the patch. Driving forces of an independent suspension act at the wheel centre, those of a live axle,
-    /// which bears the torque of its wheels, at the patch.
+    /// Returns true if the force acts at the contact patch. Braking forces always do. Driving forces act at the wheel centre of an
+    /// independent suspension, and at the patch of a live axle, which carries the drive torque of its wheels.
     pub(crate) const fn at_patch(self, v: &Vehicle) -> bool {
         self.brakes() || v.axle_ratio.is_some()
     }
@@ -65,9 +68,11 @@ impl Anti {
         matches!(self, Self::DiveBraking | Self::LiftBraking)
     }
 
-    /// `-100 Zf / Zw`, in percent: `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]` (no R0 term when an independent suspension drives),
-    /// `Zw = V C33 + V' C39` with V and V' the load transfers of this wheel and the other: W, and for a live axle that drives `-t` on
-    /// the left and `+t` on the right besides, `t = R0 |2 F| / axle_ratio / track` by the torque of the drive shaft.
+    /// Computes the anti percentage `-100 Zf / Zw`.
+    ///
+    /// `Zf = F [(C31 - R0 C35) + (C37 - R0 C3,11)]`; the R0 terms are absent when an independent suspension drives. `Zw = V C33 + V' C39`,
+    /// where V and V' are the load transfers of this wheel and of the other wheel, both equal to W. When a live axle drives, the torque of
+    /// the drive shaft adds `-t` on the left and `+t` on the right, with `t = R0 |2 F| / axle_ratio / track`.
     pub(crate) fn percent(
         self,
         c: &Compliance,
@@ -89,8 +94,8 @@ impl Anti {
         -100.0 * zf / zw
     }
 
-    /// Height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, the weight `m g` in force units; positive
-    /// in the sense of the name, so lift is upward and negative where the formula says so.
+    /// Computes the height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, with the weight `m g` in force
+    /// units. The value is positive in the sense of the name: a positive lift moves the body up.
     pub(crate) fn height_per_g(
         self,
         c: &Compliance,
@@ -104,7 +109,7 @@ impl Anti {
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
     }
 
-    /// (percent, per g): the names of Adams/Car's requests.
+    /// Returns the names of Adams/Car's two requests: (percentage, height change per g).
     pub(crate) const fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::DiveBraking => ("anti_dive_braking", "dive_braking"),

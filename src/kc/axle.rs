@@ -1,4 +1,4 @@
-//! All characteristics of an axle in one state, under the names Adams/Car gives them.
+//! All characteristics of an axle in one state, named as in Adams/Car.
 
 use super::reading::Readings;
 use super::{
@@ -7,57 +7,57 @@ use super::{
 };
 use admire_solver::mechanics::Vec3;
 
-/// A tyre, in the units of the deck.
+/// Tyre data in the units of the deck.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tyre {
     /// Unloaded radius R0.
     pub radius: f64,
-    /// Vertical stiffness Kt of one wheel; a rigid tyre if absent.
+    /// Vertical stiffness Kt of one tyre; `None` means a rigid tyre.
     pub stiffness: Option<f64>,
 }
 
 /// One wheel of an axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelState {
-    /// Where it is.
+    /// Wheel in this state.
     pub wheel: Wheel,
-    /// Where it was at design.
+    /// Wheel at design.
     pub design: Wheel,
-    /// Its loaded radius and that at design; `None` if no radius is known.
+    /// Loaded tyre radius in this state and at design; `None` if no radius is known.
     pub radius: Option<[f64; 2]>,
-    /// Its steer axis, if one is known.
+    /// Steer axis, if known.
     pub axis: Option<SteerAxis>,
 }
 
-/// What a named choice decides, and what is in no deck.
+/// User's choices, and data that no deck contains.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Given {
-    /// Tyre.
+    /// Tyre data.
     pub tyre: Option<Tyre>,
     /// Wheelbase, centre of mass, brake and drive fractions.
     pub vehicle: Option<Vehicle>,
-    /// Weight of the sprung mass in force units.
+    /// Weight of the sprung mass, in force units.
     pub weight: f64,
-    /// Sprung mass of one corner over UCF: a rate divided by it is in 1/s^2.
+    /// Sprung mass of one corner divided by UCF, the unit consistency factor. A rate divided by this mass is in 1/s^2.
     pub corner_mass: f64,
-    /// Which vertical load swing arms and roll centre are for.
+    /// Vertical load case for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
 }
 
-/// An axle in one state.
+/// Axle in one state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AxleState {
-    /// Left and right wheel.
+    /// Left and right wheel; `None` if the wheel is missing.
     pub wheels: [Option<WheelState>; 2],
-    /// Unit normal of the road, upward.
+    /// Unit normal of the road, pointing up.
     pub normal: Vec3,
     /// Compliance of the wheel centres, if known.
     pub compliance: Option<Compliance>,
 }
 
 impl WheelState {
-    /// The other wheel of an axle that is symmetric about Y = 0.
+    /// Returns the mirror image about Y = 0: the other wheel of a symmetric axle.
     #[must_use]
     pub(crate) fn mirrored(&self) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl WheelState {
         }
     }
 
-    /// The contact point now, and at design on a level road.
+    /// Returns the contact point in this state and at design. The design road is level.
     fn contact(&self, normal: &Vec3) -> Option<(Vec3, Vec3)> {
         let [now, then] = self.radius?;
         let at = |w: &Wheel, n: &Vec3, r| contact::contact_point(&w.centre, &w.spin, n, r);
@@ -79,12 +79,12 @@ impl WheelState {
     }
 }
 
-/// Distance of the wheel centres at design.
+/// Returns the lateral distance of the wheel centres at design.
 fn design_track(left: &WheelState, right: &WheelState) -> f64 {
     right.design.centre.y - left.design.centre.y
 }
 
-/// Picks the name for the side.
+/// Returns the name for the given side.
 fn of(side: Side, left: &'static str, right: &'static str) -> &'static str {
     match side {
         Side::Left => left,
@@ -93,28 +93,28 @@ fn of(side: Side, left: &'static str, right: &'static str) -> &'static str {
 }
 
 impl AxleState {
-    /// Wheels that are there, with their side.
+    /// Iterates over the wheels present, each with its side.
     fn each(&self) -> impl Iterator<Item = (Side, WheelState)> + '_ {
         Side::BOTH
             .into_iter()
             .filter_map(|side| Some((side, self.wheels[side.index()]?)))
     }
 
-    /// Both contact points, if both wheels are there and their radii known.
+    /// Returns both contact points; `None` unless both wheels are present and their radii are known.
     pub fn contacts(&self) -> Option<[Vec3; 2]> {
         let [left, right] = &self.wheels;
         let at = |wheel: &Option<WheelState>| Some(wheel.as_ref()?.contact(&self.normal)?.0);
         Some([at(left)?, at(right)?])
     }
 
-    /// Roll angle of the line through the contact points.
+    /// Returns the roll angle of the line through the contact points.
     pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);
         Some(contact::roll_angle(&l, &r, track))
     }
 
-    /// Every characteristic that this state and what is given can tell.
+    /// Computes every characteristic that follows from this state and the given data.
     pub fn readings(&self, given: &Given) -> Vec<Reading> {
         let mut out = Readings::default();
         self.geometry(&mut out);
@@ -298,7 +298,7 @@ impl AxleState {
             let lever = axis.load_lever(side, (scrub, trail));
             out.push(("wheel_load_lever_arm", word), Unit::Length, Own, lever);
             let at = axis.road_point(&contact, &self.normal);
-            // The column holds x from the wheel centre at design, y, and z above the road.
+            // This request holds x relative to the wheel centre at design, y in global axes, and z above the road.
             let shown = [at.x - state.design.centre.x, at.y, at.z - contact.z];
             for (at, name) in names.into_iter().enumerate() {
                 let name = ("steer_axis_road_plane_intersection", name);
@@ -379,7 +379,8 @@ impl AxleState {
                 if pairing == Pairing::Opposed && c.present != [true; 2] {
                     continue;
                 }
-                // Steer and torque turn alike: no sign. Camber follows the torque, steer the force.
+                // Steer and aligning torque are both about Z, so their ratio keeps its sign in all axes. Camber keeps its own sense, so its
+                // ratio takes the sign of the torque.
                 let steer = force_compliance::aligning_steer(c, side, pairing);
                 out.push((names[0], word), Unit::AnglePerTorque, Own, steer);
                 let camber = force_compliance::aligning_camber(c, side, pairing);
@@ -392,7 +393,7 @@ impl AxleState {
                 let value = force_compliance::lateral_deflection(c, side, r0, pairing);
                 out.push((names[3], word), Unit::LengthPerForce, Own, value);
                 let value = force_compliance::lateral_steer(c, side, r0, pairing);
-                // Rotation about Z over force along Y: the sign of X, as the axes are right-handed.
+                // The ratio of a rotation about Z to a force along Y changes sign as X does, because the axes are right-handed.
                 out.push((names[4], word), Unit::AnglePerForce, Sense::X, value);
                 let value = force_compliance::lateral_camber(c, side, r0, pairing);
                 out.push((names[5], word), Unit::AnglePerForce, Sense::Y, value);
@@ -411,7 +412,7 @@ impl AxleState {
                 let Some(lever) = lever else { continue };
                 let value =
                     |i| force_compliance::longitudinal(c, side, i, lever, Pairing::Parallel);
-                // Rotation about Z over force along X: the sign of Y.
+                // The ratio of a rotation about Z to a force along X changes sign as Y does.
                 out.push((names[0], word), Unit::AnglePerForce, Sense::Y, value(6));
                 out.push((names[1], word), Unit::AnglePerForce, Sense::X, value(5));
             }
@@ -464,7 +465,7 @@ impl AxleState {
         ]);
         for side in Side::BOTH {
             let word = side.word();
-            // Steer over roll: Z over X.
+            // Roll steer is a rotation about Z over a rotation about X, so it changes sign as Y does.
             let value = roll::roll_steer(&at_patch, c, side, track, tyre);
             out.push(("roll_steer", word), Unit::One, Y, value);
             let value = roll::roll_camber(c, side, track, tyre);

@@ -1,4 +1,4 @@
-//! A deck on the rig, solved: states of the axle, its compliance and its tangents.
+//! Equilibria of a deck on the rig: states of the axle, its compliance and its tangents.
 
 use std::collections::BTreeMap;
 
@@ -19,45 +19,45 @@ use admire_syntax::Dataset;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::files::Files;
 
-/// A state of the axle.
+/// Solved state of the axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Observation {
     /// Wheels and compliance.
     pub axle: AxleState,
     /// Vertical load of each wheel.
     pub load: [f64; 2],
-    /// How the wheels move per unit of what is driven.
+    /// Motion and load of each wheel per unit of the test's variable.
     pub rates: [Option<WheelRate>; 2],
-    /// What the joints with friction do; `None` without any.
+    /// Stick-slip state of the joints with friction; `None` if no joint has friction.
     pub friction: Option<StickSlipState>,
 }
 
-/// A deck on the rig.
+/// Deck on the rig, with its compiled variants.
 #[derive(Debug)]
 pub struct Bench<'a> {
-    /// What the file says.
+    /// Configuration from `kc.toml`.
     pub config: &'a Config,
     dataset: &'a Dataset,
     files: &'a Files,
     model: &'a Model,
-    /// The wheels that are in the deck.
+    /// Wheels found in the deck.
     pub wheels: Vec<FoundWheel>,
     variants: BTreeMap<Variant, Compiled>,
 }
 
-/// The states a sweep goes on from: of the deck, and of its mirror image.
+/// Last solved states of a sweep, for the deck and for its mirror image. The next solve starts from them.
 #[derive(Clone, Debug)]
 pub struct Chain {
     states: [State; 2],
-    /// Joints with friction rub; before, they are as after a shake.
+    /// True once friction acts in the joints. Before that, joints carry no friction force.
     rubs: bool,
 }
 
 impl<'a> Bench<'a> {
-    /// Finds the wheels.
+    /// Creates the bench and finds the wheels named in the configuration.
     ///
     /// # Errors
-    /// What the file names wrongly.
+    /// One diagnostic for each wheel whose names in the file are wrong.
     pub fn new(
         config: &'a Config,
         (dataset, files, model): (&'a Dataset, &'a Files, &'a Model),
@@ -72,7 +72,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// What was left of the forces on a part at worst, in all equilibria so far.
+    /// Returns the worst imbalance of forces and torques on a part over all equilibria so far.
     pub(crate) fn balance(&self) -> Balance {
         let mut worst = Balance::default();
         for compiled in self.variants.values() {
@@ -83,17 +83,17 @@ impl<'a> Bench<'a> {
         worst
     }
 
-    /// What the file says.
+    /// Returns the configuration.
     pub(crate) fn config(&self) -> &'a Config {
         self.config
     }
 
-    /// The deck as it came.
+    /// Returns the deck without the rig.
     pub(crate) fn dataset(&self) -> &'a Dataset {
         self.dataset
     }
 
-    /// A variant, compiled if it was not before.
+    /// Returns a variant, compiling it on first use.
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
@@ -112,7 +112,7 @@ impl<'a> Bench<'a> {
             .expect("compiled just above"))
     }
 
-    /// A chain that begins at the design position.
+    /// Creates a chain that starts at the design position.
     ///
     /// # Errors
     /// As [`Bench::variant`].
@@ -124,7 +124,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// From here on joints with friction rub: they hold what comes now, and nothing yet.
+    /// Turns on friction in the joints. The present position becomes the reference: joints stick here, still without friction force.
     ///
     /// # Errors
     /// As [`Bench::variant`].
@@ -145,7 +145,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Solves for these inputs from where the chain is, and looks at nothing.
+    /// Solves for these inputs, starting from the chain's last state, without evaluating the wheels.
     ///
     /// # Errors
     /// As [`Bench::observe`].
@@ -177,10 +177,10 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Solves for these inputs from where the chain is, and looks at the wheels. `drive` asks for tangents.
+    /// Solves for these inputs, starting from the chain's last state, and evaluates the wheels. With `drive`, tangents are computed too.
     ///
     /// # Errors
-    /// No equilibrium, or a free motion of a wheel; `at` says where.
+    /// No equilibrium, or a zero-stiffness motion of a wheel; the error carries `at`, the name of the test and point.
     pub fn observe(
         &mut self,
         variant: Variant,
@@ -202,7 +202,7 @@ impl<'a> Bench<'a> {
         let side = wheels[0].side;
         let other_inputs = inputs.mirrored();
         let other_drive = drive.map(Drive::mirrored);
-        // The other wheel of a symmetric load case needs no solve of its own.
+        // In a symmetric load case the other wheel is the mirror image and needs no solve of its own.
         let k = side.index();
         let alike = own.grips == mirrored.grips
             && other_inputs.height[k] == inputs.height[k]
@@ -249,11 +249,11 @@ impl Compiled {
                 why: Box::new(why),
             })?;
         if derivatives.deficiency > named {
-            // The factors of the last iteration did not show it yet. New ones of the equilibrium itself do, and name it.
+            // The factors of the last iteration missed a free motion. Refactoring at the equilibrium itself reveals and names it.
             self.solver.forget(&self.system);
             self.solve(inputs, state, at)?;
         }
-        // Round-off may hide a free motion from the factors, but not from what they answer.
+        // Round-off may hide a free motion from the factors. It still shows as a huge entry of the compliance.
         let unit = (self.model.units.length.si, self.model.units.force.si);
         if let Some(motion) = derivatives.compliance.and_then(|c| c.free_motion(unit)) {
             return Err(BenchError::Free {
@@ -310,7 +310,7 @@ impl Compiled {
 }
 
 impl Chain {
-    /// Goes on from where another chain of the same deck is, whatever that held. Joints do not rub yet.
+    /// Takes over the poses of another chain of the same deck, without its friction state. Friction stays off.
     pub fn start_at(&mut self, other: &Self) {
         for (own, other) in self.states.iter_mut().zip(&other.states) {
             own.poses.clone_from(&other.poses);

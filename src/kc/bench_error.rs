@@ -1,32 +1,32 @@
 use admire_solver::statics::SolveError;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Why the rig has no answer.
+/// Reason why the rig has no result.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BenchError {
-    /// The deck cannot be used.
+    /// The deck cannot be put on the rig.
     #[error("the deck cannot be put on the rig")]
     Deck(Vec<Diagnostic>),
-    /// No equilibrium.
+    /// The equilibrium was not found.
     #[error("{at}: {why}")]
     NoEquilibrium {
-        /// Which test and point.
+        /// Test and point, in words.
         at: String,
-        /// Why.
+        /// Cause reported by the solver.
         why: Box<SolveError>,
     },
-    /// No height of the axle bears its load.
+    /// No height of the axle carries its load.
     #[error("{at}: no height of both wheels keeps the load of the axle")]
     NoAxleLoad {
-        /// Which test and point.
+        /// Test and point, in words.
         at: String,
     },
-    /// A motion of the wheel that nothing resists.
+    /// A wheel has a zero-stiffness motion, so its compliance is undefined.
     #[error("{at}: the compliance is not defined: {motion}")]
     Free {
-        /// Which test.
+        /// Test and point, in words.
         at: String,
-        /// The motion, in words.
+        /// Zero-stiffness motion, in words.
         motion: String,
     },
 }

@@ -12,7 +12,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
 use admire_syntax::{Address, Dataset};
 
-/// Where a wheel is in the compiled system.
+/// Indices of one wheel in the compiled system.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fitted {
     pub side: Side,
@@ -24,10 +24,10 @@ pub(super) struct Fitted {
     pub motion: Option<(Slot, ConstraintIx)>,
 }
 
-/// One variant, compiled.
+/// Compiled variant of the deck.
 #[derive(Debug)]
 pub(crate) struct Compiled {
-    /// The deck with the rig.
+    /// Deck with the rig's statements.
     pub rigged: Rigged,
     pub(super) model: Model,
     pub(super) system: System,
@@ -39,7 +39,7 @@ pub(crate) struct Compiled {
 }
 
 impl Compiled {
-    /// Compiles a deck with its rig; `dataset` is the deck without it.
+    /// Compiles a deck with its rig; `dataset` is the deck without the rig.
     ///
     /// # Errors
     /// [`BenchError::Deck`] if the deck cannot be solved.
@@ -63,7 +63,7 @@ impl Compiled {
             let message = error.to_string();
             BenchError::Deck(vec![Diagnostic::error(Code::NotSolvedNatively, message)])
         };
-        // In statics FRICTION exerts nothing. Here it creeps from one equilibrium to the next.
+        // FRICTION exerts nothing in ordinary statics. On the rig it creeps from one equilibrium to the next.
         let mut rest = model.clone();
         let mut creeping = Vec::new();
         for friction in &mut rest.frictions {
@@ -119,7 +119,7 @@ impl Compiled {
                     let complaint = config.complain(at, Code::UnknownTarget, message);
                     BenchError::Deck(vec![complaint])
                 };
-                // With a free steering what drives it may be left out.
+                // The driven element may be among the statements left out with a free steering.
                 let there = Address::parse(&at.text, &rigged.dataset);
                 match there {
                     Ok(address) => Some(
@@ -161,14 +161,15 @@ impl Compiled {
             }
         }
         if let (Some(slot), Some(value)) = (self.steering, inputs.steer) {
-            // A number of the deck is changed by the value, a function is replaced by it.
+            // The input is added to a number of the deck, but replaces a function of the deck.
             let own = parameters.get(slot);
             parameters.set(slot, if own.is_finite() { own + value } else { value });
         }
         parameters
     }
 
-    /// Finds the equilibrium; with it come the numbers of theta, and how many harmless free motions there are.
+    /// Finds the equilibrium. Returns the parameter values used and the number of harmless free motions; a free motion of a wheel carrier
+    /// is an error.
     pub(super) fn solve(
         &mut self,
         inputs: &Inputs,
@@ -235,7 +236,7 @@ impl Compiled {
             return None;
         }
         let [lower, upper] = found.steer_axis?;
-        // The rig's markers come behind those of the deck, which keep their index.
+        // The deck's markers keep their indices, because the rig's markers come after them.
         let at = |marker| config.frame.vector(&self.place(state, marker).p);
         SteerAxis::through(&at(lower), &at(upper))
     }

@@ -1,43 +1,44 @@
 use super::Side;
 use admire_solver::mechanics::{Vec3, skew};
 
-/// A 12 by 12 matrix.
+/// 12 by 12 matrix.
 pub(crate) type Mat12 = nalgebra::SMatrix<f64, 12, 12>;
 
-/// The compliance of both wheel centres: displacement i per unit load j, X rearward, Y right, Z up.
+/// Compliance of both wheel centres: displacement i per unit load j, in the axes X rearward, Y right, Z up.
 ///
-/// Rows and columns 1 to 6 are X, Y, Z, RX, RY, RZ of the left wheel centre, 7 to 12 those of the right one; loads are forces and
-/// moments at the wheel centre, fixed in direction. No tyre in it. Of an axle with one wheel the blocks of the other are zero.
+/// Rows and columns 1 to 6 are X, Y, Z, RX, RY, RZ of the left wheel centre, 7 to 12 the same of the right wheel centre. Loads are forces
+/// and moments at the wheel centre, fixed in direction. The tyre is not included. Blocks of a missing wheel are zero.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Compliance {
-    /// The matrix.
+    /// Compliance matrix.
     pub matrix: Mat12,
-    /// Which wheels there are.
+    /// Wheels present, left and right.
     pub present: [bool; 2],
 }
 
 impl Compliance {
-    /// An entry as the formulas count, from 1.
+    /// Returns an entry; indices count from 1 as in the formulas.
     pub fn c(&self, i: usize, j: usize) -> f64 {
         self.matrix[(i - 1, j - 1)]
     }
 
-    /// An entry by wheel: row `i` of one wheel, column `j` of another, each 1 to 6.
+    /// Returns an entry by wheel: row `i` of one wheel, column `j` of another, each from 1 to 6.
     pub fn of(&self, row: (Side, usize), column: (Side, usize)) -> f64 {
         self.c(6 * row.0.index() + row.1, 6 * column.0.index() + column.1)
     }
 
-    /// Row `i` of a wheel for loads `j` on both wheels in phase.
+    /// Returns row `i` of a wheel for the same load `j` on both wheels.
     pub(crate) fn in_phase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) + self.of((side, i), (side.other(), j))
     }
 
-    /// Row `i` of a wheel for a load `j` on it and the opposite load on the other wheel.
+    /// Returns row `i` of a wheel for load `j` on it and the opposite load on the other wheel.
     pub(crate) fn antiphase(&self, side: Side, i: usize, j: usize) -> f64 {
         self.of((side, i), (side, j)) - self.of((side, i), (side.other(), j))
     }
 
-    /// The same for points `p = wheel centre + d` of the carriers: `J C J^T`, `J = [[I, -[d]x], [0, I]]` for each wheel.
+    /// Returns the compliance of other points of the carriers, `p = wheel centre + d`: `J C J^T` with `J = [[I, -[d]x], [0, I]]` for each
+    /// wheel.
     #[must_use]
     pub(crate) fn at(&self, d: [Vec3; 2]) -> Self {
         let mut j = Mat12::identity();
@@ -51,8 +52,8 @@ impl Compliance {
         }
     }
 
-    /// `|C - C'| / |C|`, lengths in units of `length` so that translations and rotations count alike. Zero for conservative decks; the
-    /// torques of loaded bushings are not conservative.
+    /// Returns the relative asymmetry `|C - C'| / |C|`, with lengths in units of `length` so that translations and rotations count alike.
+    /// The asymmetry of a conservative deck is zero; the torques of loaded bushings are not conservative.
     pub fn asymmetry(&self, length: f64) -> f64 {
         let mut scaled = self.matrix;
         for i in 0..12 {
@@ -64,14 +65,14 @@ impl Compliance {
         (scaled - scaled.transpose()).norm() / scaled.norm()
     }
 
-    /// The motion of a wheel that nothing resists, in words: a compliance beyond what any axle has, 1 m/N or as much turning on a lever of
-    /// 100 mm. `length` and `force` are the sizes of the units in m and N.
+    /// Describes a zero-stiffness motion of a wheel in words; `None` if there is none. The limit exceeds the compliance of any axle: 1 m/N,
+    /// or the same displacement on a lever of 100 mm for rotations. `length` and `force` are the sizes of the deck's units in m and N.
     pub(crate) fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
         const LEVER: f64 = 0.1;
         const MOST: f64 = 1.0;
         let si = |i: usize, j: usize| {
             let size = |k: usize| if k % 6 > 2 { LEVER } else { length };
-            // A rotation counts by its path on the lever, a torque by its force there.
+            // A rotation counts as the displacement at the lever's end, a torque as the force there.
             let per = |k: usize| {
                 if k % 6 > 2 {
                     force * length / LEVER
@@ -108,10 +109,10 @@ impl Compliance {
         ))
     }
 
-    /// One wheel on its own becomes an axle that is its mirror image about Y = 0, without a coupling.
+    /// Mirrors one wheel about Y = 0 to make an axle without coupling between its wheels.
     #[must_use]
     pub(crate) fn mirrored(&self, from: Side) -> Self {
-        // Polar y and axial x, z change sign.
+        // Under this reflection y, and rotations about x and z, change sign.
         const SIGN: [f64; 6] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
         let (a, b) = (6 * from.index(), 6 * from.other().index());
         let mut matrix = Mat12::zeros();
@@ -128,7 +129,8 @@ impl Compliance {
         }
     }
 
-    /// What a load test with the wheel centres' heights held gives: `C - C(:,z) C(z,z)^-1 C(z,:)`, z the heights of the wheels present.
+    /// Returns the compliance with the heights of the wheel centres held, as in a load test: `C - C(:,z) C(z,z)^-1 C(z,:)`, where z are the
+    /// heights of the wheels present. `None` if `C(z,z)` is singular.
     #[must_use]
     pub fn height_held(&self) -> Option<Self> {
         let rows: Vec<usize> = Side::BOTH

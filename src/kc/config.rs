@@ -1,4 +1,4 @@
-//! `kc.toml`: the wheels of a deck, what is in no deck, and the tests.
+//! `kc.toml`: the wheels of a deck, data that no deck contains, and the tests.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use admire_solver::system::SlidingWith;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// A text of the file and where it stands.
+/// Text from the file with its position.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Spelled {
-    /// As written.
+    /// Text as written.
     pub text: String,
-    /// Where.
+    /// Position in the file.
     pub span: Span,
 }
 
@@ -34,70 +34,70 @@ impl From<Spanned<String>> for Spelled {
 /// One wheel of a deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelConfig {
-    /// Marker at the wheel centre, on the part that carries the wheel and cannot spin.
+    /// Marker at the wheel centre, on the part that carries the wheel and does not spin.
     pub centre: Spelled,
-    /// `x`, `y` or `z` of that marker, or a marker on the spin axis.
+    /// Spin axis: `x`, `y` or `z` of the centre marker, or a second marker on the axis.
     pub spin: Spelled,
     /// Lower and upper marker of the geometric steer axis.
     pub steer_axis: Option<[Spelled; 2]>,
-    /// Marker whose height is held for the instant axis; the wheel centre if absent.
+    /// Marker whose height is held for the instant axis; `None` means the wheel centre.
     pub travel_lock: Option<Spelled>,
 }
 
-/// Which steer axis is reported.
+/// Method for the reported steer axis.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum AxisMethod {
-    /// Through two markers.
+    /// Line through two markers.
     Geometric,
-    /// The screw axis under the steering input.
+    /// Screw axis under the steering input.
     Instant,
-    /// The screw axis under a unit moment about the vertical at the wheel centre: for an axle that is not steered. Nothing confirms that
-    /// Adams/Car does so.
+    /// Screw axis under a unit moment about the vertical at the wheel centre, for an axle without steering. It is not confirmed that
+    /// Adams/Car uses this method.
     InstantMoment,
-    /// Geometric where markers are named, instant where there is a steering input, else none.
+    /// Geometric where markers are named, instant where a steering input exists, otherwise no axis.
     #[default]
     Any,
 }
 
-/// What `kc.toml` says.
+/// Contents of `kc.toml`.
 #[derive(Clone, Debug)]
 pub struct Config {
-    /// The file.
+    /// Source text of the file.
     pub source: Source,
     /// Axes of the deck.
     pub frame: Frame,
-    /// Their name.
+    /// Name of the deck's axes.
     pub axes: String,
-    /// Statements of the deck the rig does without: its own loads.
+    /// Statements that are removed from the deck on the rig, such as its own loads.
     pub without: Vec<Spelled>,
-    /// The wheels.
+    /// Left and right wheel; `None` for a wheel that is not in the deck.
     pub wheels: [Option<WheelConfig>; 2],
-    /// The wheel that is missing is the mirror image of the other.
+    /// True if the missing wheel is the mirror image of the other.
     pub mirror: bool,
-    /// Tyre.
+    /// Tyre data.
     pub tyre: Option<Tyre>,
-    /// Vehicle.
+    /// Vehicle data.
     pub vehicle: Option<Vehicle>,
-    /// Vertical load of a wheel at ride height; without it the height below counts.
+    /// Vertical load of a wheel at ride height. If `None`, `ride_height` defines ride height.
     pub ride_load: Option<f64>,
-    /// Height of the wheel centres over their design position at ride height.
+    /// Height of the wheel centres above their design position at ride height.
     pub ride_height: f64,
-    /// What locks the steering: removed for tests with free steering.
+    /// Statement that locks the steering; it is removed in tests with free steering.
     pub steering_lock: Option<Spelled>,
-    /// What steers: a number or function of the deck.
+    /// Steering input: address of a number or function in the deck.
     pub steering_drive: Option<Spelled>,
-    /// Which steer axis.
+    /// Method for the steer axis.
     pub axis_method: AxisMethod,
-    /// Which vertical load swing arms and roll centre are for.
+    /// Vertical load case for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
-    /// With what coefficient joints with friction slide.
+    /// Friction coefficient, static or dynamic, of sliding joints.
     pub sliding_with: SlidingWith,
-    /// What is said about an anti-roll bar.
+    /// User's remark on the anti-roll bar, copied to the outputs.
     pub anti_roll_bar: String,
-    /// Which ways tests are driven.
+    /// Directions in which tests are driven.
     pub branches: Branches,
-    /// The tests in their standard order.
+    /// Tests in their standard order.
     pub tests: Vec<(TestKind, TestSettings)>,
 }
 
@@ -207,13 +207,15 @@ enum SteeringWord {
     Free,
 }
 
-/// Wheels, millimetres: of models on the table to those of mining trucks.
+/// Plausible tyre radii in mm, from table-top models to mining trucks.
 const RADIUS: (f64, f64) = (10.0, 3e3);
-/// Distances of axles and heights over the road, millimetres.
+/// Plausible wheelbases in mm.
 const WHEELBASE: (f64, f64) = (50.0, 3e4);
+/// Plausible heights of the centre of mass above the road in mm.
 const HEIGHT: (f64, f64) = (1.0, 1e4);
 
-/// Numbers that no vehicle has, or that are meant in another unit: where, and why. `length` is one millimetre in the deck's unit.
+/// Lists the numbers that no vehicle can have, probably given in another unit: byte range in the file, and message. `length` is one
+/// millimetre in the deck's unit.
 fn out_of_bounds(
     file: &File,
     source: &Source,
@@ -272,7 +274,7 @@ fn out_of_bounds(
     wrong
 }
 
-/// Where a file gives a key: the line that begins with its last word, or its table's line that has it.
+/// Finds the byte range of a dotted key in the file: the first assignment to its last component. The range is empty if there is none.
 pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
     let key = name.rsplit('.').next().unwrap_or(name);
     let text = source.utf8().unwrap_or_default();
@@ -286,7 +288,7 @@ pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
 }
 
 impl Config {
-    /// Reads the file. `units` of the defaults are those of the deck: `length` one millimetre, `force` one newton in them.
+    /// Reads the file. The defaults are converted to units of the deck: `length` is one millimetre and `force` one newton in these units.
     pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
         let parsed = source
             .utf8()
@@ -474,13 +476,13 @@ impl Config {
         }
     }
 
-    /// The sides that are in the deck.
+    /// Returns the sides whose wheels are in the deck.
     pub fn sides(&self) -> Vec<Side> {
         let there = |side: &Side| self.wheels[side.index()].is_some();
         Side::BOTH.into_iter().filter(there).collect()
     }
 
-    /// A complaint about a text of the file.
+    /// Creates an error diagnostic at a text of the file.
     pub(crate) fn complain(&self, at: &Spelled, code: Code, message: String) -> Diagnostic {
         Diagnostic::error(code, message).label(self.source.name(), at.span, "")
     }

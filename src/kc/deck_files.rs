@@ -1,4 +1,4 @@
-//! The rig's decks and command files, to run on any ADAMS.
+//! Decks and command files of the rig, which run on any ADAMS.
 
 use std::collections::BTreeSet;
 
@@ -9,11 +9,10 @@ use super::sweep::KcRun;
 use super::test_kind::TestKind;
 use admire_syntax::Address;
 
-/// Files by name: a dataset for each way of holding the axle, and a command file for each test.
+/// Writes the rig's files, each with its name: one dataset for each way of holding the axle, and one command file for each test.
 ///
-/// A command file sets the loads and heights of a sample and asks for a static equilibrium, sample by sample. Of a mirrored axle only the
-/// wheel of the deck is driven. A steering test by a number of the deck, such as the place of a marker, has no command that drives it
-/// and no file.
+/// For each sample, a command file sets the loads and heights and runs a static equilibrium. Of a mirrored axle only the wheel in the deck
+/// is driven. A steering test that drives a number of the deck, such as a marker's position, gets no file, because no command can drive it.
 ///
 /// # Errors
 /// As [`Bench::variant`].

@@ -1,4 +1,4 @@
-//! What the tangent at an equilibrium on the rig tells: compliance, reactions, rates and instant axes.
+//! Quantities from the tangent stiffness at an equilibrium on the rig: compliance, reactions, rates and instant axes.
 
 use nalgebra::DMatrix;
 
@@ -13,26 +13,28 @@ use admire_solver::model::{MarkerIx, Model, PartIx};
 use admire_solver::statics::{SolveError, Tangent, point_change};
 use admire_solver::system::{Parameters, Quantity, Slot, State, System};
 
-/// A wheel rate below this, in N/m, is none: nothing but a motion holds the wheel up.
+/// Wheel rate in N/m below which no spring supports the wheel: only the rig's motion holds it up.
 const LEAST_RATE: f64 = 1e-3;
 
-/// What the tangent at an equilibrium tells.
+/// Quantities from the tangent stiffness at an equilibrium.
 pub(super) struct Derivatives {
-    /// `None` where nothing but a motion holds a wheel up: a deck of rigid joints without springs.
+    /// Compliance of the wheel centres. `None` where only a motion holds a wheel up, as in a deck of rigid joints without springs.
     pub compliance: Option<Compliance>,
     /// Reaction of the height motion of each wheel.
     pub reactions: Vec<f64>,
-    /// Motions that nothing resists; they are held where they are.
+    /// Number of zero-stiffness motions; they are held fixed.
     pub deficiency: usize,
-    /// Of each wheel per unit of what is driven.
+    /// Motion and load of each wheel per unit of the driven variable.
     pub rates: Vec<WheelRate>,
     /// Instant steer axis of each wheel.
     pub axes: Vec<Option<SteerAxis>>,
 }
 
 impl Derivatives {
-    /// Columns of the tangent for unit loads at the wheel centres. Where motions hold the heights, they are let go by their own columns:
-    /// with u_f, u_h the responses to a load and to a held height, and r the reactions, `u = u_f - u_h (r_h)^-1 r_f`.
+    /// Computes the derivatives from the tangent's columns for unit loads at the wheel centres.
+    ///
+    /// Where motions hold the heights, they are released by their own columns: with responses u_f to a load and u_h to a held height, and
+    /// height reactions r_f and r_h, the released response is `u = u_f - u_h (r_h)^-1 r_f`.
     pub(crate) fn of(
         compiled: &mut Compiled,
         config: &Config,
@@ -84,7 +86,7 @@ impl Derivatives {
                 (frame.part, frame.qp, marker)
             })
             .collect();
-        // Rows: six of each wheel, one reaction of each, one lock height of each.
+        // Rows: six displacements of each wheel, one reaction of each wheel, one lock height of each wheel.
         let rows = 8 * m;
         let read = |dx: &[f64]| -> Vec<f64> {
             let mut out = Vec::with_capacity(rows);
@@ -129,7 +131,7 @@ impl Derivatives {
         let inverse = (held.len() == m && stiffness.norm() > least)
             .then(|| stiffness.try_inverse())
             .flatten();
-        // Lets the heights go: columns as they are with the reactions kept.
+        // Releases the heights: adds the height motions that keep the reactions unchanged.
         let release = |columns: &DMatrix<f64>| -> DMatrix<f64> {
             if held.is_empty() {
                 return columns.clone();
@@ -193,7 +195,7 @@ impl Derivatives {
         let axes = if matches!(config.axis_method, AxisMethod::Geometric) {
             Vec::new()
         } else {
-            // Where motions hold the wheel centres, they are the locks.
+            // Where motions hold the wheel centres, these motions are the travel locks.
             let locked_at_centre =
                 held.len() == m && found.iter().all(|wheel| wheel.travel_lock.is_none());
             let vertical = {
@@ -224,7 +226,7 @@ impl Derivatives {
                 if locked_at_centre && config.axis_method != AxisMethod::InstantMoment {
                     return Some(steered);
                 }
-                // The locks' forces keep their heights: [v; w] = c_steer - c_lock (c_lock.lock)^-1 c_steer.lock.
+                // The lock forces keep the lock heights: [v; w] = c_steer - c_lock (c_lock.lock)^-1 c_steer.lock.
                 let zz = vertical.rows(7 * m, m).into_owned().try_inverse()?;
                 Some(&steered - &vertical * (zz * steered.rows(7 * m, m)))
             });

@@ -1,11 +1,11 @@
-//! Compliances to forces in the road plane and to aligning torques, both wheels loaded alike ("parallel") or opposed.
+//! Compliances to forces in the road plane and to aligning torques, with both wheels loaded alike ("parallel") or opposed.
 //!
-//! Forces act at the contact patch, `R0` below the wheel centre along Z: the **unloaded** radius, as in Adams/Car. Rotations about +Z
-//! count to the left. Source of every formula: guide page `kc`, section "Forces".
+//! Forces act at the contact patch, `R0` below the wheel centre along Z, where R0 is the **unloaded** radius as in Adams/Car. Rotations
+//! about +Z are positive to the left. Source of every formula: guide page `kc`, section "Forces".
 
 use super::{Compliance, Side};
 
-/// How the two wheels are loaded.
+/// Load pattern of the two wheels.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Pairing {
@@ -25,43 +25,44 @@ impl Pairing {
     }
 }
 
-/// Row `i` per lateral force +Y at the patch: `Ci2 + R0 Ci4`.
+/// Returns row `i` per lateral force +Y at the patch: `Ci2 + R0 Ci4`.
 fn lateral(c: &Compliance, side: Side, i: usize, r0: f64, pairing: Pairing) -> f64 {
     pairing.c(c, side, i, 2) + r0 * pairing.c(c, side, i, 4)
 }
 
-/// Lateral displacement of the wheel centre per lateral force.
+/// Returns the lateral displacement of the wheel centre per lateral force.
 pub(crate) fn lateral_deflection(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     lateral(c, side, 2, r0, pairing)
 }
 
-/// Steer per lateral force, positive to the left.
+/// Returns steer per lateral force, positive to the left.
 pub(crate) fn lateral_steer(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     lateral(c, side, 6, r0, pairing)
 }
 
-/// Camber per lateral force, positive with the top outboard.
+/// Returns camber per lateral force, positive with the top outboard.
 pub(crate) fn lateral_camber(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
     -side.outboard() * lateral(c, side, 4, r0, pairing)
 }
 
-/// Steer per aligning torque, both positive to the left: `C66 + C6,12`.
+/// Returns steer per aligning torque, both positive to the left: `C66 + C6,12`.
 pub(crate) fn aligning_steer(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     pairing.c(c, side, 6, 6)
 }
 
-/// Camber per aligning torque: `C46 + C4,12`, right `-(C10,6 + C10,12)`. The documentation prints the right one as
-/// `-C(10,6) + C(10,12)`, taken for a misprint.
+/// Returns camber per aligning torque: `C46 + C4,12`, right `-(C10,6 + C10,12)`. Adams' documentation prints the right formula as `-C(10,6)
+/// + C(10,12)`, presumably a misprint.
 pub(crate) fn aligning_camber(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     -side.outboard() * pairing.c(c, side, 4, 6)
 }
 
-/// Longitudinal force per recession of the wheel centre: `1 / (C11 + C17)`.
+/// Returns the longitudinal force per recession of the wheel centre: `1 / (C11 + C17)`.
 pub(crate) fn fore_aft_stiffness(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
     1.0 / pairing.c(c, side, 1, 1)
 }
 
-/// Row `i` (6: steer to the left, 5: caster) per longitudinal force +X at the wheel centre (`r0` zero) or at the patch: `Ci1 - R0 Ci5`.
+/// Returns row `i` (6: steer to the left, 5: caster) per longitudinal force +X: `Ci1 - R0 Ci5`. The force acts at the patch, or at the
+/// wheel centre if `r0` is zero.
 pub(crate) fn longitudinal(c: &Compliance, side: Side, i: usize, r0: f64, pairing: Pairing) -> f64 {
     pairing.c(c, side, i, 1) - r0 * pairing.c(c, side, i, 5)
 }

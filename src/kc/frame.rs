@@ -2,13 +2,13 @@ use serde::{Deserialize, Serialize};
 
 use admire_solver::mechanics::{Mat3, Vec3};
 
-/// A direction of the vehicle.
+/// Direction relative to the vehicle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
-    /// Where it drives to.
+    /// Driving direction.
     Forward,
-    /// The opposite.
+    /// Opposite of the driving direction.
     Rearward,
     /// The driver's left.
     Left,
@@ -16,12 +16,12 @@ pub enum Direction {
     Right,
     /// Away from the road.
     Up,
-    /// Towards it.
+    /// Towards the road.
     Down,
 }
 
 impl Direction {
-    /// The unit vector in the axes of this room.
+    /// Returns the unit vector in this crate's axes.
     fn vector(self) -> Vec3 {
         match self {
             Self::Rearward => Vec3::x(),
@@ -34,11 +34,11 @@ impl Direction {
     }
 }
 
-/// Named axes of a vehicle. All are right-handed; vectors are converted, and formulas applied afterwards.
+/// Named axes of a vehicle. All are right-handed. Vectors are converted first, and the formulas applied afterwards.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
-    /// Adams/Car: X rearward, Y to the right, Z up. The axes of this room.
+    /// Adams/Car, and this crate: X rearward, Y to the right, Z up.
     #[default]
     AdamsCar,
     /// ISO 8855: X forward, Y to the left, Z up.
@@ -48,7 +48,7 @@ pub enum Convention {
 }
 
 impl Convention {
-    /// The axes.
+    /// Returns the directions of X, Y and Z.
     pub const fn axes(self) -> [Direction; 3] {
         use Direction::{Down, Forward, Left, Rearward, Right, Up};
         match self {
@@ -58,23 +58,22 @@ impl Convention {
         }
     }
 
-    /// What a number of this sense in the axes of this room is multiplied by: how a component of a vector, or a rotation about an axis,
-    /// changes with the axes.
+    /// Returns the factor, 1 or -1, that converts a number of this sense from this crate's axes to this convention.
     pub fn factor(self, sense: Sense) -> f64 {
         let along = |k: usize| self.axes()[k].vector()[k];
         match sense {
             Sense::Own => 1.0,
-            // A proper rotation turns polar and axial vectors alike.
+            // A proper rotation transforms polar and axial vectors alike.
             Sense::X | Sense::AboutX => along(0),
             Sense::Y => along(1),
             Sense::Z | Sense::AboutZ => along(2),
-            // Adams/Car counts the angle to the right though its Z points up; the others about their Z.
+            // Adams/Car counts this angle positive to the right although its Z points up; the other conventions count it about their Z.
             Sense::ToTheRight if self == Self::AdamsCar => 1.0,
             Sense::ToTheRight => -along(2),
         }
     }
 
-    /// `adams-car`, `iso`, `sae`.
+    /// Returns the name in files: `adams-car`, `iso` or `sae`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::AdamsCar => "adams-car",
@@ -84,29 +83,29 @@ impl Convention {
     }
 }
 
-/// What the sign of a characteristic means.
+/// Meaning of a characteristic's sign, which decides how it changes with the axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sense {
-    /// Its own meaning, the same in all axes: toe-in, camber, a rate, a length.
+    /// Sign with a meaning of its own, the same in all axes: toe-in, camber, a rate, a length.
     Own,
-    /// A component of a displacement or force along X.
+    /// Component of a displacement or force along X.
     X,
-    /// Along Y.
+    /// Component along Y.
     Y,
-    /// Along Z.
+    /// Component along Z.
     Z,
-    /// A rotation about X.
+    /// Rotation about X.
     AboutX,
-    /// A rotation about Z.
+    /// Rotation about Z.
     AboutZ,
-    /// A rotation to the right in Adams/Car, about Z elsewhere.
+    /// Steer angle: positive to the right in Adams/Car, positive about Z in the other conventions.
     ToTheRight,
 }
 
-/// The axes of a deck.
+/// Axes of a deck.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Frame {
-    /// From components in ground axes of the deck to the axes of this room: X rearward, Y right, Z up.
+    /// Rotation from the deck's ground axes to this crate's axes: X rearward, Y right, Z up.
     pub from_deck: Mat3,
 }
 
@@ -119,23 +118,23 @@ impl Default for Frame {
 }
 
 impl Frame {
-    /// From what the deck's X, Y and Z point to. `None` unless they are right-handed axes of a vehicle.
+    /// Creates the frame from the directions of the deck's X, Y and Z. `None` unless they are right-handed axes.
     pub fn new(axes: [Direction; 3]) -> Option<Self> {
         let from_deck = Mat3::from_columns(&axes.map(Direction::vector));
         (from_deck.determinant() > 0.5).then_some(Self { from_deck })
     }
 
-    /// A vector of the deck in the axes of this room.
+    /// Converts a vector from the deck's axes to this crate's axes.
     pub(crate) fn vector(&self, v: &Vec3) -> Vec3 {
         self.from_deck * v
     }
 
-    /// A rotation of the deck in the axes of this room.
+    /// Converts a rotation from the deck's axes to this crate's axes.
     pub(crate) fn rotation(&self, R: &Mat3) -> Mat3 {
         self.from_deck * R * self.from_deck.transpose()
     }
 
-    /// A vector of this room in the axes of the deck.
+    /// Converts a vector from this crate's axes to the deck's axes.
     pub(crate) fn to_deck(self, v: &Vec3) -> Vec3 {
         self.from_deck.transpose() * v
     }
@@ -157,7 +156,7 @@ mod tests {
         assert_eq!(Frame::new([Forward, Forward, Up]), None);
     }
 
-    /// A wheel turned to the left is a positive rotation in ISO axes and a negative one in SAE axes.
+    /// A left steer angle is positive in ISO axes and negative in SAE axes.
     #[test]
     fn steer_counts_about_the_axis_of_the_convention() {
         let left_in_adams_car = -0.1;

@@ -1,4 +1,5 @@
-//! The design state of a real Adams/Car axle: characteristics from its compliance matrix against its own columns.
+//! Characteristics at the design state of a real Adams/Car axle, computed from its compliance matrix and compared with its own result
+//! columns.
 
 use super::{
     Anti, Compliance, Mat12, Pairing, Side, Vehicle, VerticalLoad, force_compliance, ride, roll,
@@ -9,7 +10,7 @@ use admire_solver::mechanics::Vec3;
 const TYRE: f64 = 202.0;
 const R0: f64 = 317.25;
 
-/// The left block as the columns of the file give it; the right one its mirror image with the right wheel's own rates.
+/// Builds the matrix: the left block from the columns of the file, the right block as its mirror image with the right wheel's own rate.
 fn golden() -> Compliance {
     let mut matrix = Mat12::zeros();
     let mut set = |i: usize, j: usize, value: f64| matrix[(i - 1, j - 1)] = value;
@@ -73,7 +74,7 @@ fn rates_and_swing_arms() {
         -1.38627840,
         1e-7,
     );
-    // The patch terms of C64 are not known here: 4e-5.
+    // The patch terms of C64 are unknown here; they amount to 4e-5.
     near(
         roll::roll_steer(&c, &c, Side::Left, track, Some(TYRE)),
         -0.0204248418,
@@ -103,7 +104,7 @@ fn rates_and_swing_arms() {
     near(
         force_compliance::fore_aft_stiffness(&c, Side::Left, Pairing::Parallel),
         2873.53068,
-        // C11 itself comes from a closure that is good to 2.6e-7.
+        // C11 comes from a closure that is good to 2.6e-7.
         3e-7,
     );
 }
@@ -142,8 +143,8 @@ fn anti_effects() {
     );
 }
 
-/// The torque of the drive shaft takes from one wheel of a live axle what it gives to the other: the harmonic mean of both sides is that
-/// without it, where the forces act at the patch as those of braking do.
+/// On a live axle, the drive shaft's torque adds to one wheel what it takes from the other. Thus the harmonic mean of both sides equals the
+/// value without that torque, for forces at the patch such as braking forces.
 #[test]
 fn a_live_axle() {
     let c = golden().mirrored(Side::Left);
@@ -158,15 +159,15 @@ fn a_live_axle() {
     let track = Some(1540.0);
     let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, (R0, track));
     let (left, right) = (of(Side::Left), of(Side::Right));
-    // Full braking force on the front: forward and up in place of rearward and down, the same ratio.
+    // Full braking force on the front axle acts rearward and down instead of forward and up; the ratio is the same.
     let without = Anti::DiveBraking.percent(&c, Side::Left, &v, (R0, track));
     near(2.0 / (1.0 / left + 1.0 / right), -without, 1e-12);
-    // The shaft turns against its torque: R0 / 3.5 / 1540 beside h / 2L, off the left wheel.
+    // The shaft torque unloads the left wheel by R0 / 3.5 / 1540, compared with h / 2L.
     let share = R0 / 3.5 / 1540.0 / (500.0 / 5400.0);
     near(right / left, (1.0 - share) / (1.0 + share), 1e-12);
 }
 
-/// The slopes of both lines, put in as the data's own roll centre gives them, meet there.
+/// The two slopes are set so that the lines meet at the roll centre of the real results; the function must return this point.
 #[test]
 fn roll_centre_of_two_slopes() {
     let contact = [
@@ -188,7 +189,7 @@ fn roll_centre_of_two_slopes() {
     near(found.to_patch[1], 770.605237, 1e-9);
 }
 
-/// A patch displacement is that of the point below the wheel, and loads there are loads at the centre with their moment.
+/// Compliance at the patch: displacements are of the point below the wheel, and a load there is a load at the centre plus its moment.
 #[test]
 fn transfer_to_the_patch() {
     let matrix = Mat12::from_fn(|i, j| (1.0 + i as f64 + 0.1 * j as f64).sin());

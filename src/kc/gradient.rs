@@ -1,4 +1,4 @@
-//! Slopes of what a test shows, at ride height: the exact tangent, and a line fitted over a window as rigs do.
+//! Slopes of test readings at ride height: the exact tangent, and a line fitted over a window as on physical rigs.
 
 use super::bench::Observation;
 use super::sample::{Branch, Sample};
@@ -6,33 +6,33 @@ use super::wheel::angle_rates;
 use super::{Sense, Side, Unit};
 use admire_solver::mechanics::Vec3;
 
-/// The slope of one reading.
+/// Slope of one reading over the test's variable.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gradient {
-    /// Request of the reading.
+    /// Request name of the reading.
     pub entity: &'static str,
-    /// Its component.
+    /// Component of the request.
     pub component: &'static str,
-    /// Its unit; the slope is that per unit of the test's variable.
+    /// Unit of the reading; the slope is in this unit per unit of the test's variable.
     pub unit: Unit,
-    /// What its sign means.
+    /// Meaning of the reading's sign.
     pub sense: Sense,
-    /// Which wheel.
+    /// Wheel.
     pub side: Side,
     /// Exact derivative at ride height.
     pub tangent: f64,
-    /// Slope of the least-squares line within the window; the mean of both branches where there are two. NaN with fewer than two points.
+    /// Slope of the least-squares line within the window, averaged over both branches where there are two. NaN with fewer than two points.
     pub fitted: f64,
-    /// Half the width of the loop at ride height; zero without a second branch.
+    /// Half the height of the hysteresis loop at ride height; zero without a second branch.
     pub hysteresis: f64,
-    /// How far from ride height the reading stays within 5 percent of its whole change, or 10 percent of the local change, of the
-    /// tangent: `[below, above]`.
+    /// Values of the variable, `[below, above]` ride height, up to which the reading follows its tangent. The tolerance is 5 percent of the
+    /// whole change or 10 percent of the local change, whichever is larger.
     pub linear_range: [f64; 2],
 }
 
 impl Gradient {
-    /// By how much this wheel's slope is larger than the other's, of their mean: zero for a symmetric axle in a symmetric or antisymmetric
-    /// test. NaN for one wheel.
+    /// Returns the excess of this wheel's slope over the other's, relative to their mean. Zero for a symmetric axle in a symmetric or
+    /// antisymmetric test; NaN for a single wheel.
     pub fn asymmetry(&self, all: &[Self]) -> f64 {
         let mut others = all.iter();
         let other = others.find(|g| g.entity == self.entity && g.side != self.side);
@@ -47,7 +47,8 @@ impl Gradient {
     }
 }
 
-/// Half the width of a measured loop where its variable is zero, from points in the order driven; NaN if it passes there less than twice.
+/// Returns half the height of a measured loop where its variable is zero. The points are in the order driven. NaN if the loop crosses zero
+/// fewer than twice.
 pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
     let mut low = f64::INFINITY;
     let mut high = f64::NEG_INFINITY;
@@ -72,13 +73,13 @@ pub fn loop_half_width(points: &[(f64, f64)]) -> f64 {
     }
 }
 
-/// A reading that has a gradient.
+/// Reading that has a gradient.
 struct Channel {
     entity: &'static str,
     component: [&'static str; 2],
     unit: Unit,
     sense: Sense,
-    /// Its rate from that of the wheel.
+    /// Computes the reading's rate from the wheel's rate.
     rate: fn(&Rate) -> f64,
 }
 
@@ -117,7 +118,7 @@ const CHANNELS: [Channel; 8] = [
         component: ["left", "right"],
         unit: Unit::Angle,
         sense: Sense::Own,
-        // At design the rotation about Y itself; the turn since design is small at ride height.
+        // At design this rate is the rotation about Y itself; `side_view_rate` corrects it for the turn since design.
         rate: |r| r.turn.y,
     },
     Channel {
@@ -150,7 +151,7 @@ const CHANNELS: [Channel; 8] = [
     },
 ];
 
-/// The gradients of a test from its tangent at ride height and its samples.
+/// Computes the gradients of a test from its tangent at ride height and its samples.
 pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -> Vec<Gradient> {
     let mut out = Vec::new();
     for channel in &CHANNELS {
@@ -211,7 +212,7 @@ pub(crate) fn gradients(centre: &Observation, samples: &[Sample], window: f64) -
     out
 }
 
-/// The rate of `-atan(A31 / A11)` for a rotation `w`: `dA = [w]x A`.
+/// Returns the rate of `-atan(A31 / A11)` for a rotation `w`: `dA = [w]x A`.
 fn side_view_rate(A: &admire_solver::mechanics::Mat3, w: &Vec3) -> f64 {
     let column: Vec3 = A.column(0).into();
     let d = w.cross(&column);
@@ -219,7 +220,7 @@ fn side_view_rate(A: &admire_solver::mechanics::Mat3, w: &Vec3) -> f64 {
     -(d.z * x - z * d.x) / (x * x + z * z)
 }
 
-/// Slope of the least-squares line through the points within the window; NaN with fewer than two.
+/// Returns the slope of the least-squares line through the points within the window; NaN with fewer than two points.
 pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
     let inside: Vec<_> = points
         .iter()
@@ -239,7 +240,7 @@ pub fn fitted_slope(points: &[(f64, f64)], window: f64) -> f64 {
     xy / xx
 }
 
-/// The value at zero, between the points next to it.
+/// Interpolates the value at zero linearly between the neighbouring points.
 fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
     let mut sorted = points.to_vec();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -251,7 +252,7 @@ fn at_zero(points: &[(f64, f64)]) -> Option<f64> {
     })
 }
 
-/// The first points on each side that leave the tangent.
+/// Returns the last points on each side that still follow the tangent.
 fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
     let Some(zero) = at_zero(points) else {
         return [f64::NAN; 2];
@@ -279,7 +280,7 @@ fn linear_range(points: &[(f64, f64)], tangent: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Up a line and down a parallel one: the slope is theirs, the half width half their distance.
+    /// Driven up one line and down a parallel line, the loop has their slope and half their distance.
     #[test]
     fn a_loop_of_two_lines() {
         let up = (-4..=4).map(|k| (f64::from(k), 0.3 * f64::from(k) + 0.1));

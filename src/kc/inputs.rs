@@ -1,20 +1,20 @@
-/// What the rig does to the axle, in the axes of Adams/Car.
+/// Loads and heights that the rig imposes on the axle, in the axes of Adams/Car.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Inputs {
-    /// Heights of the wheel centres over their design position, where heights are held.
+    /// Heights of the wheel centres above their design position, where heights are held.
     pub height: [f64; 2],
-    /// Forces along X, Y, Z and torque about Z on each wheel; the vertical one where loads are held.
+    /// Forces along X, Y, Z and torque about Z on each wheel; the vertical force is used where loads are held.
     pub loads: [[f64; 4]; 2],
-    /// The vertical load acts at the contact patch.
+    /// True if the vertical load acts at the contact patch, otherwise at the wheel centre.
     pub vertical_at_patch: bool,
-    /// The loads in the road plane do.
+    /// True if the loads in the road plane act at the contact patch.
     pub plane_at_patch: bool,
-    /// The steering input, where it is driven.
+    /// Steering input, where the steering is driven.
     pub steer: Option<f64>,
 }
 
 impl Inputs {
-    /// What the other wheel of a mirrored axle sees.
+    /// Returns the inputs as seen by the other wheel of a mirrored axle.
     pub(super) fn mirrored(&self) -> Self {
         let swap = |[a, b]: [f64; 2]| [b, a];
         let [l, r] = self.loads;
@@ -28,14 +28,14 @@ impl Inputs {
     }
 }
 
-/// What a test drives: the same, as a direction.
+/// Direction of a test: change of the inputs per unit of the test's variable.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Drive {
-    /// Per unit of the variable.
+    /// Change of the heights per unit of the variable.
     pub height: [f64; 2],
-    /// Per unit of the variable.
+    /// Change of the loads per unit of the variable.
     pub loads: [[f64; 4]; 2],
-    /// Per unit of the variable.
+    /// Change of the steering input per unit of the variable.
     pub steer: f64,
 }
 

@@ -1,12 +1,13 @@
-//! Kinematics and compliance (K&C) of an axle: what suspension engineers measure.
+//! Kinematics and compliance (K&C) of an axle, as suspension engineers measure them.
 //!
-//! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]; [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`] have
-//! the characteristics, one function a definition. They come from the places of the wheels, and from the exact compliance matrix of their
-//! centres that the tangent at equilibrium gives. Definitions, signs and their sources are in the guide, page `kc`. Vectors are in the axes
-//! of Adams/Car: X rearward, Y to the right, Z up; [`Frame`] brings those of a deck there. Lengths and forces are in the units of the deck,
-//! angles in radians. Knows nothing of measurements.
+//! [`run`](fn@run) drives the standard tests of a [`Config`] on a [`Bench`]. [`ride`], [`roll`], [`wheel`], [`anti`] and [`swing_arm`]
+//! contain the characteristics, one function for each definition. They are computed from the wheel positions, and from the exact compliance
+//! matrix of the wheel centres that the tangent at equilibrium gives. The guide page `kc` lists definitions, signs and their sources.
+//!
+//! Vectors are in the axes of Adams/Car: X rearward, Y to the right, Z up; [`Frame`] converts from the axes of a deck. Lengths and forces
+//! are in the units of the deck, angles in radians. This crate does not read measurements.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -1,5 +1,4 @@
-//! What a run is written as: curves and gradients as CSV, everything as JSON, each test as a results file with the request names of
-//! Adams/Car.
+//! Output of a run: curves and gradients as CSV, everything as JSON, and each test as a results file with the request names of Adams/Car.
 
 use std::io;
 
@@ -17,14 +16,14 @@ use admire_syntax::units::Units;
 /// Version of the definitions in the guide, page `kc`.
 pub const DEFINITIONS: u32 = 1;
 
-/// What every row of an output says of itself.
+/// Conditions stated in every row of an output.
 #[derive(Clone, Debug)]
 pub struct Statement {
     rows: Vec<(&'static str, String)>,
 }
 
 impl Statement {
-    /// Of a test, or of ride height.
+    /// Creates the statement for a test, or for ride height if `test` is `None`.
     pub(crate) fn new(
         config: &Config,
         test: Option<&TestSettings>,
@@ -77,7 +76,7 @@ impl Statement {
     }
 }
 
-/// What stands behind a column: the load it is for, the radius it takes, whether the tyre is in it.
+/// Returns the basis of a request's column: load point, tyre radius, and whether the tyre is included.
 pub fn background(entity: &str) -> (&'static str, &'static str, &'static str) {
     let none = "none";
     match entity {
@@ -129,7 +128,7 @@ fn finished(csv: csv::Writer<Vec<u8>>) -> Vec<u8> {
     csv.into_inner().expect("writing to memory does not fail")
 }
 
-/// A number as CSV shows it; what is not defined is an empty cell.
+/// Formats a number for CSV; an undefined value becomes an empty cell.
 fn cell(value: f64) -> String {
     if value.is_finite() {
         value.to_string()
@@ -138,7 +137,7 @@ fn cell(value: f64) -> String {
     }
 }
 
-/// What joints with friction do.
+/// Returns the stick-slip state of the joints with friction, in one word.
 fn friction(sample: &Sample) -> &'static str {
     sample
         .seen
@@ -146,7 +145,7 @@ fn friction(sample: &Sample) -> &'static str {
         .map_or("none", admire_solver::system::StickSlipState::word)
 }
 
-/// All samples of all tests, a line each; ride height first.
+/// Writes all samples of all tests as CSV, one line each, ride height first.
 pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Vec<u8> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let mut write = |record: Vec<String>| {
@@ -187,7 +186,7 @@ pub fn curves_csv(run: &KcRun, config: &Config, units: &Units, convention: Conve
     finished(csv)
 }
 
-/// All gradients, a line each.
+/// Writes all gradients as CSV, one line each.
 pub fn gradients_csv(
     run: &KcRun,
     config: &Config,
@@ -250,7 +249,7 @@ pub fn gradients_csv(
     finished(csv)
 }
 
-/// Everything. Numbers that are not defined are null.
+/// Builds the complete run as JSON. Undefined numbers are null.
 pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention) -> Value {
     let columns: Vec<Value> = run
         .ride
@@ -290,7 +289,7 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
         let Some(compliance) = sample.seen.axle.compliance else {
             return Value::Null;
         };
-        // Translations and rotations turn alike with the axes.
+        // Translations and rotations change sign alike with the axes.
         let axes = [super::Sense::X, super::Sense::Y, super::Sense::Z];
         let sign = |k: usize| convention.factor(axes[k % 3]);
         (0..12)
@@ -351,11 +350,11 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
     })
 }
 
-/// One test as a results file: the requests of Adams/Car, a quasi-static step per sample, TIME counting from 1. A column that is not
-/// defined somewhere is left out and named.
+/// Writes one test as a results file with the requests of Adams/Car. Each sample is a quasi-static step, and TIME counts the samples from
+/// 1. Columns with undefined values are left out; their names are returned with the bytes.
 ///
 /// # Errors
-/// None in practice: it is written to memory.
+/// None in practice: the file is written to memory.
 pub fn results(
     test: &TestRun,
     (title, units): (&str, &Units),
@@ -381,7 +380,7 @@ pub fn results(
         }],
         ..Entity::default()
     }];
-    // Components of one request stand together, values in the order of their ids.
+    // Components of one request are adjacent, and values follow the order of their ids.
     let mut order: Vec<usize> = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     for &k in &kept {
@@ -428,7 +427,7 @@ pub fn results(
     Ok((writer.finish("Successful")?, lost))
 }
 
-/// Which wheels a run has.
+/// Returns the wheels present in a run.
 pub fn sides(run: &KcRun) -> Vec<Side> {
     let there = |side: &Side| run.ride.seen.axle.wheels[side.index()].is_some();
     Side::BOTH.into_iter().filter(there).collect()

@@ -1,19 +1,19 @@
-//! Lengths of the file that do not fit the deck's track. The usual reason is another unit.
+//! Warnings about lengths in the file that do not fit the deck's track, usually because of a wrong unit.
 
 use super::bench::Bench;
 use super::config::place_of;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Span;
 
-/// Least and largest radius of a tyre per track, from racing karts to tractors.
+/// Smallest and largest plausible ratio of tyre radius to track, from racing karts to tractors.
 const RADIUS_PER_TRACK: (f64, f64) = (0.07, 0.6);
-/// Least and largest wheelbase per track, from the axles of a bogie to lorries.
+/// Smallest and largest plausible ratio of wheelbase to track, from bogies to lorries.
 const WHEELBASE_PER_TRACK: (f64, f64) = (0.5, 6.0);
-/// Least and largest height of the centre of mass per track.
+/// Smallest and largest plausible ratio of the height of the centre of mass to track.
 const CG_HEIGHT_PER_TRACK: (f64, f64) = (0.05, 1.5);
 
 impl Bench<'_> {
-    /// One warning for each length that no vehicle with this track has.
+    /// Returns one warning for each length that is implausible for the deck's track.
     pub fn implausible(&self) -> Vec<Diagnostic> {
         let Some(track) = self.track().filter(|track| *track > 0.0) else {
             return Vec::new();
@@ -50,7 +50,7 @@ impl Bench<'_> {
         lengths.into_iter().filter_map(warning).collect()
     }
 
-    /// Distance of the wheel centres at design, across the vehicle.
+    /// Returns the lateral distance of the wheel centres at design.
     fn track(&self) -> Option<f64> {
         let frame = &self.config().frame;
         let across = |wheel: &super::rig::FoundWheel| frame.vector(&wheel.design.p).y;

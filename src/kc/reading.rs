@@ -1,10 +1,10 @@
 use super::{Convention, Sense};
 use admire_syntax::units::Units;
 
-/// What a characteristic is measured in.
+/// Unit of a characteristic.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Unit {
-    /// No unit.
+    /// Dimensionless.
     One,
     /// Percent.
     Percent,
@@ -35,7 +35,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// All of them.
+    /// All units.
     pub(crate) const ALL: [Self; 14] = [
         Self::One,
         Self::Percent,
@@ -53,7 +53,7 @@ impl Unit {
         Self::Frequency,
     ];
 
-    /// The unit as results files spell it.
+    /// Returns the unit as spelled in results files.
     pub fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);
         match self {
@@ -74,7 +74,7 @@ impl Unit {
         }
     }
 
-    /// True for radians and what is per something in radians: shown in degrees to people.
+    /// Returns true for radians and for radians per another unit; these are displayed in degrees.
     pub(crate) const fn is_angle(self) -> bool {
         matches!(
             self,
@@ -83,35 +83,35 @@ impl Unit {
     }
 }
 
-/// A characteristic in one state.
+/// One characteristic in one state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Reading {
-    /// Name of the request in Adams/Car, or of our own where it has none.
+    /// Request name in Adams/Car, or a name of our own where Adams/Car has none.
     pub entity: &'static str,
     /// Component of the request.
     pub component: &'static str,
     /// Unit.
     pub unit: Unit,
-    /// What its sign means.
+    /// Meaning of the sign.
     pub sense: Sense,
-    /// Value in the axes of this room; not finite where it is not defined.
+    /// Value in this crate's axes; not finite where undefined.
     pub value: f64,
 }
 
 impl Reading {
-    /// `toe_angle.left`.
+    /// Returns the path of the reading, such as `toe_angle.left`.
     pub fn path(&self) -> String {
         format!("{}.{}", self.entity, self.component)
     }
 
-    /// The value in the axes of a convention.
+    /// Returns the value in the axes of a convention.
     pub fn value_in(&self, convention: Convention) -> f64 {
-        // A zero has no sign.
+        // Adding 0 turns a negative zero into zero.
         convention.factor(self.sense) * self.value + 0.0
     }
 }
 
-/// Collects readings.
+/// Collector of readings.
 #[derive(Default, Debug)]
 pub(super) struct Readings {
     pub all: Vec<Reading>,

@@ -5,89 +5,90 @@ use super::{AxleState, Frame, Side, SteerAxis, Tyre, Wheel, contact};
 use admire_results::{Catalogue, Entity, ResultsError, Step};
 use admire_solver::mechanics::{Mat3, Vec3, euler313};
 
-/// What the road is taken for.
+/// Assumed road.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Road {
     /// Level in the axes of the vehicle.
     #[default]
     Level,
-    /// The plane along X through both contact points: a rolling rig.
+    /// Plane along X through both contact points, as on a rolling rig.
     Patches,
-    /// Tilted by the file's own `roll_angle.at_contact_patches` in states where `suspension_exerciser_requests.Roll` says that the rig
-    /// of Adams/Car rolls; else level.
+    /// Tilted by the file's own `roll_angle.at_contact_patches` in states where `suspension_exerciser_requests.Roll` shows that the rig of
+    /// Adams/Car rolls; otherwise level.
     Rig,
 }
 
-/// Radians by which a rig that does not roll may roll.
+/// Roll angle in radians up to which the rig counts as level.
 const LEAST_ROLL: f64 = 1e-9;
 
-/// How the wheels of a file are to be read.
+/// Options for reading the wheels of a file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReplayOptions {
-    /// The spin axis of the wheel part, 0 to 2, outboard by its sense; `None` takes the axis that lies most across the vehicle.
+    /// Column (0 to 2) of the wheel part's axes that is the spin axis; its sign is chosen so that it points outboard. `None` takes the most
+    /// lateral axis.
     pub spin: Option<usize>,
-    /// The wheel centre in the frame of the part.
+    /// Wheel centre in the frame of the part.
     pub centre: Vec3,
-    /// The axes of the file.
+    /// Axes of the file.
     pub frame: Frame,
-    /// Tyre, for contact points.
+    /// Tyre data, for contact points.
     pub tyre: Option<Tyre>,
-    /// What the road is taken for.
+    /// Assumed road.
     pub road: Road,
 }
 
-/// A point of a body: where it is in the frame of the body.
+/// Point of a body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyPoint {
-    /// The body.
+    /// Name of the body.
     pub body: String,
-    /// Where.
+    /// Position in the frame of the body.
     pub local: Vec3,
 }
 
-/// Why wheels cannot be followed.
+/// Reason why wheels cannot be followed.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// No body of this name.
+    /// The file has no body of this name.
     #[error("no body of the file is called `{name}`")]
     NoBody {
-        /// As asked for.
+        /// Requested name.
         name: String,
-        /// Bodies of the file.
+        /// Names of the bodies in the file.
         bodies: Vec<String>,
     },
     /// The body has no position and orientation.
     #[error("`{name}` has no columns X, Y, Z, PSI, THETA, PHI")]
     NoPose {
-        /// The body.
+        /// Name of the body.
         name: String,
     },
-    /// More than one wheel on a side.
+    /// Two wheels are on the same side.
     #[error("`{name}` is on the {side} side, and so is the wheel before it")]
     SameSide {
-        /// The body.
+        /// Name of the second body.
         name: String,
-        /// The side.
+        /// Side of the vehicle.
         side: &'static str,
     },
-    /// No axis of the part lies across the vehicle.
+    /// No axis of the part is lateral at design.
     #[error(
         "no axis of `{name}` lies across the vehicle at design: the nearest leans by {degrees:.0} degrees"
     )]
     NoSpin {
-        /// The body.
+        /// Name of the body.
         name: String,
-        /// How far the nearest is off.
+        /// Angle between the most lateral axis and the lateral direction, in degrees.
         degrees: f64,
     },
 }
 
-/// A body's columns of X, Y, Z, PSI, THETA, PHI.
+/// Columns of a body's X, Y, Z, PSI, THETA, PHI.
 #[derive(Clone, Copy, Debug)]
 struct Body([usize; 6]);
 
 impl Body {
-    /// Place of a point of it, and its orientation, in the axes of Adams/Car.
+    /// Returns the position of a point of the body, and the body's orientation, in the axes of Adams/Car.
     fn at(
         &self,
         local: &Vec3,
@@ -108,39 +109,40 @@ struct Followed {
     body: Body,
     /// Lower and upper point of the geometric steer axis.
     axis: Option<[(Body, Vec3); 2]>,
-    /// Known after the first step.
+    /// Design data, set at the first step.
     known: Option<Known>,
 }
 
 #[derive(Clone, Debug)]
 struct Known {
-    /// Which axis, with its sense.
+    /// Column of the spin axis, and its sign.
     axis: (usize, f64),
     design: Wheel,
     design_R: Mat3,
-    /// Column of the normal force of its tyre.
+    /// Column of the tyre's normal force.
     normal_force: Option<usize>,
     design_radius: f64,
 }
 
-/// Follows wheels step by step. The first step is the design position.
+/// Follower of wheels through the steps of a file. The first step is the design position.
 #[derive(Clone, Debug)]
 pub struct Replay {
     wheels: Vec<Followed>,
     options: ReplayOptions,
-    /// Radians per angle of the file.
+    /// Size of the file's angle unit in radians.
     angle: f64,
     /// Columns of the normal forces, left and right.
     normal_force: [Option<usize>; 2],
-    /// Columns of what the rig rolls by, and of the roll angle at the contact points.
+    /// Columns of the rig's roll input and of the roll angle at the contact points.
     roll: Option<[usize; 2]>,
 }
 
 impl Replay {
-    /// The bodies `names`, with lower and upper points of their steer axes for as many as are given; `degrees` if the file's angles are.
+    /// Prepares to follow the bodies `names`. `axes` contains the lower and upper points of their steer axes and may be shorter than
+    /// `names`. `degrees` states that the file's angles are in degrees.
     ///
     /// # Errors
-    /// [`ReplayError`] if a body is not there or has no pose.
+    /// [`ReplayError`] if a body is missing or has no pose.
     pub fn new(
         catalogue: &Catalogue,
         (names, axes): (&[String], &[[BodyPoint; 2]]),
@@ -179,10 +181,10 @@ impl Replay {
         })
     }
 
-    /// The state of a step. The first one asked for is taken for the design position.
+    /// Returns the state of the axle at a step. The first step passed in becomes the design position.
     ///
     /// # Errors
-    /// When the step cannot be read, or its wheels are none.
+    /// [`ResultsError`] if the step cannot be read; the inner [`ReplayError`] if a body is not a wheel.
     pub fn state(
         &mut self,
         step: &Step<'_>,
@@ -262,7 +264,7 @@ impl Known {
         options: &ReplayOptions,
         (forces, read): ([Option<usize>; 2], &dyn Fn(usize) -> f64),
     ) -> Result<Self, ReplayError> {
-        /// An axis further from the lateral direction is none a wheel spins about at design.
+        /// Smallest lateral component of a spin axis at design.
         const LEAST: f64 = 0.8;
         let across = |k: usize| R[(1, k)].abs();
         let axis = options.spin.unwrap_or_else(|| {
@@ -298,9 +300,10 @@ impl Known {
     }
 }
 
-/// The normal of the plane along X through both contact points, which themselves depend on it.
+/// Returns the normal of the plane along X through both contact points. The contact points depend on the normal, so the solution is
+/// iterated.
 fn through_patches(state: &AxleState) -> Vec3 {
-    /// The correction shrinks by more than the ratio of tyre radius to track in each round.
+    /// Largest number of iterations. Each shrinks the correction by more than the ratio of tyre radius to track.
     const ROUNDS: usize = 60;
     let mut state = *state;
     for _ in 0..ROUNDS {

@@ -1,9 +1,11 @@
-//! The rig on a deck: markers, loads and motions that are added to a copy of it, as ordinary statements.
+//! The rig: markers, loads and motions added to a copy of the deck as ordinary statements.
 //!
-//! Per wheel: a marker `c` at the wheel centre with its z axis along the spin axis, a marker `a` further out on it, a ground marker `g`
-//! at the design position of the centre in the axes of Adams/Car, variables for the loads, and one GFORCE. Loads at the contact patch come with
-//! their moment: with o the spin axis from `a` and `c`, the lever is `d = r (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`, which
-//! follows the wheel. A MOTION holds the height where heights are driven; its reaction is part of the load.
+//! Each wheel gets a marker `c` at the wheel centre with its z axis along the spin axis, a marker `a` further outboard on the spin axis,
+//! and a ground marker `g` at the design position of the centre in the axes of Adams/Car. Variables carry the loads, and one GFORCE applies
+//! them.
+//!
+//! Loads at the contact patch come with their moment. With the unit spin axis o from `c` to `a`, the lever that follows the wheel is `d = r
+//! (oz ox, oz oy, oz^2 - 1) / sqrt(1 - oz^2)`. A MOTION holds the height where heights are driven; its reaction is part of the load.
 
 use super::Side;
 use super::config::{Config, Spelled, WheelConfig};
@@ -15,41 +17,41 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Edit, Span};
 use admire_syntax::{Address, Dataset, NewStatement};
 
-/// One wheel of a deck, found.
+/// One wheel found in a deck.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct FoundWheel {
-    /// Which.
+    /// Side of the vehicle.
     pub side: Side,
     /// Index of the carrier part in the model.
     pub part: usize,
-    /// Wheel centre in part axes and the axes of the wheel there: z outboard along the spin axis.
+    /// Wheel centre and wheel axes in the frame of the part: z points outboard along the spin axis.
     pub local: Pose,
-    /// The same at design, in ground axes of the deck.
+    /// Wheel centre and wheel axes at design, in ground axes of the deck.
     pub design: Pose,
-    /// Lower and upper markers of the geometric steer axis.
+    /// Lower and upper marker of the geometric steer axis.
     pub steer_axis: Option<[MarkerIx; 2]>,
     /// Marker whose height is held for the instant axis.
     pub travel_lock: Option<MarkerIx>,
 }
 
-/// What can be compiled at once: tests differ in what they hold.
+/// Variant of the rigged deck. Each variant is compiled once, and tests that hold the same constraints share it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Variant {
-    /// The height of the wheel centres is held by motions.
+    /// True if motions hold the heights of the wheel centres.
     pub height_held: bool,
-    /// What locks the steering is there.
+    /// True if the statement that locks the steering is kept.
     pub steering_locked: bool,
 }
 
 impl Variant {
-    /// Name of its files.
+    /// Returns the stem of its file names.
     pub(crate) fn name(self) -> String {
         let height = if self.height_held { "height" } else { "load" };
         let steering = if self.steering_locked { "" } else { "_free" };
         format!("kc_{height}{steering}")
     }
 
-    /// For ride height and tests that hold this.
+    /// Returns the variant that holds this quantity, for ride height and for tests.
     pub(crate) fn of(hold: Hold, steering_locked: bool) -> Self {
         Self {
             height_held: hold == Hold::Height,
@@ -57,7 +59,7 @@ impl Variant {
         }
     }
 
-    /// For a test: what drives heights holds them, whatever else it holds.
+    /// Returns the variant for a test. A test that drives heights also holds them, whatever its settings.
     pub(crate) fn of_test(kind: TestKind, settings: &TestSettings) -> Self {
         let drives_heights = matches!(kind.driven(), Driven::Height(_));
         Self {
@@ -67,29 +69,30 @@ impl Variant {
     }
 }
 
-/// Ids of what was added for one wheel.
+/// Ids of the statements added for one wheel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct WheelIds {
-    /// Which.
+    /// Side of the vehicle.
     pub side: Side,
     /// Marker at the wheel centre.
     pub centre: u32,
     /// Ground marker.
     pub ground: u32,
-    /// Variables: forces along X, Y, Z and the torque about Z that are put on, in the axes of Adams/Car.
+    /// Variables of the applied forces along X, Y, Z and of the torque about Z, in the axes of Adams/Car.
     pub loads: [u32; 4],
-    /// Variables that are 1 for loads at the patch and 0 for loads at the centre: of the vertical load, of those in the road plane.
+    /// Variables that are 1 for loads at the patch and 0 for loads at the centre: for the vertical load, and for the loads in the road
+    /// plane.
     pub patch: [u32; 2],
-    /// The motion that holds the height.
+    /// Motion that holds the height.
     pub motion: Option<u32>,
 }
 
-/// A deck on the rig.
+/// Deck on the rig.
 #[derive(Clone, Debug)]
 pub(crate) struct Rigged {
-    /// The deck with the statements of the rig.
+    /// Deck with the statements of the rig.
     pub dataset: Dataset,
-    /// What was added.
+    /// Added statements of each wheel.
     pub wheels: Vec<WheelIds>,
 }
 
@@ -112,7 +115,7 @@ fn marker_of(
     })
 }
 
-/// The pose of a marker at design, in ground.
+/// Returns the pose of a marker at design, in ground.
 pub(crate) fn at_design(model: &Model, marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.compose(&Pose {
@@ -121,10 +124,10 @@ pub(crate) fn at_design(model: &Model, marker: MarkerIx) -> Pose {
     })
 }
 
-/// The wheels that the file names.
+/// Finds the wheels named in the file.
 ///
 /// # Errors
-/// Whatever is not there or cannot be a wheel, each with its place in the file.
+/// One diagnostic, with its place in the file, for each name that is missing or cannot be a wheel.
 pub(crate) fn wheels(
     config: &Config,
     dataset: &Dataset,
@@ -149,7 +152,7 @@ fn find(
     (side, wheel): (Side, &WheelConfig),
     deck: (&Dataset, &Model),
 ) -> Result<FoundWheel, Diagnostic> {
-    /// A spin axis further from the lateral direction is a mistake.
+    /// Smallest lateral component of a spin axis; a smaller one is a mistake in the file.
     const LEAST: f64 = 0.8;
     let (_, model) = deck;
     let centre = marker_of(config, &wheel.centre, deck)?;
@@ -230,7 +233,7 @@ fn find(
     })
 }
 
-/// Collects statements, each with the next free id of its kind. They are put in before END by one edit.
+/// Collector of statements, each with the next free id of its kind. One edit inserts them before END.
 struct Builder<'a> {
     dataset: &'a Dataset,
     next: std::collections::BTreeMap<String, u32>,
@@ -243,7 +246,7 @@ impl Builder<'_> {
         let next = self.next.entry(kind.to_string()).or_insert_with(|| {
             let same = statements.iter().filter(|s| s.kind() == Some(kind));
             let last = same.filter_map(admire_syntax::Statement::number).max();
-            // Ids of the rig are told from those of the deck.
+            // Ids start at the next thousand, to distinguish the rig from the deck.
             (last.unwrap_or(0) / 1000 + 1) * 1000
         });
         *next += 1;
@@ -262,7 +265,7 @@ impl Builder<'_> {
         id
     }
 
-    /// The dataset with the statements.
+    /// Returns the dataset with the collected statements.
     fn finish(self) -> Dataset {
         let end = self.dataset.end().map(|end| end.span.start());
         let mut text = self.text;
@@ -294,7 +297,7 @@ impl Builder<'_> {
     }
 }
 
-/// A number with all its digits.
+/// Formats a number with all its digits.
 fn number(value: f64) -> String {
     if value == 0.0 {
         "0.0".to_string()
@@ -306,7 +309,7 @@ fn number(value: f64) -> String {
 /// Puts a deck on the rig.
 ///
 /// # Errors
-/// A statement that is to be left out and is not there.
+/// A statement to be removed is missing, or is not removable.
 pub(crate) fn rigged(
     config: &Config,
     (dataset, model): (&Dataset, &Model),

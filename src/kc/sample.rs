@@ -2,17 +2,17 @@ use super::bench::Observation;
 use super::inputs::Inputs;
 use super::reading::Reading;
 
-/// Which way a test went when it came by.
+/// Driving direction of a test at a sample.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Branch {
     /// Towards the highest value.
     Up,
-    /// Back.
+    /// Back towards the lowest value.
     Down,
 }
 
 impl Branch {
-    /// `up` or `down`.
+    /// Returns `up` or `down`.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Up => "up",
@@ -24,13 +24,13 @@ impl Branch {
 /// One point of a test.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sample {
-    /// Which way.
+    /// Driving direction.
     pub branch: Branch,
-    /// Value of the test's own variable.
+    /// Value of the test's variable.
     pub value: f64,
-    /// What the rig did.
+    /// Inputs of the rig.
     pub inputs: Inputs,
-    /// What was seen.
+    /// Solved state of the axle.
     pub seen: Observation,
     /// All characteristics, the loads of the rig first.
     pub readings: Vec<Reading>,

@@ -1,15 +1,15 @@
-//! Values with the units that people read: the same on the page, on the terminal and in tables.
+//! Values in display units, the same on pages, on the terminal and in tables.
 
 use super::test_kind::Driven;
 use super::{Reading, Unit};
 use admire_syntax::units::{Units, short_unit};
 
-/// True for decks in newtons and metric lengths: others are shown in their own units.
+/// Returns true for decks in newtons and metric lengths. All other decks are displayed in their own units.
 fn metric(units: &Units) -> bool {
     units.force.word == "newton" && matches!(units.length.word, "mm" | "cm" | "meter")
 }
 
-/// Value and unit as people read them: angles in degrees, compliances per kilonewton.
+/// Returns value and unit for display: angles in degrees, compliances per kilonewton.
 pub fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     let (force, length) = (units.force.si, units.length.si);
     let people = match unit {
@@ -40,7 +40,7 @@ pub fn shown(value: f64, unit: Unit, units: &Units) -> (f64, String) {
     }
 }
 
-/// A slope over a test's variable as people read it.
+/// Returns a slope over a test's variable, with its unit for display.
 pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, String) {
     let (value, word) = shown(value, unit, units);
     let (force, length) = (units.force.si, units.length.si);
@@ -62,7 +62,7 @@ pub fn slope(value: f64, unit: Unit, driven: Driven, units: &Units) -> (f64, Str
     (factor * value, word + per)
 }
 
-/// The unit of what a test drives.
+/// Returns the display unit of a test's variable.
 pub fn driven_unit(driven: Driven, units: &Units) -> String {
     match driven {
         Driven::Height(_) => Unit::Length.word(units),
@@ -72,8 +72,8 @@ pub fn driven_unit(driven: Driven, units: &Units) -> String {
     }
 }
 
-/// What one unit of a column with this word in its head is in the deck's units and radians: a word of [`shown`], or one that begins with
-/// `deg`; any other is the deck's own.
+/// Returns the size of a column's unit in units of the deck and radians. The word is a unit that [`shown`] writes, or begins with `deg`;
+/// any other word means the deck's own unit.
 pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
     let mut all = Unit::ALL.iter().map(|unit| shown(1.0, *unit, units));
     match all.find(|(_, known)| known == word) {
@@ -83,7 +83,7 @@ pub fn unit_in_deck(word: &str, units: &Units) -> f64 {
     }
 }
 
-/// The head of a column of readings: `toe_angle.left [deg]`.
+/// Returns the heading of a column of readings, such as `toe_angle.left [deg]`.
 pub(super) fn head(reading: &Reading, units: &Units) -> String {
     let unit = shown(0.0, reading.unit, units).1;
     if unit.is_empty() {

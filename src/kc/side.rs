@@ -1,12 +1,12 @@
-/// A side of the vehicle, as the driver sees it.
+/// Side of the vehicle as seen by the driver.
 #[derive(
     Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize, serde::Deserialize,
 )]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// At y < 0 in the axes of this room.
+    /// Left: y < 0 in this crate's axes.
     Left,
-    /// At y > 0.
+    /// Right: y > 0.
     Right,
 }
 
@@ -14,12 +14,12 @@ impl Side {
     /// Left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// 0 for left, 1 for right.
+    /// Returns 0 for left, 1 for right.
     pub const fn index(self) -> usize {
         self as usize
     }
 
-    /// The sign of y outboard: -1 for left, +1 for right.
+    /// Returns the sign of y outboard: -1 for left, +1 for right.
     pub const fn outboard(self) -> f64 {
         match self {
             Self::Left => -1.0,
@@ -27,7 +27,7 @@ impl Side {
         }
     }
 
-    /// The other side.
+    /// Returns the other side.
     #[must_use]
     pub(crate) const fn other(self) -> Self {
         match self {
@@ -36,7 +36,7 @@ impl Side {
         }
     }
 
-    /// `left` or `right`.
+    /// Returns `left` or `right`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Left => "left",

@@ -1,30 +1,31 @@
-//! The axis a wheel is steered about, and what follows from it.
+//! Steer axis of a wheel, and the quantities derived from it.
 //!
-//! X rearward, Y right, Z up; radians. Source of every formula: guide page `kc`, section "Steer axis".
+//! Axes: X rearward, Y right, Z up; angles in radians. Source of every formula: guide page `kc`, section "Steer axis".
 
 use super::Side;
 use admire_solver::mechanics::{Vec3, Vec6};
 
-/// A steer axis.
+/// Steer axis of a wheel, in general a screw axis.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SteerAxis {
-    /// A point of it.
+    /// Point on the axis.
     pub point: Vec3,
-    /// Unit direction, upward.
+    /// Unit direction, pointing up.
     pub direction: Vec3,
-    /// Advance along the axis per radian, a length: zero for the geometric axis. Scrub and trail are exact only if it is small.
+    /// Advance along the axis per radian, a length; zero for the geometric axis. Scrub and trail are exact only if the pitch is small.
     pub pitch: f64,
 }
 
 impl SteerAxis {
-    /// The line through two points. `None` if they are one, or level.
+    /// Returns the line through two points. `None` if the points coincide or are at the same height.
     pub(crate) fn through(a: &Vec3, b: &Vec3) -> Option<Self> {
         Self::upward(*a, (b - a).try_normalize(0.0)?, 0.0)
     }
 
-    /// The screw axis of a motion of the carrier: velocity `v` of the point `centre`, rotation `w`. `None` without rotation.
+    /// Returns the screw axis of a motion of the carrier: velocity `v` of the point `centre`, rotation `w`. `None` without rotation, or if
+    /// the axis is level.
     ///
-    /// `K = P + (w x v) / (w . w)`, pitch `(w . v) / (w . w)`.
+    /// The point is `K = P + (w x v) / (w . w)`, the pitch `(w . v) / (w . w)`.
     pub(crate) fn of_motion(centre: &Vec3, motion: &Vec6) -> Option<Self> {
         let v: Vec3 = motion.fixed_rows::<3>(0).into();
         let w: Vec3 = motion.fixed_rows::<3>(3).into();
@@ -36,7 +37,7 @@ impl SteerAxis {
         Self::upward(point, w / square.sqrt(), w.dot(&v) / square)
     }
 
-    /// Its image in the plane Y = 0. A screw changes its hand.
+    /// Returns the mirror image about Y = 0. The pitch changes sign, because the mirrored screw is of the opposite hand.
     #[must_use]
     pub(crate) fn mirrored(&self) -> Self {
         let image = |v: &Vec3| Vec3::new(v.x, -v.y, v.z);
@@ -48,7 +49,7 @@ impl SteerAxis {
     }
 
     fn upward(point: Vec3, direction: Vec3, pitch: f64) -> Option<Self> {
-        // A level axis has no caster.
+        // Caster is undefined for a level axis.
         (direction.z.abs() > 1e-9).then(|| Self {
             point,
             direction: direction * direction.z.signum(),
@@ -56,29 +57,30 @@ impl SteerAxis {
         })
     }
 
-    /// Positive if the axis leans rearward: `atan(u.x / u.z)`.
+    /// Returns caster `atan(u.x / u.z)`, positive if the axis leans rearward.
     pub fn caster(&self) -> f64 {
         libm::atan(self.direction.x / self.direction.z)
     }
 
-    /// Positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with the other sign on the right.
+    /// Returns kingpin inclination, positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with opposite sign on the right.
     pub fn kingpin_inclination(&self, side: Side) -> f64 {
         libm::atan(-side.outboard() * self.direction.y / self.direction.z)
     }
 
-    /// The foot of the perpendicular from the wheel centre.
+    /// Returns the foot of the perpendicular from the wheel centre.
     pub fn location(&self, centre: &Vec3) -> Vec3 {
         let u = &self.direction;
         self.point + u * u.dot(&(centre - self.point))
     }
 
-    /// Where the axis meets the road: the plane through the contact point across `normal`.
+    /// Returns the intersection of the axis with the road, the plane through the contact point normal to `normal`.
     pub fn road_point(&self, contact: &Vec3, normal: &Vec3) -> Vec3 {
         let along = normal.dot(&(contact - self.point)) / normal.dot(&self.direction);
         self.point + self.direction * along
     }
 
-    /// (scrub radius, caster trail): `I - C` in the heading of the wheel, inboard and forward positive. `steer` positive to the right.
+    /// Returns (scrub radius, caster trail): `I - C` resolved in the heading of the wheel, positive inboard and forward. `steer` is
+    /// positive to the right.
     pub fn scrub_and_trail(
         &self,
         side: Side,
@@ -87,7 +89,7 @@ impl SteerAxis {
         steer: f64,
     ) -> (f64, f64) {
         let d = self.road_point(contact, normal) - contact;
-        // The road's forward and right axes, turned by the steer angle.
+        // Forward and right axes of the road, turned by the steer angle.
         let right = Vec3::new(0.0, normal.z, -normal.y);
         let forward = Vec3::new(-1.0, 0.0, 0.0);
         let (s, c) = libm::sincos(steer);
@@ -96,13 +98,14 @@ impl SteerAxis {
         (-side.outboard() * d.dot(&lateral), d.dot(&heading))
     }
 
-    /// Distance of the wheel centre from the axis.
+    /// Returns the distance of the wheel centre from the axis.
     pub fn offset(&self, centre: &Vec3) -> f64 {
         (centre - self.location(centre)).norm()
     }
 
-    /// The parts of the offset `d = P - K`: (lateral, longitudinal). With e the spin axis without its part along u, `d . e` outboard, and
-    /// `d . (e x u)`, with the other sign on the left, rearward.
+    /// Returns the parts of the offset `d = P - K`: (lateral, longitudinal). With e the normalised component of the spin axis normal to u,
+    /// the lateral part is `d . e`, positive outboard. The longitudinal part is `d . (e x u)`, with opposite sign on the left, positive
+    /// rearward.
     pub fn offset_parts(&self, side: Side, centre: &Vec3, spin: &Vec3) -> (f64, f64) {
         let u = &self.direction;
         let across = spin - u * u.dot(spin);
@@ -113,12 +116,12 @@ impl SteerAxis {
         (d.dot(&e), side.outboard() * d.dot(&e.cross(u)))
     }
 
-    /// The lever of a vertical load at the contact point about the axis in the two views: `scrub tan(caster) + trail tan(kingpin)`.
+    /// Returns the lever of a vertical load at the contact point about the axis: `scrub tan(caster) + trail tan(kingpin)`.
     pub(crate) fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
         scrub * libm::tan(self.caster()) + trail * libm::tan(self.kingpin_inclination(side))
     }
 
-    /// `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles, which are in radians, taken for degrees.
+    /// Returns `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles in radians mistaken for degrees.
     pub fn hub_lead(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
         let tan = |angle: f64| libm::tan(angle.to_radians());
         scrub * tan(self.caster()) + trail * tan(self.kingpin_inclination(side))
@@ -129,7 +132,7 @@ impl SteerAxis {
 mod tests {
     use super::*;
 
-    /// Golden state: caster and kingpin angles through the foot point give the road point, scrub and trail of real Adams/Car.
+    /// In the golden state, caster and kingpin angles through the foot point give the road point, scrub and trail of real Adams/Car.
     #[test]
     fn golden_axis() {
         let (caster, kingpin): (f64, f64) = (-0.398819456, 0.428462047);

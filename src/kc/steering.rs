@@ -1,45 +1,45 @@
-//! Steering geometry of an axle: turn radius and Ackerman. Angles in radians, positive to the right; `y` of a contact point in the
+//! Steering geometry of an axle: turn radius and Ackerman. Angles are in radians, positive to the right. `y` of a contact point is in the
 //! vehicle frame, positive to the right. Source: guide page `kc`, section "Steering geometry".
 
 use super::Side;
 
-/// Inside steer angles below this are not evaluated, 0.1 degrees: Adams/Car does not either.
+/// Smallest inside steer angle that is evaluated, 0.1 degrees, as in Adams/Car.
 pub(crate) const LEAST_STEER: f64 = 0.1 * std::f64::consts::PI / 180.0;
-/// The turn radius of a straight wheel, in length units, as Adams/Car writes it.
+/// Turn radius written for a straight wheel, in length units, as in Adams/Car.
 pub(crate) const STRAIGHT: f64 = 1e5;
 
-/// What two steered wheels show.
+/// Geometry of two steered wheels.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Steering {
-    /// Steer angle of left and right.
+    /// Steer angles, left and right.
     pub steer: [f64; 2],
-    /// y of the contact points.
+    /// y of the contact points, left and right.
     pub y: [f64; 2],
-    /// Distance of the axles.
+    /// Wheelbase.
     pub wheelbase: f64,
 }
 
 impl Steering {
-    /// The inside wheel: right for a right turn. `None` straight ahead.
+    /// Returns the inside wheel: right for a right turn. `None` straight ahead.
     pub(crate) fn inside(&self) -> Option<Side> {
         let mean = self.steer[0] + self.steer[1];
         let side = if mean > 0.0 { Side::Right } else { Side::Left };
         (self.steer[side.index()].abs() >= LEAST_STEER).then_some(side)
     }
 
-    /// `L / tan(steer of the inside wheel) + y of the inside wheel`, positive for a right turn.
+    /// Returns the turn radius R, positive for a right turn: `L / tan(steer) + y` of the inside wheel.
     pub fn turn_radius(&self) -> Option<f64> {
         let k = self.inside()?.index();
         Some(self.wheelbase / libm::tan(self.steer[k]) + self.y[k])
     }
 
-    /// `atan(L / R)`; zero straight ahead.
+    /// Returns the Ackerman angle `atan(L / R)`; zero straight ahead.
     pub fn ackerman_angle(&self) -> f64 {
         self.turn_radius()
             .map_or(0.0, |r| libm::atan(self.wheelbase / r))
     }
 
-    /// The steer angle the geometry asks for: inside its own, outside `atan(L / (R - y))`; zero straight ahead.
+    /// Returns the ideal steer angle: the inside wheel's own angle, and `atan(L / (R - y))` for the outside wheel; zero straight ahead.
     pub fn ideal(&self, side: Side) -> f64 {
         let (Some(inside), Some(radius)) = (self.inside(), self.turn_radius()) else {
             return 0.0;
@@ -51,25 +51,25 @@ impl Steering {
         }
     }
 
-    /// Steer angle less the ideal one; zero straight ahead.
+    /// Returns the steer angle minus the ideal steer angle; zero straight ahead.
     pub fn error(&self, side: Side) -> f64 {
         self.inside()
             .map_or(0.0, |_| self.steer[side.index()] - self.ideal(side))
     }
 
-    /// `steer right - steer left`.
+    /// Returns the Ackerman difference `steer right - steer left`.
     pub fn ackerman(&self) -> f64 {
         self.steer[1] - self.steer[0]
     }
 
-    /// `2 sqrt((|R| + T/2)^2 + L^2)`.
+    /// Returns the outside turn diameter `2 sqrt((|R| + T/2)^2 + L^2)`.
     pub fn outside_diameter(&self, track: f64) -> f64 {
         let radius = self.turn_radius().unwrap_or(STRAIGHT);
         2.0 * libm::hypot(radius.abs() + track / 2.0, self.wheelbase)
     }
 
-    /// `100 (inside - outside) / (inside - ideal outside)`; 100 straight ahead. The formula is not confirmed by real results, which
-    /// show only clipped values.
+    /// Returns percent Ackerman `100 (inside - outside) / (inside - ideal outside)`; 100 straight ahead. The formula is not confirmed by
+    /// real results, which contain only clipped values.
     pub(crate) fn percent(&self) -> f64 {
         let Some(inside) = self.inside() else {
             return 100.0;
@@ -83,7 +83,7 @@ impl Steering {
 mod tests {
     use super::*;
 
-    /// Both wheels on circles about one point of the rear axle: no error, 100 percent.
+    /// With both wheels on circles about one point of the rear axle, the error is zero and Ackerman is 100 percent.
     #[test]
     fn true_ackerman_has_no_error() {
         for radius in [6000.0_f64, -9000.0] {

@@ -1,4 +1,4 @@
-//! The standard tests: sweeps of equilibria on the rig.
+//! Standard tests: sweeps of equilibria on the rig.
 
 use super::axle::Given;
 use super::bench::{Bench, Chain, Observation};
@@ -15,33 +15,33 @@ use super::{Reading, Sense, Side, Unit};
 use admire_solver::statics::Balance;
 use admire_syntax::units::Units;
 
-/// One test.
+/// Results of one test.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TestRun {
-    /// Which.
+    /// Kind of test.
     pub kind: TestKind,
-    /// Its settings.
+    /// Settings of the test.
     pub settings: TestSettings,
-    /// In the order driven.
+    /// Samples in the order driven.
     pub samples: Vec<Sample>,
     /// Slopes at ride height.
     pub gradients: Vec<Gradient>,
 }
 
-/// All tests of a deck.
+/// Results of all tests of a deck.
 #[derive(Clone, PartialEq, Debug)]
 pub struct KcRun {
-    /// Ride height, nothing driven.
+    /// Sample at ride height without driven input.
     pub ride: Sample,
-    /// The tests.
+    /// Results of the tests.
     pub tests: Vec<TestRun>,
-    /// Lack of symmetry of the compliance matrix at ride height.
+    /// Relative asymmetry of the compliance matrix at ride height.
     pub asymmetry: f64,
-    /// What was left of the forces on a part at worst when they were summed anew, in all states of the axle.
+    /// Worst imbalance of forces and torques on a part over all states of the axle, from an independent sum of the loads.
     pub balance: Balance,
 }
 
-/// What is in the configuration and needed for characteristics.
+/// Collects the data of the configuration that the characteristics need.
 pub fn given(config: &Config, units: &Units) -> Given {
     // One g in units of the deck.
     let g = 9.80665 / units.length.si * units.time.si * units.time.si;
@@ -55,7 +55,7 @@ pub fn given(config: &Config, units: &Units) -> Given {
     }
 }
 
-/// Ride height: the heights of the wheel centres over design, and the vertical loads there.
+/// Ride height: heights of the wheel centres above design, and the vertical loads there.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Ride {
     height: [f64; 2],
@@ -65,12 +65,12 @@ struct Ride {
 /// Runs every test of the configuration.
 ///
 /// # Errors
-/// [`BenchError`] with the test and the point it happened at.
+/// [`BenchError`] with the test and the point where it occurred.
 pub fn run(bench: &mut Bench<'_>, units: &Units) -> Result<KcRun, BenchError> {
     run_watched(bench, units, &mut |_, _| {})
 }
 
-/// The same; `progress` is told how many states of the axle are found, and of how many.
+/// Runs every test of the configuration. `progress` is called with the number of states found so far and the total.
 ///
 /// # Errors
 /// As [`run`].
@@ -127,7 +127,7 @@ pub fn run_watched(
     })
 }
 
-/// Finds ride height: from the load if one is given.
+/// Finds ride height, from the load if the configuration gives a load.
 fn ride(bench: &mut Bench<'_>) -> Result<(Ride, Chain), BenchError> {
     let config = bench.config;
     let at = "ride height";
@@ -167,7 +167,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, Chain), BenchError> {
     Ok((Ride { height, load }, chain))
 }
 
-/// What a test drives per unit of its variable, on a deck with these wheels.
+/// Returns the change of the inputs per unit of the test's variable, for a deck with these wheels.
 fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
     let mut drive = Drive::default();
     let mut on_loads = |k: usize, both: [f64; 2]| {
@@ -180,7 +180,7 @@ fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
         Driven::Steering => drive.steer = 1.0,
         Driven::Fx(both) => on_loads(0, both),
         Driven::Fy(both) => {
-            // The single wheel is the left one, or the only one.
+            // The single loaded wheel is the left wheel, or the only wheel of the deck.
             let lone = kind == TestKind::LateralSingle && !mirror && wheels == [Side::Right];
             on_loads(1, if lone { [0.0, 1.0] } else { both });
         }
@@ -189,7 +189,7 @@ fn drive(kind: TestKind, wheels: &[Side], mirror: bool) -> Drive {
     drive
 }
 
-/// Values of a test's variable, from the lowest up.
+/// Returns the values of a test's variable in ascending order.
 fn grid(settings: &TestSettings) -> Vec<f64> {
     let [low, high] = settings.range;
     let steps = settings.points - 1;
@@ -205,13 +205,13 @@ fn grid(settings: &TestSettings) -> Vec<f64> {
         .collect()
 }
 
-/// Those between ride height and the lowest, on the way down.
+/// Returns the values between ride height and the lowest value, in descending order.
 fn way_down(settings: &TestSettings, grid: &[f64]) -> Vec<f64> {
     let below = |v: &f64| *v < 0.0 && *v > settings.range[0];
     grid.iter().copied().filter(below).rev().collect()
 }
 
-/// How many states a test finds: ride height, the way down, up, and down again.
+/// Counts the states that a test solves: ride height, the way down, the way up, and the way down again.
 fn states(config: &Config, settings: &TestSettings) -> usize {
     let grid = grid(settings);
     let branches = if config.branches == Branches::Both {
@@ -222,7 +222,7 @@ fn states(config: &Config, settings: &TestSettings) -> usize {
     1 + way_down(settings, &grid).len() + branches * grid.len()
 }
 
-/// A test under way.
+/// Test in progress.
 struct Course<'a> {
     config: &'a Config,
     kind: TestKind,
@@ -230,11 +230,11 @@ struct Course<'a> {
     variant: Variant,
     drive: Drive,
     ride: &'a Ride,
-    /// What both wheels rise by so that the axle keeps its load.
+    /// Common rise of both wheels that keeps the axle's load.
     rise: f64,
 }
 
-/// Both wheels up.
+/// Direction in which both wheels rise.
 const HEAVE: Drive = Drive {
     height: [1.0; 2],
     loads: [[0.0; 4]; 2],
@@ -242,7 +242,7 @@ const HEAVE: Drive = Drive {
 };
 
 impl Course<'_> {
-    /// Where it is, in words.
+    /// Describes the test and value in words.
     fn at(&self, value: f64) -> String {
         format!(
             "test {}, {} {value}",
@@ -251,12 +251,12 @@ impl Course<'_> {
         )
     }
 
-    /// True of a roll under the load of the axle.
+    /// Returns true for a roll test that holds the axle's load.
     fn keeps_axle_load(&self) -> bool {
         self.kind == TestKind::Roll && self.settings.hold == Hold::Load
     }
 
-    /// What the rig does at a value.
+    /// Returns the inputs of the rig at a value of the variable.
     fn inputs(&self, value: f64) -> Inputs {
         let (settings, patch) = (&self.settings, self.config.tyre.is_some());
         let drives_heights = matches!(self.kind.driven(), Driven::Height(_) | Driven::Steering);
@@ -285,15 +285,16 @@ impl Course<'_> {
         inputs
     }
 
-    /// The same, with the rise that keeps the load of the axle. The chain stays where it is.
+    /// Returns the inputs at a value, including the common rise that keeps the axle's load. The chain does not move.
     fn placed(
         &mut self,
         bench: &mut Bench<'_>,
         chain: &Chain,
         value: f64,
     ) -> Result<Inputs, BenchError> {
-        /// Newton steps at most, and the change of height, in tyre radii or hundred units, that is none.
+        /// Largest number of Newton steps.
         const ROUNDS: usize = 20;
+        /// Height change that counts as zero, relative to the tyre radius (to 100 length units without tyre).
         const NONE: f64 = 1e-8;
         if !self.keeps_axle_load() {
             return Ok(self.inputs(value));
@@ -318,7 +319,7 @@ impl Course<'_> {
         Err(BenchError::NoAxleLoad { at })
     }
 
-    /// What is driven per unit of the variable, in a state.
+    /// Returns the change of the inputs per unit of the variable in a state.
     fn direction(
         &self,
         bench: &mut Bench<'_>,
@@ -339,7 +340,7 @@ impl Course<'_> {
         Ok(drive)
     }
 
-    /// Looks at a value, with tangents where they are asked for.
+    /// Solves and evaluates the state at a value, with tangents if requested.
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,
@@ -358,16 +359,16 @@ impl Course<'_> {
     }
 }
 
-/// Drives the loop until it ends where it began: how the axle came to ride height is no part of what is recorded.
+/// Drives the loop repeatedly until it closes. The record then does not depend on how the axle came to ride height.
 fn settle_loop(
     course: &mut Course<'_>,
     bench: &mut Bench<'_>,
     chain: &mut Chain,
     grid: &[f64],
 ) -> Result<(), BenchError> {
-    /// Loops at most: where joints slide in a part of the loop only, it settles slowly. A change of places (of 100 units) and directions
-    /// that is none.
+    /// Largest number of loops; convergence is slow where joints slide in only part of the loop.
     const LOOPS: usize = 60;
+    /// Change of spin axes that counts as zero; for positions, the change per 100 length units.
     const NONE: f64 = 1e-10;
     let back = grid.iter().rev().skip(1);
     let way: Vec<f64> = grid.iter().skip(1).chain(back).copied().collect();
@@ -417,7 +418,7 @@ fn test(
     let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
     bench.let_rub(course.variant, &mut chain)?;
-    // Ride height first, with tangents; then outward to the lowest value, up, and down again.
+    // The order is: ride height with tangents, outward to the lowest value, up, and down again.
     let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
     each();
     let grid = grid(&settings);
@@ -430,7 +431,7 @@ fn test(
     if rubs {
         settle_loop(&mut course, bench, &mut chain, &grid)?;
     }
-    // Where joints rub, the tangent is the mean of both branches, each where it passes ride height.
+    // With friction, the tangent is the mean of both branches, each taken where it passes ride height.
     let nearest = grid
         .iter()
         .copied()
@@ -493,7 +494,7 @@ fn sample(
                 value,
             });
         };
-        // The signs of Adams/Car: lateral to the left of the vehicle, braking rearward, driving forward.
+        // Signs of Adams/Car: lateral to the left of the vehicle, braking rearward, driving forward.
         let long = "wheel_load_longitudinal";
         let (braking, driving) = if inputs.plane_at_patch {
             (fx, 0.0)

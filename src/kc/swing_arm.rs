@@ -1,25 +1,24 @@
-//! Equivalent swing arms and the kinematic roll centre. Source of every formula: guide page `kc`, section "Swing arms and roll
-//! centre".
+//! Equivalent swing arms and the kinematic roll centre. Source of every formula: guide page `kc`, section "Swing arms and roll centre".
 
 use super::{Compliance, Side};
 use admire_solver::mechanics::Vec3;
 
-/// Which vertical load moves the wheel. Where an anti-roll bar couples the wheels the two differ, and real results do not tell which one
-/// Adams/Car takes.
+/// Vertical load case that moves the wheel. The cases differ where an anti-roll bar couples the wheels; real results do not show which of
+/// them Adams/Car uses.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum VerticalLoad {
-    /// On this wheel alone: column 3.
+    /// Load on this wheel alone: column 3.
     #[default]
     OneWheel,
-    /// The same on both wheels.
+    /// The same load on both wheels.
     InPhase,
-    /// Opposite on both wheels.
+    /// Opposite loads on the two wheels.
     Antiphase,
 }
 
 impl VerticalLoad {
-    /// Row `i` of a wheel for this load.
+    /// Returns row `i` of a wheel for this load.
     fn row(self, c: &Compliance, side: Side, i: usize) -> f64 {
         match self {
             Self::OneWheel => c.of((side, i), (side, 3)),
@@ -28,48 +27,49 @@ impl VerticalLoad {
         }
     }
 
-    /// Change of row `i` per travel of the wheel.
+    /// Returns the change of row `i` per travel of the wheel.
     pub(crate) fn per_travel(self, c: &Compliance, side: Side, i: usize) -> f64 {
         self.row(c, side, i) / self.row(c, side, 3)
     }
 }
 
-/// Slope of the front view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
+/// Returns the slope angle of the front-view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
 pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     libm::atan(side.outboard() * load.per_travel(c, side, 2))
 }
 
-/// Slant length of the front view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
+/// Returns the slant length of the front-view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
 pub(crate) fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = front_view_angle(c, side, load);
     side.outboard() / (load.per_travel(c, side, 4) * libm::cos(angle))
 }
 
-/// Slope of the side view swing arm: `atan(-C13 / C33)`; negative if the instant centre is ahead of the wheel and above its centre.
+/// Returns the slope angle of the side-view swing arm: `atan(-C13 / C33)`. It is negative if the instant centre is ahead of the wheel and
+/// above its centre.
 pub fn side_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     libm::atan(-load.per_travel(c, side, 1))
 }
 
-/// Slant length of the side view swing arm, positive with the instant centre ahead of the wheel: `-1 / (C53/C33 cos angle)`.
+/// Returns the slant length of the side-view swing arm, positive with the instant centre ahead of the wheel: `-1 / (C53/C33 cos angle)`.
 pub(crate) fn side_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = side_view_angle(c, side, load);
     -1.0 / (load.per_travel(c, side, 5) * libm::cos(angle))
 }
 
-/// The kinematic roll centre in the front view.
+/// Kinematic roll centre in the front view.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RollCentre {
     /// y of the roll centre: its distance from the vehicle's centre plane.
     pub lateral: f64,
-    /// Height over the mean of the contact points.
+    /// Height above the mean of the contact points.
     pub vertical: f64,
-    /// y of each contact point less that of the roll centre.
+    /// y of each contact point minus y of the roll centre.
     pub to_patch: [f64; 2],
 }
 
-/// Where the lines from the contact points to the instant centres meet. `at_patch` is the compliance at the contact points, no tyre in it.
+/// Intersects the lines from the contact points to the instant centres. `at_patch` is the compliance at the contact points, without tyre.
 ///
-/// Slopes `m_L = -C(2,3) / C(3,3)`, `m_R = C(8,9) / C(9,9)`. Not finite if the lines are parallel.
+/// The slopes are `m_L = -C(2,3) / C(3,3)` and `m_R = C(8,9) / C(9,9)`. The result is not finite if the lines are parallel.
 pub(crate) fn roll_centre(
     at_patch: &Compliance,
     contact: &[Vec3; 2],

@@ -2,32 +2,32 @@ use super::Unit;
 use super::test_settings::{Hold, LoadPoint, TestSettings};
 use admire_syntax::units::Units;
 
-/// A standard test of an axle on a rig.
+/// Standard test of an axle on a rig.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum TestKind {
-    /// Both wheels up and down together.
+    /// Both wheels move up and down together.
     Bounce,
-    /// Left wheel up, right wheel down.
+    /// The left wheel moves up, the right wheel down.
     Roll,
-    /// The steering input.
+    /// The steering input is driven.
     Steering,
-    /// The same lateral force on both wheels.
+    /// The same lateral force acts on both wheels.
     Lateral,
-    /// Lateral forces outward on both wheels.
+    /// Lateral forces act outward on both wheels.
     LateralOpposed,
-    /// A lateral force on the left wheel, or the only one.
+    /// A lateral force acts on the left wheel, or on the only wheel.
     LateralSingle,
-    /// Rearward force at the patch, brakes on.
+    /// Rearward forces act at the patches, with the brakes on.
     Braking,
-    /// Forward force at the wheel centre.
+    /// Forward forces act at the wheel centres.
     Traction,
-    /// The same torque about the vertical on both wheels.
+    /// The same torque about the vertical acts on both wheels.
     Aligning,
-    /// Opposite torques.
+    /// Opposite torques about the vertical act on the two wheels.
     AligningOpposed,
 }
 
-/// What a test drives, and how much of it each wheel takes (left, right).
+/// Driven input of a test, with the factor for each wheel (left, right).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Driven {
     /// Heights of the wheel centres.
@@ -43,7 +43,7 @@ pub enum Driven {
 }
 
 impl TestKind {
-    /// All, in the order they are run.
+    /// All tests in the order they are run.
     pub const ALL: [Self; 10] = [
         Self::Bounce,
         Self::Roll,
@@ -57,7 +57,7 @@ impl TestKind {
         Self::AligningOpposed,
     ];
 
-    /// Its name in `kc.toml` and in outputs.
+    /// Returns the name in `kc.toml` and in outputs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Bounce => "bounce",
@@ -73,12 +73,12 @@ impl TestKind {
         }
     }
 
-    /// True if it is run unasked.
+    /// Returns true if the test runs by default.
     pub(crate) const fn is_standard(self) -> bool {
         !matches!(self, Self::LateralSingle)
     }
 
-    /// True if one wheel alone cannot show it.
+    /// Returns true if the test is meaningless for a single wheel.
     pub(crate) const fn needs_two_wheels(self) -> bool {
         matches!(
             self,
@@ -86,7 +86,7 @@ impl TestKind {
         )
     }
 
-    /// What it cannot do without.
+    /// Names the configuration that the test requires.
     pub(crate) const fn needs(self) -> &'static str {
         match self {
             Self::Steering => "`steering.drive`",
@@ -94,7 +94,8 @@ impl TestKind {
         }
     }
 
-    /// What is driven, per unit of the test's own variable. That of roll is half the difference of the travels, left less right.
+    /// Returns the driven input per unit of the test's variable. The variable of a roll test is half the difference of the travels, left
+    /// minus right.
     pub const fn driven(self) -> Driven {
         match self {
             Self::Bounce => Driven::Height([1.0, 1.0]),
@@ -110,7 +111,7 @@ impl TestKind {
         }
     }
 
-    /// What its variable is called.
+    /// Returns the name of the test's variable.
     pub const fn variable(self) -> &'static str {
         match self {
             Self::Bounce => "wheel travel",
@@ -123,7 +124,7 @@ impl TestKind {
         }
     }
 
-    /// The unit of its variable in units of the deck.
+    /// Returns the unit of the test's variable in units of the deck.
     pub fn unit(self, units: &Units) -> String {
         match self.driven() {
             Driven::Height(_) => Unit::Length.word(units),
@@ -133,8 +134,8 @@ impl TestKind {
         }
     }
 
-    /// The usual levels; `length` is a millimetre and `force` a newton in units of the deck. Travel of 50 mm is usual on rigs; the other
-    /// levels are custom of the field without a source.
+    /// Returns the usual settings; `length` is a millimetre and `force` a newton in units of the deck. A travel of 50 mm is usual on rigs;
+    /// the other levels are customary but have no cited source.
     pub(crate) fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
         let (reach, window) = match self {
             Self::Bounce => (50.0 * length, 15.0 * length),

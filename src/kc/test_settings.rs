@@ -1,17 +1,17 @@
 use serde::Deserialize;
 
-/// What is held while a load grows.
+/// Quantity held while a load grows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Hold {
-    /// The height of the wheel centre.
+    /// Height of the wheel centre.
     Height,
-    /// The vertical load; of a roll the sum of both wheels.
+    /// Vertical load; in a roll test the sum over both wheels.
     Load,
 }
 
 impl Hold {
-    /// `height` or `load`.
+    /// Returns `height` or `load`.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Height => "height",
@@ -20,18 +20,18 @@ impl Hold {
     }
 }
 
-/// Where loads act.
+/// Point where loads act.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LoadPoint {
-    /// The wheel centre.
+    /// Wheel centre.
     Centre,
-    /// The contact point with the road.
+    /// Contact point with the road.
     Patch,
 }
 
 impl LoadPoint {
-    /// `centre` or `patch`.
+    /// Returns `centre` or `patch`.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Centre => "centre",
@@ -40,13 +40,13 @@ impl LoadPoint {
     }
 }
 
-/// Which ways a test is driven.
+/// Directions in which a test is driven.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Branches {
     /// From the lowest value to the highest.
     Up,
-    /// Up, and down again.
+    /// From the lowest value to the highest and back.
     #[default]
     Both,
 }
@@ -54,16 +54,16 @@ pub enum Branches {
 /// Settings of one test.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct TestSettings {
-    /// Lowest and highest value of what is driven.
+    /// Lowest and highest value of the test's variable.
     pub range: [f64; 2],
-    /// Points from the lowest to the highest.
+    /// Number of points from the lowest to the highest value.
     pub points: usize,
-    /// Half the width of the window that gradients are fitted in.
+    /// Half the width of the window in which gradients are fitted.
     pub window: f64,
-    /// Where loads act.
+    /// Point where loads act.
     pub point: LoadPoint,
-    /// What is held.
+    /// Held quantity.
     pub hold: Hold,
-    /// False if the steering is free.
+    /// True if the steering is locked, false if it is free.
     pub steering_locked: bool,
 }

@@ -1,26 +1,26 @@
-//! What a wheel shows by its place alone: angles and displacements.
+//! Angles and displacements that follow from the position of a wheel alone.
 //!
-//! All vectors are in the axes of [`Frame`](super::Frame): X rearward, Y to the right, Z up. `o` is the unit spin axis pointing
-//! outboard. Angles in radians. Source of every formula: guide page `kc`, section "Geometry".
+//! All vectors are in the axes of [`Frame`](super::Frame): X rearward, Y to the right, Z up. `o` is the unit spin axis pointing outboard.
+//! Angles are in radians. Source of every formula: guide page `kc`, section "Geometry".
 
 use super::Side;
 use admire_solver::mechanics::{Mat3, Vec3};
 
-/// A wheel in one state.
+/// Wheel in one state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wheel {
-    /// Which.
+    /// Side of the vehicle.
     pub side: Side,
     /// Wheel centre P.
     pub centre: Vec3,
-    /// Unit spin axis o, outboard.
+    /// Unit spin axis o, pointing outboard.
     pub spin: Vec3,
     /// Rotation of the carrier since design: `R R_design^T`.
     pub turn: Mat3,
 }
 
 impl Wheel {
-    /// Its image in the plane Y = 0.
+    /// Returns the mirror image about Y = 0.
     #[must_use]
     pub(crate) fn mirrored(&self) -> Self {
         let image = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
@@ -33,42 +33,43 @@ impl Wheel {
     }
 }
 
-/// Angle of the wheel plane to the vehicle's longitudinal plane, positive for toe-in: `atan(-o.x / |o.y|)`.
+/// Returns the toe angle between the wheel plane and the vehicle's longitudinal plane, positive for toe-in: `atan(-o.x / |o.y|)`.
 pub fn toe(o: &Vec3) -> f64 {
     libm::atan(-o.x / o.y.abs())
 }
 
-/// Lean to the vehicle's vertical, positive with the top outboard: `-asin(o.z)`.
+/// Returns the camber angle relative to the vehicle's vertical, positive with the top outboard: `-asin(o.z)`.
 pub fn camber(o: &Vec3) -> f64 {
     -libm::asin(o.z.clamp(-1.0, 1.0))
 }
 
-/// Lean to the road, positive with the top towards the left of the vehicle on both sides: `-+asin(o . n)`.
+/// Returns the inclination relative to the road normal, positive with the top leaning to the vehicle's left on both sides: `-+asin(o . n)`.
 pub fn inclination(side: Side, o: &Vec3, normal: &Vec3) -> f64 {
     side.outboard() * libm::asin(o.dot(normal).clamp(-1.0, 1.0))
 }
 
-/// Turn of the wheel about the road normal, positive to the right on both sides: `atan(o.x / o.ey)`, ey the road's lateral axis.
+/// Returns the steer angle about the road normal, positive to the right on both sides: `atan(o.x / o.ey)`, where ey is the road's lateral
+/// axis.
 pub fn steer(o: &Vec3, normal: &Vec3) -> f64 {
     let lateral = Vec3::new(0.0, normal.z, -normal.y);
     libm::atan(o.x / o.dot(&lateral))
 }
 
-/// Pitch of the carrier since design, positive with the top rearward: `-atan(A31 / A11)`.
+/// Returns the pitch of the carrier since design, positive with the top rearward: `-atan(A31 / A11)`.
 pub fn side_view_angle(turn: &Mat3) -> f64 {
     -libm::atan(turn[(2, 0)] / turn[(0, 0)])
 }
 
-/// A point of the spin axis 1000 length units outboard of the centre: what Adams/Car calls `wheel_axis`.
+/// Returns the point of the spin axis 1000 length units outboard of the centre; Adams/Car calls it `wheel_axis`.
 pub(crate) fn axis_point(wheel: &Wheel) -> Vec3 {
     wheel.centre + wheel.spin * 1000.0
 }
 
-/// How toe, camber and steer on a level road change with the motion of the wheel: rates of the functions above for a rotation `w`,
-/// by `do = w x o`. Not the z rotation itself: a leaning wheel that pitches toes.
+/// Returns the rates of toe, camber and steer on a level road for a rotation `w` of the wheel, from `do = w x o`. The toe rate is not
+/// simply the rotation about z: a cambered wheel that pitches changes its toe.
 pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
     let d = w.cross(o);
-    // y' of |o.y|
+    // Derivative of |o.y|.
     let (m, dm) = (o.y.abs(), d.y * o.y.signum());
     let toe = -(d.x * m - o.x * dm) / (m * m + o.x * o.x);
     AngleRates {
@@ -81,11 +82,11 @@ pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
 /// Rates of wheel angles.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct AngleRates {
-    /// Of [`toe`].
+    /// Rate of [`toe`].
     pub toe: f64,
-    /// Of [`camber`].
+    /// Rate of [`camber`].
     pub camber: f64,
-    /// Of [`steer`].
+    /// Rate of [`steer`].
     pub steer: f64,
 }
 
@@ -108,7 +109,7 @@ mod tests {
         assert!((inclination(Side::Left, &o, &Vec3::z()) + 1.35323366e-5).abs() < 1e-13);
     }
 
-    /// A right wheel turned to the right toes out; its top leaning outboard leans to the right.
+    /// A right wheel steered to the right toes out; with its top outboard it leans to the right.
     #[test]
     fn signs_of_the_right_wheel() {
         let o = Vec3::new(0.01, 1.0, -0.02).normalize();

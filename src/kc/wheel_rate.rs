@@ -1,16 +1,16 @@
 use admire_solver::mechanics::Vec6;
 
-/// The motion of a wheel per unit of what is driven.
+/// Motion and load of a wheel per unit of the driven variable.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelRate {
-    /// Translation of the centre and rotation.
+    /// Translation of the centre, and rotation, per unit.
     pub motion: Vec6,
-    /// Vertical load.
+    /// Vertical load per unit.
     pub load: f64,
 }
 
 impl WheelRate {
-    /// The mean; `None` of nothing.
+    /// Returns the mean; `None` if the slice is empty.
     pub(super) fn mean(all: &[Self]) -> Option<Self> {
         let share = 1.0 / all.len() as f64;
         (!all.is_empty()).then(|| Self {

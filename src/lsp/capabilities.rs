@@ -1,4 +1,4 @@
-//! What the server says of itself, and what the editor says of its folders.
+//! Capabilities of the server, and the workspace folders of the editor.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::workspace::path_of;
 
-/// The answer to `initialize`.
+/// Returns the server's answer to `initialize`.
 pub(super) fn answer() -> Value {
     let capabilities = ServerCapabilities {
         position_encoding: Some(PositionEncodingKind::UTF16),
@@ -63,7 +63,7 @@ pub(super) fn answer() -> Value {
     })
 }
 
-/// The folders the editor has open.
+/// Returns the folders open in the editor.
 pub(super) fn folders(params: Value) -> Vec<PathBuf> {
     let Ok(params) = serde_json::from_value::<InitializeParams>(params) else {
         return Vec::new();

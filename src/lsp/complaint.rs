@@ -1,39 +1,39 @@
-//! Complaints that are kept while the text changes: their places are those of pieces.
+//! Diagnostics that are kept while the text changes: their positions are relative to pieces of the file.
 
 use admire_session::check::Told;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Edit, Span};
 
-/// A complaint whose places move with the text.
+/// A diagnostic whose positions move with the text.
 #[derive(Clone, Debug)]
 pub(super) struct Complaint {
     pub diagnostic: Diagnostic,
-    /// Of each label; `None` for places in other files.
+    /// Position of each label; `None` for labels in other files.
     pub labels: Vec<Option<Anchor>>,
-    /// Of each edit of its fix.
+    /// Position of each edit of its fix.
     pub edits: Vec<Anchor>,
 }
 
-/// A place in a piece.
+/// A span relative to the start of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Anchor {
     pub piece: u32,
     pub span: Span,
 }
 
-/// A complaint that may be told, as far as choosing needs it.
+/// A diagnostic that may be published, with the data needed for the selection.
 pub(super) struct Candidate<'a> {
     pub told: Told,
     pub diagnostic: &'a Diagnostic,
-    /// Its own place in the file as it is now.
+    /// Position of its first label in the current text.
     pub span: Option<Span>,
-    /// Where its piece begins, for what the reader complains of.
+    /// Offset of its piece, for diagnostics of the reader.
     pub base: usize,
     pub kept: Option<&'a Complaint>,
 }
 
 impl<'a> Candidate<'a> {
-    /// A complaint of the reader about a piece that begins at `base`.
+    /// Creates a candidate from a diagnostic of the reader about a piece that starts at `base`.
     pub(crate) fn read(diagnostic: &'a Diagnostic, base: usize) -> Self {
         let label = diagnostic.labels.first();
         let span = label.map(|label| Span::new(base + label.span.start(), base + label.span.end()));
@@ -46,13 +46,13 @@ impl<'a> Candidate<'a> {
         }
     }
 
-    /// What is said and where that begins.
+    /// Returns the code and the start offset, by which duplicates are recognised.
     pub(crate) fn place(&self) -> (Code, Option<usize>) {
         (self.diagnostic.code, self.span.map(Span::start))
     }
 }
 
-/// Where a span is once as many bytes as `length` are in place of `edited`; `None` if the edit reaches it.
+/// Returns the new position of a span after `length` bytes have replaced the span `edited`. `None` if the edit touches the span.
 pub(super) fn new_place(span: Span, edited: Span, length: usize) -> Option<Span> {
     if span.end() < edited.start() {
         return Some(span);
@@ -64,7 +64,7 @@ pub(super) fn new_place(span: Span, edited: Span, length: usize) -> Option<Span>
     Some(Span::new(shift(span.start()), shift(span.end())))
 }
 
-/// A complaint of a piece with its places in the file.
+/// Converts a diagnostic of a piece to positions in the file.
 pub(super) fn shifted(found: &Diagnostic, base: usize) -> Diagnostic {
     let mut found = found.clone();
     let shift = |span: Span| Span::new(base + span.start(), base + span.end());

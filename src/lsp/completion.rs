@@ -1,4 +1,4 @@
-//! What may be written at a place: statements with snippets, arguments, values, ids with names, functions.
+//! Completion: statements as snippets, arguments, values, ids with names, functions.
 
 use lsp_types::{
     CompletionItem, CompletionItemKind, CompletionParams, CompletionResponse, CompletionTextEdit,
@@ -14,7 +14,7 @@ use super::workspace::Workspace;
 use admire_syntax::describe;
 use admire_syntax::grammar::{ArgumentDef, FUNCTIONS, Role, STATEMENTS, StatementDef, ValueKind};
 
-/// So many ids are offered: those nearest to what is typed come with the next letter.
+/// Largest number of ids offered. Longer lists are marked incomplete, and the editor requests them again with the next keystroke.
 const MOST_IDS: usize = 2000;
 
 pub(super) fn completion(
@@ -78,7 +78,7 @@ fn page(text: &str) -> Option<Documentation> {
     }))
 }
 
-/// Statements: those with an example as snippets.
+/// Returns the statements; those with an example are snippets.
 fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
     let commands = document.is_command_file();
     let role = if commands {
@@ -90,7 +90,7 @@ fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
         .iter()
         .filter(|def| def.role == Role::Both || def.role == role);
     here.map(|def| {
-        // A command that redefines an object states only what changes.
+        // A command that redefines an object states only the changes, so the snippet of the whole statement would not fit.
         let whole = snippet(def.name).filter(|_| !commands || def.role == Role::Command);
         let new = match whole {
             Some(text) => {
@@ -108,7 +108,7 @@ fn statements(document: &Document, typed: Range) -> Vec<CompletionItem> {
     .collect()
 }
 
-/// The id behind the largest one of a kind.
+/// Returns the id after the largest one of a kind.
 fn next_id(document: &Document, def: &StatementDef) -> u32 {
     let own = document
         .objects()
@@ -146,7 +146,7 @@ fn arguments(def: &'static StatementDef, there: &[&str], typed: Range) -> Vec<Co
             CompletionItem {
                 detail: Some(details.join("; ")),
                 documentation: Some(Documentation::String(argument.doc.to_string())),
-                // What must be there comes first.
+                // Required arguments come first.
                 sort_text: Some(format!("{}{}", u8::from(!argument.required), argument.name)),
                 ..item(argument.name, CompletionItemKind::PROPERTY, new, typed)
             }
@@ -154,7 +154,7 @@ fn arguments(def: &'static StatementDef, there: &[&str], typed: Range) -> Vec<Co
         .collect()
 }
 
-/// The words an argument takes; its default for numbers.
+/// Returns the keywords that an argument accepts, or its default for numbers.
 fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     if let ValueKind::Choice(choices) = argument.kind {
         let word = |choice: &admire_syntax::grammar::Choice| {
@@ -178,7 +178,7 @@ fn values(argument: &'static ArgumentDef, typed: Range) -> Vec<CompletionItem> {
     }]
 }
 
-/// Ids of a space that begin as typed, with the names of their objects.
+/// Returns the ids of an id space that start with the typed digits or whose object's name contains them.
 fn ids(
     document: Option<&Document>,
     space: Option<&str>,

@@ -1,4 +1,4 @@
-//! Complaints and edits as the protocol has them.
+//! Conversion of diagnostics and edits to protocol types.
 
 use lsp_types::{
     DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location, NumberOrString,
@@ -11,10 +11,10 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::pieces::Pieces;
 use admire_syntax::text::{Edit, Span};
 
-/// Editors show no more of one file.
+/// Largest number of diagnostics published for one file; editors show no more.
 const MOST_SHOWN: usize = 1000;
 
-/// What is shown of a file.
+/// Returns the diagnostics of a file to publish.
 pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     let wanted = |found: &Diagnostic| file.settings.shows(found);
     let (all, dropped) = file.document.complaints_where(wanted, MOST_SHOWN - 1);
@@ -34,7 +34,7 @@ pub(super) fn shown(file: &File) -> Vec<lsp_types::Diagnostic> {
     shown
 }
 
-/// One complaint. Its help is part of the message: the protocol has no place for it.
+/// Converts a diagnostic. Its help is part of the message, because the protocol has no field for it.
 pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_types::Diagnostic {
     let name = pieces.name();
     let own = found.labels.first().filter(|label| label.file == name);
@@ -58,7 +58,7 @@ pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_
             } else {
                 uri_of(std::path::Path::new(&*label.file))?
             };
-            // The text of another file is not at hand: its first line stands for the place.
+            // The text of the other file is not available, so its first line serves as position.
             let range = if here {
                 range(pieces, label.span)
             } else {
@@ -86,7 +86,7 @@ pub(super) fn diagnostic(found: &Diagnostic, pieces: &Pieces, uri: &Uri) -> lsp_
     }
 }
 
-/// Edits of a file; their bytes are text.
+/// Converts edits of a file; their bytes are decoded as text.
 pub(super) fn text_edits(edits: &[Edit], pieces: &Pieces) -> Vec<TextEdit> {
     let mut sorted: Vec<&Edit> = edits.iter().collect();
     sorted.sort_by_key(|edit| edit.span);

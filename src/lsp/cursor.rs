@@ -1,4 +1,4 @@
-//! What stands at a place of a file: an object, a name, a keyword, a function.
+//! The item at a position of a file: an object, a name, a keyword or a function.
 
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,10 @@ use admire_syntax::grammar::{ArgumentDef, FunctionDef, STATEMENTS, StatementDef}
 use admire_syntax::text::Span;
 use admire_syntax::{Argument, Object, Reference, Statement, Value};
 
-/// What a person may ask about.
+/// Kind of item at the cursor.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Thing {
-    /// An object, by its id or by its view name where it is defined.
+    /// An object, by any of its ids or by the view name in its definition.
     Object(Object),
     /// The keyword of a statement.
     Statement(&'static StatementDef),
@@ -28,20 +28,20 @@ pub(super) enum Thing {
     Deck,
 }
 
-/// What stands at a place.
+/// The item at a position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cursor {
-    /// The statement: its piece, and its place in it. `None` outside of all.
+    /// Indices of the piece and of the statement in it; `None` outside of statements.
     pub place: Option<(usize, usize)>,
-    /// What it is.
+    /// Kind of item.
     pub thing: Thing,
-    /// Where it stands.
+    /// Position of the item.
     pub span: Span,
-    /// True for a view name: it is renamed by itself.
+    /// True for a view name, which is renamed independently of the id.
     pub is_name: bool,
 }
 
-/// Which file a request is about, and where in it.
+/// Returns the file and the offset that a request refers to.
 pub(super) fn asked<'w>(
     workspace: &'w Workspace,
     at: &TextDocumentPositionParams,
@@ -51,7 +51,7 @@ pub(super) fn asked<'w>(
     Some((path, file, offset(file.document.pieces(), at.position)))
 }
 
-/// Where a place of a file is for the editor.
+/// Converts a span of a file to a location of the protocol.
 pub(super) fn location(
     workspace: &Workspace,
     path: &Path,
@@ -64,7 +64,7 @@ pub(super) fn location(
     })
 }
 
-/// What stands at an offset of a document.
+/// Returns the item at an offset of a document.
 pub(super) fn cursor(document: &Document, offset: usize) -> Option<Cursor> {
     if let Some(head) = document.pieces().head()
         && touches(head.model, offset)
@@ -132,13 +132,13 @@ pub(super) fn cursor(document: &Document, offset: usize) -> Option<Cursor> {
     found(Thing::Argument(def, of), span, false)
 }
 
-/// The statement whose text or view name an offset stands in, with where its piece begins.
+/// Returns the statement whose text or view name contains an offset, with its indices and the offset of its piece.
 pub(super) fn statement_at(
     document: &Document,
     offset: usize,
 ) -> Option<((usize, usize), usize, &Statement)> {
     let last = document.pieces().at(offset)?;
-    // What ends where a piece begins stands in the one before.
+    // An item that ends where a piece starts belongs to the preceding piece.
     (last.saturating_sub(1)..=last).rev().find_map(|piece| {
         let base = document.pieces().start(piece);
         let inside = offset.checked_sub(base)?;
@@ -153,7 +153,7 @@ pub(super) fn statement_at(
     })
 }
 
-/// Every reference of a statement or command, also the ids that ACTIVATE and DEACTIVATE list.
+/// Returns every reference of a statement or command, including the ids listed by ACTIVATE and DEACTIVATE.
 pub(super) fn all_references(statement: &Statement) -> Vec<Reference> {
     let mut found: Vec<Reference> = references(statement).collect();
     if let Some(space) = switched(statement) {
@@ -169,7 +169,7 @@ pub(super) fn all_references(statement: &Statement) -> Vec<Reference> {
     found
 }
 
-/// The id space of what an ACTIVATE or DEACTIVATE command lists.
+/// Returns the id space of the ids in an ACTIVATE or DEACTIVATE command.
 fn switched(command: &Statement) -> Option<&'static str> {
     if !matches!(command.kind(), Some("ACTIVATE" | "DEACTIVATE")) {
         return None;
@@ -183,7 +183,7 @@ fn switched(command: &Statement) -> Option<&'static str> {
         .find_map(|kind| STATEMENTS.iter().find(|def| def.name == kind)?.id)
 }
 
-/// The innermost function whose name an offset stands in.
+/// Returns the innermost function call whose name contains an offset.
 fn function_at(node: &Node, offset: usize) -> Option<(&'static FunctionDef, Span)> {
     if let Node::Call { function, span, .. } = node {
         let name = span.to(span.start() + function.name.len());
@@ -196,7 +196,7 @@ fn function_at(node: &Node, offset: usize) -> Option<(&'static FunctionDef, Span
         .find_map(|child| function_at(child, offset))
 }
 
-/// True if an offset stands in a span or at its end, as a cursor does.
+/// Returns true if a cursor at this offset touches a span; the end of the span counts.
 pub(super) fn touches(span: Span, offset: usize) -> bool {
     (span.start()..=span.end()).contains(&offset)
 }

@@ -1,4 +1,4 @@
-//! Where an object is defined, and which file a name means.
+//! Go to definition: of an object, or of a deck named in a command file.
 
 use lsp_types::{GotoDefinitionParams, GotoDefinitionResponse, Location};
 

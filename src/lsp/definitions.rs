@@ -1,4 +1,4 @@
-//! What pieces define, as far as other statements see it: an edit that changes none of it concerns no others.
+//! Definitions in pieces of a file, as far as they affect other statements. An edit that leaves them unchanged affects no other statement.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -7,15 +7,15 @@ use std::sync::Arc;
 use admire_syntax::pieces::Piece;
 use admire_syntax::{Object, Statement};
 
-/// What some pieces define, as far as others see it.
+/// Hashes of the definitions in some pieces, by object.
 pub(super) struct Definitions {
     of: BTreeMap<Object, Vec<u64>>,
-    /// The body that markers behind them follow.
+    /// The last body of the pieces, to which following markers without a PART belong.
     pub body: Option<Object>,
 }
 
 impl Definitions {
-    /// What pieces behind a body define.
+    /// Collects the definitions of pieces that follow the body `entering`.
     pub(crate) fn of<'p>(
         entering: Option<Object>,
         pieces: impl IntoIterator<Item = &'p Arc<Piece>>,
@@ -42,7 +42,7 @@ impl Definitions {
         Self { of, body }
     }
 
-    /// Objects that are not the same in both.
+    /// Returns the objects whose definitions differ between the two.
     pub(crate) fn differing(&self, other: &Self) -> Vec<Object> {
         let objects: BTreeSet<&Object> = self.of.keys().chain(other.of.keys()).collect();
         let differs = |object: &&Object| self.of.get(*object) != other.of.get(*object);
@@ -50,7 +50,7 @@ impl Definitions {
     }
 }
 
-/// A body whose markers need not name it, with an id.
+/// Returns true for a body with an id, whose markers need not name it.
 pub(super) fn is_known_body(statement: &Statement) -> bool {
     statement.carries_markers() && statement.object().is_some()
 }

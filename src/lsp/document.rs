@@ -1,7 +1,8 @@
-//! An open file: its pieces, where its objects are, and what there is to say of it.
+//! An open file: its pieces, the positions of its objects, and its diagnostics.
 //!
-//! Knows no protocol. The reader and the rules of neighbours are asked again after every edit, for what the edit touched; what looks
-//! at the whole file is told by a check in the background.
+//! Independent of the protocol. A piece is a run of whole lines that is parsed by itself. After every edit the reader and the neighbourhood
+//! rules run again on the affected pieces. A neighbourhood rule looks at a statement, the statements it names and those with its id. Rules
+//! about the whole file run in a background check.
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
@@ -19,27 +20,28 @@ use admire_syntax::pieces::Pieces;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{Object, Statement};
 
-/// After an edit the rules of neighbours are asked about so many pieces at most; the check of the whole file does the others.
+/// Largest number of affected pieces that the neighbourhood rules check after an edit. The check of the whole file does the others.
 const MOST_PIECES: usize = 64;
-/// Of a file of more pieces so many beside those of the edit: the check of the whole file takes longer, and the next key comes sooner.
+/// The same limit for a file with more than [`MOST_PIECES`] pieces, unless the edit itself touches more. The smaller number keeps typing
+/// responsive while the check of the whole file takes longer.
 const MOST_OF_MANY: usize = 12;
 
 /// An open dataset or command file.
 pub struct Document {
     pieces: Pieces,
     catalogue: Catalogue,
-    /// Where the piece of a key stands.
+    /// Index of each piece by its key.
     places: HashMap<u32, usize>,
-    /// What rules of neighbours complain of, by the piece of the first label.
+    /// Diagnostics of the neighbourhood rules, by the piece of the first label.
     near: HashMap<u32, Vec<Complaint>>,
-    /// What looks at the whole file complains of.
+    /// Diagnostics of the checks of the whole file.
     far: Vec<Complaint>,
-    /// What comments of a piece silence, for those that have such comments.
+    /// Suppression comments, by piece.
     silences: HashMap<u32, Suppressed>,
 }
 
 impl Document {
-    /// Reads a file and asks the rules of neighbours.
+    /// Reads a file and runs the neighbourhood rules.
     pub fn open(source: &Source, is_command_file: bool) -> Self {
         let role = if is_command_file {
             Role::Command
@@ -65,33 +67,33 @@ impl Document {
         document
     }
 
-    /// Its pieces.
+    /// Returns the pieces of the file.
     pub fn pieces(&self) -> &Pieces {
         &self.pieces
     }
 
-    /// The name of the file.
+    /// Returns the name of the file.
     pub fn name(&self) -> Arc<str> {
         self.pieces.name()
     }
 
-    /// True for a command file.
+    /// Returns true for a command file.
     pub(crate) fn is_command_file(&self) -> bool {
         self.pieces.is_command_file()
     }
 
-    /// Replaces text, reads again what that touches, and asks the rules of neighbours about it.
+    /// Replaces text, reads the touched pieces again, and runs the neighbourhood rules on the affected pieces.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) {
         let old_live = self.pieces.live().len();
         let change = self.pieces.edit(span, replacement);
         let (start, behind) = (change.added.start, change.added.end);
-        // Where END stands decides which pieces behind the edit belong to the dataset.
+        // The position of END decides which pieces after the edit belong to the dataset.
         let live = self.pieces.live().len().max(behind);
         let old_behind = start + change.removed.len();
         let was_live = old_live.max(old_behind) - old_behind + behind;
         let revived = was_live.min(live)..live;
         let lost = live.min(was_live)..was_live;
-        // What stands before the pieces is as it was.
+        // The text before the pieces is unchanged.
         let entering = self.body_entering(start);
         let all = self.pieces.pieces();
         let removed = &change.removed[..old_live.clamp(start, old_behind) - start];
@@ -145,13 +147,13 @@ impl Document {
         self.ask_neighbours(&nearest(affected, &change.added, most));
     }
 
-    /// Keeps what a check of the whole file found, if it was of the text as it is now.
+    /// Stores the findings of a check of the whole file, which must have seen the current text.
     pub fn told(&mut self, found: Vec<Found>) {
         self.far.clear();
         self.near.clear();
         for found in found {
             let complaint = match found.told {
-                // The pieces tell that themselves.
+                // The pieces hold the reader's diagnostics themselves.
                 Told::Reader => continue,
                 Told::Neighbourhood | Told::File => self.anchored(found.diagnostic),
             };
@@ -165,12 +167,12 @@ impl Document {
         }
     }
 
-    /// All there is to say of it so far, in the order of the file, with places in the file as it is now.
+    /// Returns all current diagnostics in the order of the file, with positions in the current text.
     pub fn complaints(&self) -> Vec<Found> {
         self.complaints_where(|_| true, usize::MAX).0
     }
 
-    /// The worst complaints of those that are wanted, in the order of the file, and how many others there are.
+    /// Returns the `most` worst diagnostics accepted by `wanted`, in the order of the file, and the number of the others.
     pub(crate) fn complaints_where(
         &self,
         wanted: impl Fn(&Diagnostic) -> bool,
@@ -215,11 +217,11 @@ impl Document {
         (all.into_iter().filter_map(found).collect(), others)
     }
 
-    /// A complaint that was kept; `None` if its own place is gone.
+    /// Returns a stored diagnostic as a candidate, or `None` if its own position is gone.
     fn candidate<'a>(&self, complaint: &'a Complaint, told: Told) -> Option<Candidate<'a>> {
         let first = complaint.diagnostic.labels.first();
         let span = match complaint.labels.first() {
-            // Behind END only comments count.
+            // After END only diagnostics about suppression comments remain.
             Some(Some(anchor))
                 if complaint.diagnostic.code != Code::UnknownKey
                     && self.live_place(anchor.piece).is_none() =>
@@ -238,12 +240,12 @@ impl Document {
         })
     }
 
-    /// The statement at a place: the piece and the statement in it.
+    /// Returns the statement at these indices of the piece and of the statement in it.
     pub fn statement(&self, (piece, at): (usize, usize)) -> &Statement {
         &self.pieces.pieces()[piece].statements()[at]
     }
 
-    /// Every statement with its place and where its piece begins.
+    /// Returns every statement with its indices and the offset of its piece.
     pub fn statements(&self) -> impl Iterator<Item = ((usize, usize), usize, &Statement)> {
         let pieces = self.pieces.live().iter().enumerate();
         pieces.flat_map(move |(piece, read)| {
@@ -253,12 +255,12 @@ impl Document {
         })
     }
 
-    /// Where an object is defined, the first place first.
+    /// Returns the indices of the definitions of an object, in the order of the file.
     pub fn definitions(&self, object: Object) -> Vec<(usize, usize)> {
         self.in_order(self.catalogue.definitions(object))
     }
 
-    /// The pieces that refer to an object, in their order.
+    /// Returns the indices of the pieces that refer to an object, in the order of the file.
     pub(crate) fn referring(&self, object: Object) -> Vec<usize> {
         let mut pieces: Vec<usize> = self
             .catalogue
@@ -269,13 +271,13 @@ impl Document {
         pieces
     }
 
-    /// Every object with the place that defines it first.
+    /// Returns every object with the indices of its first definition.
     pub(crate) fn objects(&self) -> impl Iterator<Item = (Object, (usize, usize))> {
         let all = self.catalogue.objects();
         all.filter_map(|(object, places)| Some((object, *self.in_order(places).first()?)))
     }
 
-    /// The body that a marker at a place follows.
+    /// Returns the body to which a marker without a PART belongs.
     pub(crate) fn body_before(&self, (piece, at): (usize, usize)) -> Option<(usize, usize)> {
         let pieces = self.pieces.pieces();
         let last = |piece: usize, statements: &[Statement]| {
@@ -298,13 +300,13 @@ impl Document {
         found
     }
 
-    /// Where a piece stands; `None` behind END.
+    /// Returns the index of a piece, or `None` if it follows END.
     fn live_place(&self, key: u32) -> Option<usize> {
         let at = *self.places.get(&key)?;
         (at < self.pieces.live().len()).then_some(at)
     }
 
-    /// Renews where the pieces stand.
+    /// Updates the indices of the pieces.
     fn place(&mut self) {
         let pieces = self.pieces.pieces().iter().enumerate();
         self.places = pieces.map(|(at, piece)| (piece.key(), at)).collect();
@@ -319,7 +321,7 @@ impl Document {
         }
     }
 
-    /// The body that a marker at the beginning of a piece would follow.
+    /// Returns the body to which a marker at the start of a piece would belong.
     fn body_entering(&self, at: usize) -> Option<Object> {
         let before = &self.pieces.pieces()[..at];
         let all = before
@@ -329,7 +331,7 @@ impl Document {
         all.into_iter().find(|s| is_known_body(s))?.object()
     }
 
-    /// Markers that follow the body of the pieces before `first`, and the pieces they are in.
+    /// Returns the markers that belong to the last body before piece `first`, and adds their pieces to `affected`.
     fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<Object> {
         let mut found = Vec::new();
         for (at, piece) in self.pieces.live().iter().enumerate().skip(first) {
@@ -346,7 +348,7 @@ impl Document {
         found
     }
 
-    /// Asks the rules of neighbours about the statements of some pieces.
+    /// Runs the neighbourhood rules on the statements of some pieces.
     fn ask_neighbours(&mut self, pieces: &BTreeSet<usize>) {
         if self.is_command_file() {
             return;
@@ -403,7 +405,7 @@ impl Document {
 
     fn is_silenced(&self, found: &Candidate<'_>) -> bool {
         let code = found.diagnostic.code;
-        // What is wrong with such a comment is told in any case.
+        // Diagnostics about suppression comments cannot be suppressed.
         if self.silences.is_empty() || code == Code::UnknownKey {
             return false;
         }
@@ -462,7 +464,7 @@ impl Document {
         ))
     }
 
-    /// A complaint with its places as they are now; `None` if its own place is gone.
+    /// Returns a stored diagnostic with its current positions, or `None` if its own position is gone.
     fn resolved(&self, complaint: &Complaint) -> Option<Diagnostic> {
         let mut found = complaint.diagnostic.clone();
         let mut labels = Vec::with_capacity(found.labels.len());
@@ -492,8 +494,8 @@ impl Document {
         Some(found)
     }
 
-    /// Gives complaints of the whole file that stood in pieces which are gone their new places, in the pieces that replace them. `gone`
-    /// says where those pieces began. Complaints whose own place the edit reaches are gone until the next check.
+    /// Moves diagnostics of the whole file from removed pieces to the pieces that replace them. `gone` holds the offsets of the removed
+    /// pieces. A diagnostic whose own position is edited is dropped until the next check.
     fn settle(&mut self, gone: &HashMap<u32, usize>, edited: Span, length: usize) {
         let far = std::mem::take(&mut self.far);
         let place = |document: &Self, anchor: Anchor| match gone.get(&anchor.piece) {
@@ -536,12 +538,12 @@ impl Document {
     }
 }
 
-/// The first pieces of some.
+/// Returns the first [`MOST_PIECES`] of some pieces.
 fn few(pieces: &Range<usize>) -> Range<usize> {
     pieces.start..pieces.end.min(pieces.start + MOST_PIECES)
 }
 
-/// The pieces that are re-read, and of the others those that stand nearest: `most` of them, or as many as the edit has.
+/// Returns the edited pieces and the affected pieces nearest to them: `most` in total, or as many as the edit has.
 fn nearest(affected: BTreeSet<usize>, edited: &Range<usize>, most: usize) -> BTreeSet<usize> {
     let most = most.max(edited.len().min(MOST_PIECES));
     if affected.len() <= most {

@@ -1,5 +1,5 @@
-//! A small dataset made of some statements of a large one and of those they name: rules that look no further than neighbours, and
-//! the model, find in it what they would find in the whole.
+//! A small dataset made of some statements of a large one and the statements they refer to. Neighbourhood rules and the model give the same
+//! results on it as on the whole dataset.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,35 +10,35 @@ use admire_syntax::{Dataset, Object, Statement};
 
 /// Statements of a document as a dataset of their own.
 pub(super) struct Excerpt {
-    /// The dataset.
+    /// The excerpt as a dataset.
     pub dataset: Dataset,
     pieces: Vec<Copied>,
 }
 
-/// Bytes of the document in an excerpt.
+/// A run of bytes copied from the document to the excerpt.
 struct Copied {
-    /// Where they stand in the excerpt.
+    /// Offset in the excerpt.
     start: usize,
-    /// Where they stand in the document.
+    /// Position in the document.
     from: Span,
-    /// True if the statement was asked for, false if one that was asked for names it.
+    /// True for a requested statement, false for one that a requested statement refers to.
     asked: bool,
 }
 
-/// More statements with one id are a file of nonsense.
+/// Largest number of statements with one id that are copied; a file with more is nonsense.
 const MOST_OF_AN_ID: usize = 64;
 
-/// How far an excerpt follows references.
+/// Depth to which an excerpt follows references.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Depth {
-    /// What the statements name.
+    /// Only the statements named by the requested ones.
     One,
-    /// All that is named by what is named, up to so many statements.
+    /// All statements reached through references, up to this number.
     All(usize),
 }
 
 impl Excerpt {
-    /// The excerpt of some statements, as place of the piece and place in it.
+    /// Creates the excerpt of statements given by the indices of the piece and of the statement in it.
     pub(crate) fn of(
         document: &Document,
         asked: impl IntoIterator<Item = (usize, usize)>,
@@ -67,7 +67,7 @@ impl Excerpt {
             for place in open {
                 let statement = document.statement(place);
                 let named = references(statement).map(|r| (r.space, r.id));
-                // What has the same id counts as named; and a marker may be on the body before it.
+                // Statements with the same id count as named. A marker may belong to the body before it.
                 for object in named.chain(statement.object()) {
                     if known.insert(object) {
                         let places = document.definitions(object);
@@ -83,7 +83,7 @@ impl Excerpt {
                 }
             }
             wave += 1;
-            // The bodies that markers follow belong to the markers.
+            // The bodies of markers without a PART are always included.
             if depth == Depth::One && wave == 2 {
                 break;
             }
@@ -119,7 +119,7 @@ impl Excerpt {
                 bytes.extend_from_slice(piece.source().slice(span));
             };
             if !names_itself(statement, piece.source()) {
-                // Nothing stands before it that its first words could be arguments of.
+                // An empty statement before it prevents its first words from being read as arguments of the preceding statement.
                 bytes.extend_from_slice(b"_;\n");
             }
             if let Some(name) = statement.view_name {
@@ -141,7 +141,7 @@ impl Excerpt {
         }
     }
 
-    /// Where a span of the excerpt stands in the document, and whether in a statement that was asked for.
+    /// Returns the position of a span of the excerpt in the document, and whether its statement was requested.
     pub(crate) fn place(&self, span: Span) -> Option<(Span, bool)> {
         let after = self
             .pieces
@@ -155,7 +155,7 @@ impl Excerpt {
     }
 }
 
-/// True if a slash stands behind the keyword.
+/// Returns true if a slash follows the keyword.
 fn names_itself(statement: &Statement, source: &Source) -> bool {
     let rest = &source.bytes()[statement.keyword.end()..statement.span.end()];
     rest.trim_ascii_start().starts_with(b"/")

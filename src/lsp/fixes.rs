@@ -1,4 +1,4 @@
-//! Quick fixes: what complaints propose, all safe ones at once, and comments that silence a complaint.
+//! Quick fixes: the fixes of diagnostics, all safe fixes at once, and suppression comments.
 
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, CodeActionResponse,
@@ -92,14 +92,14 @@ pub(super) fn fixes(
     Some(actions)
 }
 
-/// True if the place of a complaint is among what was asked for.
+/// Returns true if a diagnostic overlaps the requested range.
 fn meets(found: &Diagnostic, asked: Span) -> bool {
     let label = found.labels.first();
     label
         .is_some_and(|label| label.span.start() <= asked.end() && asked.start() <= label.span.end())
 }
 
-/// The comment above a statement that silences a complaint about it.
+/// Returns the edit that inserts a suppression comment above a statement.
 fn silence(file: &File, found: &Diagnostic) -> Option<Edit> {
     let document: &Document = &file.document;
     let ((piece, _), base, statement) = statement_at(document, found.labels.first()?.span.start())?;
@@ -107,7 +107,7 @@ fn silence(file: &File, found: &Diagnostic) -> Option<Edit> {
     let start =
         memchr::memrchr2(b'\n', b'\r', &bytes[..statement.span.start()]).map_or(0, |end| end + 1);
     let blank = bytes[start..statement.span.start()].trim_ascii().is_empty();
-    // The title is no comment, and a statement behind another one has no line of its own.
+    // A comment cannot precede the title, and a statement that shares its line with another has no line of its own.
     if !blank || base + start == 0 {
         return None;
     }

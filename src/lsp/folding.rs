@@ -1,4 +1,4 @@
-//! Statements and comments of several lines fold.
+//! Folding ranges: statements and blocks of comments over several lines.
 
 use lsp_types::{FoldingRange, FoldingRangeKind, FoldingRangeParams};
 
@@ -29,7 +29,7 @@ pub(super) fn folding(
             let range = lines.range(statement.span);
             add(range.start.line, range.end.line, FoldingRangeKind::Region);
         }
-        // Comments side by side, as far as the piece goes.
+        // Comment blocks end with the piece.
         let mut block: Option<(u32, u32)> = None;
         for (line, text) in lines.texts() {
             let is_comment = text.trim_ascii_start().starts_with(b"!");
@@ -37,7 +37,7 @@ pub(super) fn folding(
                 (Some((_, last)), true) => *last = line,
                 (None, true) => block = Some((line, line)),
                 (Some((first, last)), false) => {
-                    // The name of a statement and what stands above it are no block.
+                    // Comments of up to three lines, such as a view name and a remark above a statement, do not fold.
                     if *last > *first + 2 {
                         add(*first, *last, FoldingRangeKind::Comment);
                     }

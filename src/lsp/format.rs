@@ -1,4 +1,4 @@
-//! The layout of a file for a range of it, or for all.
+//! Formatting of a range or of a whole file.
 
 use lsp_types::{DocumentFormattingParams, DocumentRangeFormattingParams, TextEdit, Uri};
 

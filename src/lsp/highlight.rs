@@ -1,4 +1,4 @@
-//! The places of one file that name what stands under the cursor.
+//! Highlights in one file: the places that name the object under the cursor.
 
 use lsp_types::{DocumentHighlight, DocumentHighlightKind, DocumentHighlightParams};
 

@@ -1,4 +1,4 @@
-//! What is shown of a thing under the cursor: the grammar's page of it, and for an object its statement and what the model makes of it.
+//! Hover text: the grammar's description of an item, and for an object also its statement and facts from the model.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,9 +17,9 @@ use admire_syntax::text::Span;
 use admire_syntax::units::{Dimension, Units};
 use admire_syntax::{Argument, Object, describe};
 
-/// Of a long statement so many lines are shown.
+/// Largest number of lines shown of a statement.
 const MOST_LINES: usize = 12;
-/// What an object names, and what that names, up to so many statements.
+/// Largest number of statements in the excerpt that the facts about an object are taken from.
 const MOST_STATEMENTS: usize = 2000;
 
 pub(super) fn hover(workspace: &mut Workspace, params: &HoverParams) -> Option<Hover> {
@@ -70,7 +70,7 @@ fn of_argument(document: &Document, def: &StatementDef, argument: &ArgumentDef) 
     out
 }
 
-/// The units of a document: its own, or those ADAMS takes where none are stated.
+/// Returns the units of a document, or the defaults of ADAMS if none are stated.
 fn units(document: &Document) -> Units {
     let stated = document
         .statements()
@@ -96,7 +96,7 @@ fn of_object(
     let defined =
         document.and_then(|document| Some((document, *document.definitions(object).first()?)));
     let Some((document, place)) = defined else {
-        // A command that redefines what is not there, or an id nobody defines.
+        // Either a command redefines an object that does not exist, or the id is undefined.
         let def = own.statement(found.place?).def?;
         return Some(format!(
             "{}/{}: not defined\n\n{}",
@@ -132,7 +132,7 @@ fn of_object(
     Some(out)
 }
 
-/// What the model makes of an object: a marker's place in ground, stiffnesses with their units, on what it acts.
+/// Returns facts about an object from the model: the position of a marker in ground, numbers with their units, the connected bodies.
 fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<String> {
     let units = document
         .statements()
@@ -167,7 +167,7 @@ fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<Stri
         }
         facts.push(format!("On part {} {}", part.header.id, part.header.name));
     }
-    // Numbers with a dimension, with their units: stiffnesses, masses, lengths.
+    // Numbers with a dimension, such as stiffnesses, masses and lengths, are shown with their units.
     for argument in &statement.arguments {
         let Some(own) = argument.def.filter(|_| object.0 != "marker") else {
             continue;
@@ -223,7 +223,7 @@ fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<Stri
     facts
 }
 
-/// Six digits, without the noise of the last ones.
+/// Formats a number with six digits, which hides rounding noise.
 fn short(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse::<f64>().unwrap_or(value);
     if rounded == 0.0 || (1e-4..1e7).contains(&rounded.abs()) {

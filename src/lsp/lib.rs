@@ -1,9 +1,9 @@
 //! The language server: the toolkit over the Language Server Protocol, on standard input and output.
 //!
-//! What is said of files comes from `admire-syntax` and the checks of `admire-session`. Knows no editor. One thread answers, a second one
-//! checks whole files.
+//! Diagnostics come from `admire-syntax` and the checks of `admire-session`. Nothing depends on a particular editor. One thread answers
+//! requests, a second one checks whole files.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -40,10 +40,10 @@ use lsp_server::{Connection, ProtocolError};
 pub use document::Document;
 pub use server::Ended;
 
-/// Answers one editor on standard input and output until it goes away.
+/// Serves one editor on standard input and output until the session ends.
 ///
 /// # Errors
-/// When the first messages are not those of the protocol, or cannot be read or written.
+/// When the initial handshake violates the protocol, or messages cannot be read or written.
 pub fn serve_stdio() -> std::io::Result<Ended> {
     let (connection, wire) = wire::stdio();
     let ended = serve(&connection).map_err(std::io::Error::other);
@@ -52,10 +52,10 @@ pub fn serve_stdio() -> std::io::Result<Ended> {
     ended
 }
 
-/// Answers one editor until it goes away.
+/// Serves one editor over a connection until the session ends.
 ///
 /// # Errors
-/// When the first messages are not those of the protocol.
+/// When the initial handshake violates the protocol.
 pub fn serve(connection: &Connection) -> Result<Ended, ProtocolError> {
     let (id, params) = connection.initialize_start()?;
     let folders = capabilities::folders(params);

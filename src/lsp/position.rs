@@ -1,11 +1,11 @@
-//! Places as the protocol counts them: lines from 0, and UTF-16 units within a line.
+//! Positions of the protocol: lines counted from 0, columns in UTF-16 units.
 
 use lsp_types::{Position, Range};
 
 use admire_syntax::pieces::Pieces;
 use admire_syntax::text::Span;
 
-/// The place of an offset. Offsets beyond the end are the end.
+/// Converts an offset to a position. Offsets beyond the end are clamped to it.
 pub(super) fn position(pieces: &Pieces, offset: usize) -> Position {
     let Some(at) = pieces.at(offset) else {
         return Position::new(0, 0);
@@ -24,12 +24,13 @@ pub(super) fn position(pieces: &Pieces, offset: usize) -> Position {
     Position::new(line as u32, units(&bytes[start..inside]))
 }
 
-/// The range of a span.
+/// Converts a span to a range.
 pub(super) fn range(pieces: &Pieces, span: Span) -> Range {
     Range::new(position(pieces, span.start()), position(pieces, span.end()))
 }
 
-/// The offset of a place. What lies beyond the end of its line is that end; lines beyond the last one are the end of the file.
+/// Converts a position to an offset. A column beyond the end of its line is clamped to that end, a line beyond the last one to the end of the
+/// file.
 pub(super) fn offset(pieces: &Pieces, position: Position) -> usize {
     let line = position.line as usize;
     let Some(at) = pieces.at_line(line) else {
@@ -49,13 +50,13 @@ pub(super) fn offset(pieces: &Pieces, position: Position) -> usize {
     pieces.start(at) + start + bytes_of(&rest[..end], position.character)
 }
 
-/// The span of a range; an empty one where its end stands before its start.
+/// Converts a range to a span. If the end precedes the start, the span is empty.
 pub(super) fn span(pieces: &Pieces, range: Range) -> Span {
     let start = offset(pieces, range.start);
     Span::new(start, offset(pieces, range.end).max(start))
 }
 
-/// Where the lines of one piece begin: for many places of it.
+/// Line starts of one piece, for the conversion of many spans.
 pub(super) struct PieceLines<'p> {
     bytes: &'p [u8],
     first: usize,
@@ -63,7 +64,7 @@ pub(super) struct PieceLines<'p> {
 }
 
 impl<'p> PieceLines<'p> {
-    /// The lines of piece `at`.
+    /// Finds the lines of piece `at`.
     pub(crate) fn of(pieces: &'p Pieces, at: usize) -> Self {
         let bytes = pieces.pieces()[at].source().bytes();
         Self {
@@ -73,7 +74,7 @@ impl<'p> PieceLines<'p> {
         }
     }
 
-    /// The range of a span of the piece.
+    /// Converts a span of the piece to a range.
     pub(crate) fn range(&self, span: Span) -> Range {
         Range::new(self.position(span.start()), self.position(span.end()))
     }
@@ -84,7 +85,7 @@ impl<'p> PieceLines<'p> {
         Position::new((self.first + line) as u32, column)
     }
 
-    /// Every line with its number in the file, line ends included.
+    /// Returns every line with its number in the file, line ends included.
     pub(crate) fn texts(&self) -> impl Iterator<Item = (u32, &'p [u8])> + '_ {
         let ends = self.starts[1..].iter().copied().chain([self.bytes.len()]);
         let lines = self.starts.iter().zip(ends).enumerate();
@@ -92,20 +93,20 @@ impl<'p> PieceLines<'p> {
     }
 }
 
-/// Where lines end, each behind its mark: LF, CR LF or a lone CR.
+/// Returns the offset after each line end: LF, CR LF or a lone CR.
 fn line_ends(bytes: &[u8]) -> impl Iterator<Item = usize> + '_ {
     memchr::memchr2_iter(b'\n', b'\r', bytes)
         .filter(|at| bytes[*at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'))
         .map(|at| at + 1)
 }
 
-/// The text of some bytes: UTF-8, or else Latin-1.
+/// Decodes bytes as UTF-8, or as Latin-1 if they are not valid UTF-8.
 pub(super) fn decoded(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes)
         .unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect())
 }
 
-/// How many UTF-16 units a text has.
+/// Returns the length of a text in UTF-16 units.
 fn units(text: &[u8]) -> u32 {
     if text.is_ascii() {
         return text.len() as u32;
@@ -114,7 +115,7 @@ fn units(text: &[u8]) -> u32 {
     text.chars().map(|c| c.len_utf16() as u32).sum()
 }
 
-/// How many bytes the first so many UTF-16 units of a line have. A place inside of a character is its beginning.
+/// Returns the number of bytes in the first `wanted` UTF-16 units of a line. A position inside a character is moved to its start.
 fn bytes_of(line: &[u8], wanted: u32) -> usize {
     if line.is_ascii() {
         return line.len().min(wanted as usize);
@@ -155,7 +156,7 @@ mod tests {
             assert_eq!(position(&pieces, at), place, "{needle:?}");
             assert_eq!(offset(&pieces, place), at, "{needle:?}");
         }
-        // In the middle of the car, behind a line, behind the file.
+        // Inside the car character, beyond the end of a line, beyond the end of the file.
         let car = text.find('\u{1f697}').expect("there");
         assert_eq!(offset(&pieces, Position::new(1, 10)), car);
         assert_eq!(

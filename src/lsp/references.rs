@@ -10,18 +10,18 @@ use super::workspace::Workspace;
 use admire_syntax::Object;
 use admire_syntax::text::Span;
 
-/// What a place says of an object.
+/// Role of a place that names an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
-    /// The id where it is defined.
+    /// Id of the object in its definition.
     Definition,
-    /// The view name where it is defined.
+    /// View name of the object in its definition.
     Name,
-    /// Its id elsewhere.
+    /// Id of the object elsewhere.
     Reference,
 }
 
-/// The places of a document that name an object.
+/// Returns the places of a document that name an object.
 pub(super) fn places(document: &Document, object: Object) -> Vec<(Span, Role)> {
     let mut found = Vec::new();
     let mut pieces = document.referring(object);
@@ -33,7 +33,7 @@ pub(super) fn places(document: &Document, object: Object) -> Vec<(Span, Role)> {
     pieces.sort_unstable();
     pieces.dedup();
     let own = if document.is_command_file() {
-        // A command redefines what the deck defines.
+        // A command redefines an object that the deck defines.
         Role::Reference
     } else {
         Role::Definition
@@ -56,7 +56,7 @@ pub(super) fn places(document: &Document, object: Object) -> Vec<(Span, Role)> {
     found
 }
 
-/// The places that name an object in a deck and the command files that are run on it. Without a deck: in the file alone.
+/// Returns the places that name an object in a deck and in the command files that run it. Without a deck only the file itself is searched.
 pub(super) fn everywhere(
     workspace: &mut Workspace,
     path: &Path,

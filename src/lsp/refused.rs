@@ -1,10 +1,10 @@
-/// Why a request has no answer.
+/// Reason why a request is refused.
 #[derive(Debug)]
 pub(crate) enum Refused {
-    /// Nobody answers such a request.
+    /// The method is not supported.
     Unknown,
-    /// Its parameters cannot be read.
+    /// The parameters are malformed.
     Parameters(String),
-    /// What it asks for cannot be done, and why.
+    /// The request cannot be carried out, for this reason.
     Request(String),
 }

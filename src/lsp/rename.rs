@@ -1,4 +1,4 @@
-//! New ids and view names: every reference follows, in the deck and in the command files that are run on it.
+//! Renaming of ids and view names, with all references in the deck and in the command files that run it.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use admire_syntax::renumber::{Renumbering, renumber};
 use admire_syntax::text::Edit;
 use admire_syntax::{CommandFile, Dataset, Object};
 
-/// Says what would be renamed.
+/// Returns the range of the id or view name that would be renamed.
 pub(super) fn prepare(
     workspace: &Workspace,
     params: &TextDocumentPositionParams,
@@ -41,7 +41,7 @@ pub(super) fn prepare(
     ))))
 }
 
-/// The edits of a new id, or of a new view name.
+/// Returns the edits for a new id or a new view name.
 pub(super) fn rename(
     workspace: &mut Workspace,
     params: &RenameParams,
@@ -75,7 +75,7 @@ fn refused(why: &str) -> Refused {
     Refused::Request(why.to_string())
 }
 
-/// Edits of several files as the protocol has them.
+/// Converts edits of several files to protocol types.
 pub(super) fn workspace_edit(
     workspace: &Workspace,
     all: Vec<(PathBuf, Vec<Edit>)>,
@@ -169,7 +169,7 @@ fn new_id(
         .map_err(|found| Refused::Request(found.message))?;
     let mut all = vec![(deck.clone(), done.value.dataset)];
     for ((file, _), edits) in commands.iter().zip(done.value.commands) {
-        // Other commands of the file may be run on another deck.
+        // Other commands of the file may run another deck.
         let here = |edit: &Edit| workspace.deck_of(file, edit.span.start()).as_ref() == Some(&deck);
         all.push(((*file).clone(), edits.into_iter().filter(here).collect()));
     }

@@ -1,4 +1,4 @@
-//! Which request is answered by what.
+//! Dispatch of requests to their handlers.
 
 use std::collections::BTreeMap;
 
@@ -14,12 +14,12 @@ use super::{
 
 type Answer = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
 
-/// The requests that are answered.
+/// Handlers by request method.
 #[derive(Default)]
 pub(super) struct Routes(BTreeMap<&'static str, Answer>);
 
 impl Routes {
-    /// All there are.
+    /// Returns all supported handlers.
     pub(crate) fn all() -> Self {
         let mut routes = Self::default();
         routes.add::<request::HoverRequest>(|w, p| Ok(hover::hover(w, &p)));
@@ -39,7 +39,7 @@ impl Routes {
         routes
     }
 
-    /// Adds what answers a request.
+    /// Adds the handler of a request.
     pub(crate) fn add<R: Request>(
         &mut self,
         answer: impl Fn(&mut Workspace, R::Params) -> Result<R::Result, Refused> + Send + 'static,
@@ -55,7 +55,7 @@ impl Routes {
         self.0.insert(R::METHOD, Box::new(answer));
     }
 
-    /// Answers a request.
+    /// Answers a request by its handler.
     pub(crate) fn answer(
         &self,
         workspace: &mut Workspace,

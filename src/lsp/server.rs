@@ -1,4 +1,4 @@
-//! The main loop: messages in their order, requests that were taken back, answers of the checks in the background.
+//! The main loop: messages in order, cancelled requests, results of background checks.
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,7 +25,7 @@ use super::workspace::{Workspace, path_of};
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::text::{Source, Span};
 
-/// What the server knows between two messages.
+/// State of the server between messages.
 pub(super) struct Server {
     out: Sender<Message>,
     jobs: Sender<Job>,
@@ -38,14 +38,14 @@ pub(super) struct Server {
 /// How a session ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Ended {
-    /// As the protocol wants: shutdown, then exit.
+    /// According to the protocol: shutdown, then exit.
     Orderly,
-    /// The editor went away, or asked to exit without shutdown.
+    /// The editor disconnected, or sent exit without shutdown.
     Abruptly,
 }
 
 impl Server {
-    /// Answers an initialized connection until it ends.
+    /// Serves an initialised connection until it ends.
     pub(crate) fn run(connection: &Connection, folders: Vec<PathBuf>, routes: Routes) -> Ended {
         let (jobs, jobs_out) = crossbeam_channel::unbounded();
         let (answers_in, answers) = crossbeam_channel::unbounded();
@@ -58,13 +58,13 @@ impl Server {
             queue: VecDeque::new(),
             shut_down: false,
         };
-        // The connection hands over one message at a time: what was said while another was worked on has to be here when that is done.
+        // The connection passes one message at a time. This thread collects the messages that arrive while another is processed.
         let (said, messages) = crossbeam_channel::unbounded();
         let receiver = connection.receiver.clone();
         std::thread::spawn(move || receiver.iter().try_for_each(|message| said.send(message)));
         let ended = server.serve(&messages, &answers);
         drop(server);
-        // A check under way is not waited for.
+        // A running check is not waited for.
         drop(worker);
         ended
     }
@@ -85,7 +85,7 @@ impl Server {
                     }
                 }
             }
-            // Requests may have been taken back, and edits may be outdated.
+            // A queued message may cancel a request or make an edit outdated.
             self.queue.extend(messages.try_iter());
             match self.queue.pop_front() {
                 Some(Message::Request(request)) => self.request(request),
@@ -105,7 +105,7 @@ impl Server {
         }
     }
 
-    /// Does something that must not end the server.
+    /// Runs an action whose panic must not end the server.
     fn guarded(&mut self, what: &str, action: impl FnOnce(&mut Self)) {
         if catch_unwind(AssertUnwindSafe(|| action(self))).is_err() {
             self.log(&format!("{what} failed; the server goes on"));
@@ -144,7 +144,7 @@ impl Server {
         self.send(response.into());
     }
 
-    /// True if a request that waits was taken back.
+    /// Returns true if a queued message cancels the request.
     fn is_cancelled(&self, id: &RequestId) -> bool {
         self.queue.iter().any(|message| {
             let Message::Notification(note) = message else {
@@ -191,7 +191,7 @@ impl Server {
             }
             notification::DidSaveTextDocument::METHOD
             | notification::DidChangeWatchedFiles::METHOD => {
-                // The settings may have been saved, or a file beside an open one.
+                // The save may concern the settings or a file next to an open one.
                 let wrong = self.workspace.renew_settings();
                 self.complain(&wrong);
                 let open: Vec<PathBuf> = self
@@ -226,14 +226,14 @@ impl Server {
             let before = file.document.pieces().clone();
             let edit = || file.document.edit(place, new);
             if catch_unwind(AssertUnwindSafe(edit)).is_err() {
-                // What a crash left half done is read anew.
+                // After a panic the half-edited document is read again as a whole.
                 let mut bytes = before.bytes();
                 bytes.splice(place.range(), new.iter().copied());
                 let source = Source::new(before.name(), bytes);
                 file.document = Document::open(&source, before.is_command_file());
             }
         }
-        // What the next edit makes outdated is not told.
+        // Diagnostics that the next queued edit makes outdated are not published.
         let overtaken = self.queue.iter().any(|message| match message {
             Message::Notification(note) => {
                 note.method == notification::DidChangeTextDocument::METHOD
@@ -246,14 +246,14 @@ impl Server {
         }
     }
 
-    /// Tells what is known of a file at once, and asks for a check of it and of the command files that name it.
+    /// Publishes the current diagnostics of a file, and requests a check of it and of the command files that name it.
     fn renewed(&mut self, path: &Path) {
         self.show(path);
         self.ask(path);
         self.ask_commands(path);
     }
 
-    /// Asks for a check of the open command files that name a deck.
+    /// Requests a check of the open command files that name a deck.
     fn ask_commands(&mut self, deck: &Path) {
         let open = self.workspace.open_files();
         let commands = open.filter(|(_, file)| file.document.is_command_file());
@@ -272,7 +272,7 @@ impl Server {
         }
     }
 
-    /// Asks for a check of a whole file in the background.
+    /// Requests a check of a whole file in the background.
     fn ask(&mut self, path: &Path) {
         let Some(file) = self.workspace.file(path) else {
             return;
@@ -297,11 +297,11 @@ impl Server {
             fortran: file.settings.fortran,
             edits: (file.edits.clone(), file.edits.load(Ordering::Relaxed)),
         };
-        // The worker ends with the server only.
+        // The worker ends only with the server.
         let _ = self.jobs.send(job);
     }
 
-    /// Keeps and tells what a check found, unless the file was edited since.
+    /// Stores and publishes the findings of a check, unless the file has been edited since.
     fn take(&mut self, answer: Answer) {
         let Some(file) = self.workspace.file_mut(&answer.path) else {
             return;
@@ -312,7 +312,7 @@ impl Server {
         }
     }
 
-    /// Tells what is known of a file, if that is not what was told last.
+    /// Publishes the diagnostics of a file if they differ from those last published.
     fn show(&mut self, path: &Path) {
         let Some(file) = self
             .workspace
@@ -335,7 +335,7 @@ impl Server {
         self.notify::<notification::PublishDiagnostics>(params);
     }
 
-    /// Says what is wrong with settings.
+    /// Shows errors of the settings to the user.
     fn complain(&self, wrong: &[Diagnostic]) {
         for found in wrong {
             let place = found.labels.first().map_or("", |label| &label.file);
@@ -358,7 +358,7 @@ impl Server {
     }
 
     fn send(&self, message: Message) {
-        // An editor that is gone reads nothing; the loop ends with its messages.
+        // A disconnected editor reads nothing; the loop ends with its messages.
         let _ = self.out.send(message);
     }
 
@@ -373,7 +373,7 @@ impl Server {
     }
 }
 
-/// A change the editor tells of: of a new text for the whole file, what differs.
+/// Returns the replaced span and the new text of a change. For a new text of the whole file, only the differing part is returned.
 fn edit_of<'c>(
     document: &Document,
     change: &'c TextDocumentContentChangeEvent,

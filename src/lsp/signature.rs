@@ -1,4 +1,4 @@
-//! The arguments of the function that is being called.
+//! Signature help: the arguments of the function call at the cursor.
 
 use lsp_types::{
     Documentation, ParameterInformation, ParameterLabel, SignatureHelp, SignatureHelpParams,

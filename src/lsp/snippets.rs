@@ -1,4 +1,4 @@
-//! Statements to fill in: the shipped example of each kind, its values as places to step through.
+//! Snippets of statements: the shipped example of each kind, with its values as placeholders.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -8,7 +8,7 @@ use admire_syntax::{Argument, CommandFile, Dataset, Statement};
 
 macro_rules! examples {
     ($($file:literal)*) => {
-        /// The shipped examples, by their file names.
+        /// The shipped examples with their file names.
         pub(super) const EXAMPLES: &[(&str, &str)] = &[
             $(($file, include_str!(concat!("../../corpus/statements/", $file))),)*
         ];
@@ -101,7 +101,7 @@ examples! {
     "vtorque.adm"
 }
 
-/// The snippet of a kind of statement, its id as `${1:ID}`; `None` for kinds without an example.
+/// Returns the snippet of a kind of statement, with its id as `${1:ID}`, or `None` for a kind without an example.
 pub(super) fn snippet(kind: &str) -> Option<&'static str> {
     static ALL: OnceLock<BTreeMap<String, String>> = OnceLock::new();
     let all = ALL.get_or_init(|| {
@@ -113,7 +113,7 @@ pub(super) fn snippet(kind: &str) -> Option<&'static str> {
     all.get(kind).map(String::as_str)
 }
 
-/// The kind an example is of, and its statement.
+/// Returns the kind of an example, and its statement as a snippet.
 fn of_example(file: &str, text: &str) -> Option<(String, String)> {
     let (kind, extension) = file.rsplit_once('.')?;
     let kind = kind.to_uppercase();
@@ -128,7 +128,7 @@ fn of_example(file: &str, text: &str) -> Option<(String, String)> {
     Some((kind.clone(), with_places(&kind, statement, &source)))
 }
 
-/// The text of a statement with its id and values as places.
+/// Returns the text of a statement with its id and values as placeholders.
 fn with_places(kind: &str, statement: &Statement, source: &Source) -> String {
     let mut out = kind.to_string();
     let mut at = statement.keyword.end();

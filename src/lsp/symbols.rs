@@ -1,4 +1,4 @@
-//! Statements as symbols: of one file, and of all files at hand by a part of their name.
+//! Statements as symbols: of one file, and of all files in the workspace whose symbols match a query.
 
 use lsp_types::{
     DocumentSymbol, DocumentSymbolParams, DocumentSymbolResponse, Location, OneOf, SymbolKind,
@@ -11,9 +11,9 @@ use super::workspace::{File, Workspace, normal, path_of};
 use admire_syntax::Statement;
 use admire_syntax::text::{Source, Span};
 
-/// So many symbols answer a search.
+/// Largest number of symbols returned by a workspace query.
 const MOST_FOUND: usize = 1000;
-/// So many files of the editor's folders are searched.
+/// Largest number of files searched in the editor's folders.
 const MOST_FILES: usize = 500;
 
 pub(super) fn of_document(
@@ -87,7 +87,7 @@ fn matching(file: &File, query: &str, found: &mut Vec<WorkspaceSymbol>) {
     }
 }
 
-/// The decks and command files of some folders and of those in them.
+/// Returns the decks and command files in some folders and their subfolders.
 fn files_below(folders: &[std::path::PathBuf]) -> Vec<std::path::PathBuf> {
     let mut found = Vec::new();
     let mut open = folders.to_vec();
@@ -112,7 +112,7 @@ fn files_below(folders: &[std::path::PathBuf]) -> Vec<std::path::PathBuf> {
     found
 }
 
-/// `BUSHING/12 front_arm`.
+/// Returns the name of a symbol, such as `BUSHING/12 front_arm`.
 fn name_of(statement: &Statement, source: &Source) -> String {
     let kind = statement.kind().unwrap_or_default();
     let mut name = match statement.number() {
@@ -126,7 +126,7 @@ fn name_of(statement: &Statement, source: &Source) -> String {
     name
 }
 
-/// Keyword and id.
+/// Returns the span of keyword and id.
 fn head_of(statement: &Statement) -> Span {
     let id = statement.id.map_or(statement.keyword, |(_, id)| id);
     statement.keyword.join(id)

@@ -1,4 +1,4 @@
-//! What is being typed: the statement a place stands in as far as it is written, whatever follows.
+//! Context of the text being typed: the statement before the cursor, as far as it is written.
 
 use super::document::Document;
 use admire_syntax::expression::argument_space;
@@ -8,42 +8,42 @@ use admire_syntax::grammar::{
 };
 use admire_syntax::text::Span;
 
-/// What may come at a place.
+/// Kind of text that may follow at a position.
 pub(super) enum Typing {
     /// The keyword of a statement.
     Keyword,
     /// The id of a statement.
     Id(&'static StatementDef),
-    /// An argument; those that are there already.
+    /// An argument; the arguments that the statement already has are listed.
     Argument(&'static StatementDef, Vec<&'static str>),
-    /// A value of an argument.
+    /// A value of this argument.
     Value(&'static ArgumentDef),
-    /// An id of a space: in an argument, in a function, or listed by a command.
+    /// An id of this id space: in an argument, in a function, or listed by a command.
     Reference(&'static str),
-    /// A part of an expression.
+    /// Part of an expression.
     Expression,
 }
 
-/// A place in the text with what was typed of its word.
+/// A position in the text with the word typed so far.
 pub(super) struct Place {
-    /// What may come here.
+    /// Kind of text that may follow.
     pub typing: Typing,
-    /// The word so far.
+    /// Span of the word typed so far.
     pub word: Span,
 }
 
-/// A call that is open at a place: its name, and which argument is typed, from 0.
+/// A function call whose parentheses are still open.
 pub(super) struct OpenCall {
-    /// The function.
+    /// Name of the function, in upper case.
     pub name: String,
-    /// Which argument.
+    /// Index of the argument being typed, from 0.
     pub argument: usize,
 }
 
-/// No statement is looked for further back.
+/// Largest distance that is searched backwards for the start of a statement, in bytes.
 const MOST_BYTES: usize = 1 << 16;
 
-/// What may come at an offset.
+/// Returns the kind of text that may follow at an offset.
 pub(super) fn place(document: &Document, offset: usize) -> Option<Place> {
     let text = statement_before(document, offset)?;
     let word = text.len() - text.bytes().rev().take_while(|byte| is_word(*byte)).count();
@@ -55,7 +55,7 @@ pub(super) fn place(document: &Document, offset: usize) -> Option<Place> {
     })
 }
 
-/// The innermost call that is open at an offset.
+/// Returns the innermost open call at an offset.
 pub(super) fn open_call(document: &Document, offset: usize) -> Option<OpenCall> {
     let text = statement_before(document, offset)?;
     call_in(&text)
@@ -85,7 +85,7 @@ fn call_in(text: &str) -> Option<OpenCall> {
     None
 }
 
-/// The text of a statement up to an offset, without comments, in one line. `None` within a comment or a title.
+/// Returns the text of a statement up to an offset on one line, without comments. `None` within a comment or a title.
 fn statement_before(document: &Document, offset: usize) -> Option<String> {
     let pieces = document.pieces();
     let last = pieces.at(offset)?;
@@ -133,7 +133,7 @@ fn statement_before(document: &Document, offset: usize) -> Option<String> {
     Some(out[start..].trim_start().to_string())
 }
 
-/// A line without its comment.
+/// Returns a line without its comment.
 fn code(line: &str) -> &str {
     let mut quoted = false;
     let comment = line.bytes().position(|byte| {
@@ -165,7 +165,7 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
     }
     let parts = split(arguments);
     let mut there = Vec::new();
-    // The last argument with a value is being typed, unless a comma ended it and no list goes on.
+    // The last argument with a value is being typed, unless a comma has ended it and it takes no further list values.
     let mut open: Option<(&'static ArgumentDef, usize)> = None;
     for part in &parts {
         let (name, has_value) = match part.split_once('=') {
@@ -176,7 +176,7 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
         if has_value {
             open = argument.map(|argument| (argument, 0));
             there.extend(argument.map(|argument| argument.name));
-            // Behind a backslash comes another argument.
+            // A backslash ends the value, and another argument follows.
             open = open.filter(|_| !part.contains('\\'));
         } else if let Some(flag) = argument {
             there.push(flag.name);
@@ -213,7 +213,7 @@ fn typing(document: &Document, before: &str) -> Option<Typing> {
     }
 }
 
-/// The id space of what ACTIVATE and DEACTIVATE list.
+/// Returns the id space of the ids in an ACTIVATE or DEACTIVATE command.
 fn listed_space(def: &StatementDef, there: &[&str]) -> Option<&'static str> {
     if !matches!(def.name, "ACTIVATE" | "DEACTIVATE") {
         return None;
@@ -223,7 +223,7 @@ fn listed_space(def: &StatementDef, there: &[&str]) -> Option<&'static str> {
         .find_map(|kind| STATEMENTS.iter().find(|def| def.name == *kind)?.id)
 }
 
-/// Parts between commas that stand in no parentheses and no quotes.
+/// Splits a text at the commas outside parentheses and quotes.
 fn split(text: &str) -> Vec<&str> {
     let (mut depth, mut quoted, mut start) = (0usize, false, 0);
     let mut parts = Vec::new();

@@ -1,4 +1,4 @@
-//! Messages of the protocol on standard input and output. What is no message is refused, and the next one is read.
+//! Protocol messages on standard input and output. Malformed input is refused, and reading continues with the next message.
 
 use std::io::{self, BufRead, Read, Write};
 use std::thread::JoinHandle;
@@ -9,26 +9,26 @@ use serde_json::{Value, json};
 
 use admire_syntax::text::Source;
 
-/// Longer messages are refused: the largest file that is read, each byte of it spelled with two.
+/// Largest accepted message: the largest readable file with each byte escaped as two.
 const LARGEST: u64 = 2 * Source::LARGEST;
 
-/// A line of a header is shorter; of longer ones, which are no header, only the end is looked at.
+/// Length beyond which a line is no header; only the end of such a line is kept.
 const LONGEST_LINE: u64 = 1 << 16;
 
-/// Bytes of a line without an end that are kept: a header may begin in them.
+/// Number of bytes kept of an overlong line, because a header may start in them.
 const KEPT: usize = 64;
 
 const LENGTH: &[u8] = b"content-length:";
 
-/// The threads that read and write.
+/// The reader and writer threads.
 pub(super) struct Wire {
     reader: JoinHandle<()>,
     writer: JoinHandle<io::Result<()>>,
 }
 
-/// A connection to the editor that started this process.
+/// Connects to the editor that started this process.
 pub(super) fn stdio() -> (Connection, Wire) {
-    // One message at a time: who sends waits for who reads.
+    // The channels hold no messages: a sender waits for the receiver.
     let (sender, messages) = bounded(0);
     let (said, receiver) = bounded(0);
     let writer = std::thread::spawn(move || write(&messages));
@@ -40,7 +40,7 @@ impl Wire {
     /// Waits until the last message is written.
     ///
     /// # Errors
-    /// When it cannot be.
+    /// When the last message cannot be written, or a thread has panicked.
     pub(super) fn join(self) -> io::Result<()> {
         let crashed = |_| io::Error::other("a thread of the connection crashed");
         self.reader.join().map_err(crashed)?;
@@ -59,7 +59,7 @@ fn read(said: &Sender<Message>) {
         input: io::stdin().lock(),
         lost: false,
     };
-    // An input that cannot be read has ended.
+    // An unreadable input counts as ended.
     while let Ok(Some(next)) = messages.next() {
         match next {
             Ok(message) => {
@@ -77,7 +77,7 @@ fn read(said: &Sender<Message>) {
     }
 }
 
-/// Why something that came in is no message.
+/// Reason why input is not a valid message.
 #[derive(Debug)]
 struct Refused {
     id: Value,
@@ -94,7 +94,7 @@ impl Refused {
         }
     }
 
-    /// Answers it. Messages of the other thread come before or behind: standard output is locked for each.
+    /// Sends the error response. Standard output is locked per message, so it cannot mix with messages of the other thread.
     fn write(&self) -> io::Result<()> {
         let error = json!({ "code": self.code as i32, "message": self.why });
         let text = json!({ "jsonrpc": "2.0", "id": self.id, "error": error }).to_string();
@@ -104,15 +104,15 @@ impl Refused {
     }
 }
 
-/// What comes in, message by message.
+/// Incoming messages, one at a time.
 struct Messages<R> {
     input: R,
-    /// Where the next message begins is not known: what comes before a header is passed over.
+    /// True if the start of the next message is unknown; input before the next header is skipped.
     lost: bool,
 }
 
 impl<R: BufRead> Messages<R> {
-    /// The next message, or why it is none; nothing at the end.
+    /// Reads the next message, or the reason why it is invalid; `None` at the end of the input.
     fn next(&mut self) -> io::Result<Option<Result<Message, Refused>>> {
         let size = match self.header()? {
             None => return Ok(None),
@@ -124,7 +124,7 @@ impl<R: BufRead> Messages<R> {
         };
         self.lost = false;
         let mut body = Vec::new();
-        // The room grows with what comes, not with what was announced.
+        // The buffer grows with the received bytes, not with the announced length.
         self.input.by_ref().take(size).read_to_end(&mut body)?;
         if (body.len() as u64) < size {
             return Ok(None);
@@ -132,7 +132,7 @@ impl<R: BufRead> Messages<R> {
         Ok(Some(message(&body)))
     }
 
-    /// How long the next message is, or why that is not known; nothing at the end.
+    /// Reads the header and returns the length of the next message, or an error text. `None` at the end of the input.
     fn header(&mut self) -> io::Result<Option<Result<u64, String>>> {
         let mut found: Option<Result<u64, String>> = None;
         let mut line = Vec::new();
@@ -185,7 +185,7 @@ fn length(digits: &[u8]) -> Result<u64, String> {
     }
 }
 
-/// The message in a body.
+/// Parses the body of a message.
 fn message(body: &[u8]) -> Result<Message, Refused> {
     let error = match serde_json::from_slice(body) {
         Ok(message) => return Ok(message),
@@ -210,7 +210,7 @@ fn message(body: &[u8]) -> Result<Message, Refused> {
 mod tests {
     use super::*;
 
-    /// The methods of messages, and the codes of what is refused.
+    /// Returns the methods of the messages, and the error codes of refused input.
     fn read_all(input: &[u8]) -> Vec<String> {
         let mut messages = Messages { input, lost: false };
         let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! Checks of whole files in the background. A check that an edit overtakes ends early and tells nothing.
+//! Background checks of whole files. A check outdated by an edit ends early and returns nothing.
 
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,33 +18,34 @@ use admire_syntax::{CommandFile, Dataset};
 
 /// A file to check.
 pub(super) struct Job {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// Its text.
+    /// Text of the file.
     pub text: Pieces,
-    /// The decks that are open, for a command file.
+    /// Open decks, for a command file.
     pub decks: HashMap<PathBuf, Pieces>,
-    /// Columns beyond 80 are told of.
+    /// True if columns beyond 80 are reported.
     pub fortran: bool,
-    /// The edits of the file so far, and as they were when this was asked.
+    /// Counter of the file's edits, and its value at the time of the request.
     pub edits: (Arc<AtomicU64>, u64),
 }
 
-/// What a check found.
+/// Result of a check.
 pub(super) struct Answer {
-    /// Which file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// After how many edits.
+    /// Value of the edit counter that the check refers to.
     pub edits: u64,
-    /// What there is to say.
+    /// Findings of the check.
     pub found: Vec<Found>,
 }
 
-/// Larger files are checked when typing pauses: the processor is needed for the next key.
+/// Size from which a file is checked only when typing pauses, because the processor is needed for the next keystroke.
 const LARGE: usize = 1 << 20;
+/// Length of such a pause.
 const PAUSE: Duration = Duration::from_millis(120);
 
-/// Checks files until nobody asks any more. Of several jobs for one file the last one is done.
+/// Checks files until the job channel closes. Of several jobs for one file only the last is done.
 pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     let mut waiting: Vec<Job> = Vec::new();
     let threads = all_but_one();
@@ -61,7 +62,7 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
                 continue;
             }
             let job = waiting.remove(0);
-            // A check that fails says nothing; the next one may.
+            // A check that panics returns nothing; the next one may succeed.
             let found = catch_unwind(AssertUnwindSafe(|| match &threads {
                 Some(threads) => threads.install(|| job.found()),
                 None => job.found(),
@@ -79,7 +80,7 @@ pub(super) fn work(jobs: &Receiver<Job>, answers: &Sender<Answer>) {
     }
 }
 
-/// Threads for checks: one processor stays free for the next key.
+/// Returns a thread pool for checks that leaves one processor free for the next keystroke.
 fn all_but_one() -> Option<rayon::ThreadPool> {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = processors.saturating_sub(1).max(1);

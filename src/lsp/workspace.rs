@@ -1,4 +1,4 @@
-//! The files at hand: those that are open in the editor, and those beside them as they are on disk.
+//! The files of the session: those open in the editor, and further files as they are on disk.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,39 +16,39 @@ use admire_syntax::Statement;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::text::{Source, Span, read_at_most};
 
-/// A file and what is known of it.
+/// A file with its state in the server.
 pub(super) struct File {
-    /// Its text.
+    /// Text and diagnostics.
     pub document: Document,
-    /// What the editor calls it.
+    /// URI of the file in the editor.
     pub uri: Uri,
-    /// What is shown of the complaints about it.
+    /// Settings that select the diagnostics to publish.
     pub settings: Settings,
-    /// The version of the editor; `None` for files that are not open.
+    /// Version in the editor; `None` for a file that is not open.
     pub version: Option<i32>,
-    /// Counts edits: a check of an older text is outdated.
+    /// Number of edits, by which a check of an older text is recognised as outdated.
     pub edits: Arc<AtomicU64>,
-    /// When the file on disk was written.
+    /// Modification time of the file on disk.
     written: Option<SystemTime>,
-    /// What was last shown of it.
+    /// Diagnostics last published.
     pub shown: Option<Vec<lsp_types::Diagnostic>>,
 }
 
-/// Every file at hand, by its path.
+/// All files of the session by path.
 #[derive(Default)]
 pub(super) struct Workspace {
     files: BTreeMap<PathBuf, File>,
-    /// The folders the editor has open.
+    /// Folders open in the editor.
     pub folders: Vec<PathBuf>,
 }
 
-/// Larger files are not read for what they may say about others.
+/// Size up to which files that are not open are read, in bytes.
 const MOST_BYTES: u64 = 256 << 20;
-/// So many files of a folder are looked at.
+/// Largest number of command files read beside a deck.
 const MOST_FILES: usize = 1000;
 
 impl Workspace {
-    /// A workspace of some folders, without files yet.
+    /// Creates a workspace of some folders, without files.
     pub(crate) fn of(folders: Vec<PathBuf>) -> Self {
         Self {
             folders,
@@ -56,7 +56,7 @@ impl Workspace {
         }
     }
 
-    /// Takes up a file the editor opened, and says what is wrong with its settings.
+    /// Adds a file opened in the editor, and returns the errors of its settings.
     pub(crate) fn open(
         &mut self,
         uri: Uri,
@@ -81,12 +81,12 @@ impl Workspace {
         wrong
     }
 
-    /// Forgets what the editor had of a file.
+    /// Removes a file closed in the editor.
     pub(crate) fn close(&mut self, uri: &Uri) {
         self.files.remove(&path_of(uri));
     }
 
-    /// Reads the settings of all open files again, and says what is wrong with them.
+    /// Reads the settings of all files again, and returns their errors.
     pub(crate) fn renew_settings(&mut self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         for (path, file) in &mut self.files {
@@ -97,27 +97,27 @@ impl Workspace {
         all
     }
 
-    /// An open file or one that was read.
+    /// Returns a file that is open or has been read.
     pub(crate) fn file(&self, path: &Path) -> Option<&File> {
         self.files.get(path)
     }
 
-    /// An open file or one that was read, to change it.
+    /// Returns a file that is open or has been read, for editing.
     pub(crate) fn file_mut(&mut self, path: &Path) -> Option<&mut File> {
         self.files.get_mut(path)
     }
 
-    /// All open files.
+    /// Returns all open files.
     pub(crate) fn open_files(&self) -> impl Iterator<Item = (&PathBuf, &File)> {
         self.files.iter().filter(|(_, file)| file.version.is_some())
     }
 
-    /// All files, those too that were only read.
+    /// Returns all files, including those that are not open.
     pub(crate) fn all_files(&self) -> impl Iterator<Item = &File> {
         self.files.values()
     }
 
-    /// Reads a file from disk, unless it is open or was read since it was written. False if it cannot be read.
+    /// Reads a file from disk, unless it is open or has not changed since it was last read. Returns false if it cannot be read.
     pub(crate) fn read(&mut self, path: &Path) -> bool {
         if self.file(path).is_some_and(|file| file.version.is_some()) {
             return true;
@@ -145,7 +145,7 @@ impl Workspace {
         true
     }
 
-    /// The deck a command of a file is run on: the one the last FILE command before it names, or the one the file begins with.
+    /// Returns the deck that the command at an offset runs: the one named by the last FILE command before it, or by the first line.
     pub(crate) fn deck_of(&self, commands: &Path, before: usize) -> Option<PathBuf> {
         let document = &self.file(commands)?.document;
         let names = decks_named(document);
@@ -157,7 +157,7 @@ impl Workspace {
         let folder = commands.parent().unwrap_or(Path::new(""));
         let found = find_file(written, "adm", &[folder]).value;
         let found = found.map(|path| normal(&path));
-        // A deck that was never saved is only open.
+        // A deck that was never saved exists only as an open file.
         found.or_else(|| {
             let named = folder.join(written.trim());
             let beside = [named.clone(), named.with_extension("adm")];
@@ -167,7 +167,7 @@ impl Workspace {
         })
     }
 
-    /// All decks a command file names.
+    /// Returns all decks that a command file names.
     pub(crate) fn decks_of(&self, commands: &Path) -> Vec<PathBuf> {
         let Some(file) = self.file(commands) else {
             return Vec::new();
@@ -182,7 +182,7 @@ impl Workspace {
         found
     }
 
-    /// The command files beside a deck and among the open ones that name it.
+    /// Returns the command files that name a deck, among those beside it and those that are open.
     pub(crate) fn commands_of(&mut self, deck: &Path) -> Vec<PathBuf> {
         let beside = deck.parent().map(std::fs::read_dir);
         let mut candidates: Vec<PathBuf> = beside
@@ -204,7 +204,7 @@ impl Workspace {
         candidates
     }
 
-    /// A deck with its command files, or a command file with its decks and their other command files; the file itself is first.
+    /// Returns a deck with its command files, or a command file with its decks and their other command files. The file itself comes first.
     pub(crate) fn together(&mut self, path: &Path) -> Vec<PathBuf> {
         let is_commands = |file: &File| file.document.is_command_file();
         let mut found = vec![path.to_path_buf()];
@@ -226,7 +226,7 @@ impl Workspace {
     }
 }
 
-/// The names of decks in a command file and where each counts from.
+/// Returns the deck names in a command file, each with the offset from which it applies.
 fn decks_named(document: &Document) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let text = |span: Span| {
@@ -244,18 +244,18 @@ fn decks_named(document: &Document) -> Vec<(usize, String)> {
     found
 }
 
-/// Where a FILE command names a deck.
+/// Returns the span of the deck name in a FILE command.
 pub(super) fn deck_argument(command: &Statement) -> Option<Span> {
     let argument = command.argument("MODEL")?;
     (command.kind() == Some("FILE")).then(|| argument.value_span())
 }
 
-/// The path of a file as it is compared with others.
+/// Returns the canonical path of a file, for comparison with others.
 pub(super) fn normal(path: &Path) -> PathBuf {
     dunce::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The path of what the editor names; its name itself for what is no file.
+/// Returns the path of a URI from the editor, or the URI's text if it is not a file.
 pub(super) fn path_of(uri: &Uri) -> PathBuf {
     let path = url::Url::parse(uri.as_str())
         .ok()
@@ -263,14 +263,14 @@ pub(super) fn path_of(uri: &Uri) -> PathBuf {
     path.map_or_else(|| PathBuf::from(uri.as_str()), |path| normal(&path))
 }
 
-/// What the editor calls a file.
+/// Returns the URI of a file.
 pub(super) fn uri_of(path: &Path) -> Option<Uri> {
     let absolute = std::path::absolute(path).ok()?;
     let url = url::Url::from_file_path(absolute).ok()?;
     url.as_str().parse().ok()
 }
 
-/// The settings for a file, and what is wrong with them.
+/// Returns the settings for a file, and their errors.
 fn settings_of(path: &Path) -> (Settings, Vec<Diagnostic>) {
     let Some(source) = table_above(path).and_then(|table| Source::read(&table).ok()) else {
         return (Settings::default(), Vec::new());

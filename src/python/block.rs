@@ -11,7 +11,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Values row by row.
+    /// Creates a block from values stored row by row.
     pub(crate) fn new(values: Vec<f64>, columns: usize) -> Self {
         Self {
             rows: values.len().checked_div(columns).unwrap_or(0),
@@ -29,7 +29,7 @@ impl Block {
     }
 }
 
-/// What NumPy asks for (the array interface protocol, version 3): shape, kind of number, address; read only.
+/// Returns the dictionary of the array interface protocol, version 3: shape, number type, read-only address.
 pub(super) fn interface<'py>(
     py: Python<'py>,
     values: &[f64],

@@ -17,9 +17,9 @@ use super::refusal::{json, raised};
 use super::run::Run;
 use super::work::{at_once, work};
 
-/// The commands of a lone equilibrium.
+/// Commands of a single equilibrium.
 const EQUILIBRIUM: &str = "SIMULATE/STATICS\n";
-/// So many bytes has a deck whose equilibrium takes milliseconds, found or not.
+/// Size in bytes up to which the equilibrium of a deck takes only milliseconds, whether it is found or not.
 const SMALL: usize = 1 << 16;
 
 /// A dataset.
@@ -31,7 +31,7 @@ impl Deck {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The deck as it is now, to work on without the lock.
+    /// Returns a copy of the current deck, to work on without holding the lock.
     fn now(&self, py: Python<'_>) -> front::Deck {
         py.detach(|| self.lock().clone())
     }
@@ -221,7 +221,7 @@ impl Deck {
     }
 }
 
-/// A value from Python.
+/// Value passed from Python.
 #[derive(FromPyObject)]
 pub(super) enum Given {
     Flag(bool),
@@ -241,7 +241,7 @@ impl From<Given> for Setting {
     }
 }
 
-/// A value as Python has it.
+/// Converts a value to a Python object.
 fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Bool(on) => on.into_pyobject(py)?.to_owned().into_any(),

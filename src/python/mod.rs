@@ -1,10 +1,10 @@
-//! The Python package: classes and functions over the front of the library.
+//! Python package: classes and functions over the front of the library.
 //!
-//! Computes nothing itself. The layer in Python (`src/python/admire`) gives names, types and documents; this module hands values over.
-//! Compiled only with the feature `python`, which maturin turns on.
-#![allow(unsafe_code)] // The macros of PyO3 expand to it.
-#![allow(missing_docs)] // The layer in Python documents what it offers.
-#![allow(clippy::used_underscore_binding, clippy::elidable_lifetime_names)] // Of the macros, too.
+//! This module only passes values on and computes nothing. The Python layer (`src/python/admire`) provides names, types and documentation.
+//! Compiled only with the feature `python`, which maturin enables.
+#![allow(unsafe_code)] // The macros of PyO3 expand to unsafe code.
+#![allow(missing_docs)] // The Python layer documents its interface.
+#![allow(clippy::used_underscore_binding, clippy::elidable_lifetime_names)] // The macros of PyO3 trigger these lints, too.
 
 mod block;
 mod deck;

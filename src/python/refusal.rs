@@ -1,4 +1,4 @@
-//! Errors as exceptions.
+//! Conversion of errors to Python exceptions.
 
 use std::io;
 
@@ -12,7 +12,7 @@ static INPUT: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static USAGE: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 static NO_ANSWER: PyOnceLock<Py<PyType>> = PyOnceLock::new();
 
-/// The exception of an error: its text, and its complaints as JSON for the layer in Python.
+/// Creates the exception of an error, with its text, and its complaints as JSON for the Python layer.
 pub(super) fn raised(py: Python<'_>, error: &Error) -> PyErr {
     let text = error.to_string();
     let (lock, name) = match error.kind {

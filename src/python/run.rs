@@ -22,7 +22,7 @@ impl Run {
     }
 }
 
-/// Names and units.
+/// Returns the names and units of columns.
 pub(super) fn named(columns: &[SelectedColumn]) -> Vec<(String, String)> {
     let each = |column: &SelectedColumn| {
         let units = column.units.clone().unwrap_or_default();

@@ -169,7 +169,7 @@ impl Study {
 }
 
 impl Study {
-    /// The study for one answer, which may start its program or not.
+    /// Returns the study for a single call, with or without permission to start its program.
     fn permitted(&self, allow_command: bool) -> front::Study {
         let mut study = self.0.clone();
         if allow_command {
@@ -179,7 +179,7 @@ impl Study {
     }
 }
 
-/// What is to be repeated: fits, draws, seed, threads.
+/// Checks the requested repetitions: bootstrap fits, posterior draws, seed, threads.
 fn asked(
     (bootstrap, posterior, seed, jobs): (Option<u64>, Option<u64>, u64, Option<usize>),
 ) -> PyResult<Option<Repeats>> {
@@ -204,7 +204,7 @@ fn asked(
     }))
 }
 
-/// The fit of a study, and the numbers of its repeats: of the bootstrap, of the posterior.
+/// Identifies a study with repetitions. Returns the identification, and the values of the bootstrap fits and of the posterior draws.
 fn repeated(
     study: &front::Study,
     force: bool,

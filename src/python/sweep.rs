@@ -128,7 +128,7 @@ fn run(
     joined(&folder).map(Some)
 }
 
-/// Joins the shards; `summary.json`.
+/// Joins the shards and writes `summary.json` and `report.html`. Returns the text of `summary.json`.
 fn joined(folder: &SweepFolder) -> Result<String, Error> {
     merge(folder).map_err(|wrong| refused(&wrong, &Sources::default()))?;
     let summary = Summary::of(folder).map_err(|error| failed(Code::CannotRead, &error))?;

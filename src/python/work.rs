@@ -1,4 +1,5 @@
-//! Long work beside the interpreter: without its lock, on threads of the package's own, while the caller listens for Ctrl-C.
+//! Long computations next to the interpreter. They run without its lock on threads of this package, while the calling thread handles
+//! Ctrl-C.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -14,14 +15,14 @@ use admire_diagnosis::SharedProgress;
 
 use super::refusal::raised;
 
-/// Between two looks for signals and at the progress.
+/// Interval between checks for signals and progress.
 const TICK: Duration = Duration::from_millis(50);
-/// So long an interrupted computation may take to end by itself; then it is left behind.
+/// Time that an interrupted computation may take to end; after that, it is abandoned.
 const GRACE: Duration = Duration::from_millis(400);
-/// As large as the stack of a main thread.
+/// Stack size of the threads in bytes, as large as the stack of a main thread.
 const STACK: usize = 8 << 20;
 
-/// The threads, and the process they belong to: a child of `fork` has none of them.
+/// Threads with the id of their process. A child of `fork` does not inherit them.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 fn pool() -> PyResult<Arc<ThreadPool>> {
@@ -35,33 +36,33 @@ fn pool() -> PyResult<Arc<ThreadPool>> {
     let built = ThreadPoolBuilder::new().stack_size(STACK).build();
     let pool = Arc::new(built.map_err(|error| PyRuntimeError::new_err(error.to_string()))?);
     if let Some((_, gone)) = held.replace((own, Arc::clone(&pool))) {
-        // Its threads stayed with the parent: nobody can wait for them.
+        // Its threads stayed in the parent process and cannot be joined.
         std::mem::forget(gone);
     }
     Ok(pool)
 }
 
-/// Leaves the threads to a job that does not end; the next one has threads of its own.
+/// Abandons the threads to a job that does not end; the next job gets new threads.
 fn abandon() {
     *POOL.lock().unwrap_or_else(PoisonError::into_inner) = None;
 }
 
-/// The process that loaded the package.
+/// Id of the process that loaded the package.
 static LOADED_BY: OnceLock<u32> = OnceLock::new();
 
-/// Remembers the process that loads the package.
+/// Records the process that loads the package.
 pub(super) fn loaded() {
     LOADED_BY.get_or_init(std::process::id);
 }
 
-/// Does a job that is over in milliseconds, in the calling thread and without the lock of the interpreter: to wake another thread would
-/// take as long as the job.
+/// Runs a job of a few milliseconds in the calling thread, without the interpreter's lock. Waking another thread would take as long as the
+/// job itself.
 pub(super) fn at_once<T: Send + 'static>(
     py: Python<'_>,
     job: impl FnOnce() -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
     if LOADED_BY.get() != Some(&std::process::id()) {
-        // What the job shares among threads stayed with the parent of this process.
+        // After `fork`, the thread-related state used by the job is invalid.
         return work(py, &SharedProgress::default(), None, job);
     }
     match py.detach(|| catch_unwind(AssertUnwindSafe(job))) {
@@ -70,8 +71,8 @@ pub(super) fn at_once<T: Send + 'static>(
     }
 }
 
-/// Does a job without the lock of the interpreter. `watched` is stopped by Ctrl-C, which raises within a second whatever the job does;
-/// `progress` is called with stage, remark, count and total whenever these change.
+/// Runs a job without the interpreter's lock. Ctrl-C stops `watched` and raises within a second, whatever the job does. `progress` is
+/// called with stage, detail, count and total whenever these change.
 pub(super) fn work<T: Send + 'static>(
     py: Python<'_>,
     watched: &SharedProgress,
@@ -81,7 +82,7 @@ pub(super) fn work<T: Send + 'static>(
     let (send, receive) = bounded(1);
     let pool = pool()?;
     pool.spawn(move || {
-        // Nobody listens any more after an interrupt.
+        // After an interrupt, nobody receives the result.
         let _ = send.send(catch_unwind(AssertUnwindSafe(job)));
     });
     drop(pool);

@@ -1,22 +1,22 @@
-//! Whether curves and sensors move as the model does at its start values: another sign, unit or zero shows before any fit.
+//! Check of curves and sensors against the model at its start values. It reveals a wrong sign, unit or zero before any fit.
 
 use admire_identify::LoadedStudy;
 use admire_identify::global::Row;
 
-/// So many readings tell whether a channel moves as the model does.
+/// Smallest number of readings for judging a channel.
 const ENOUGH: usize = 6;
-/// A channel that moves with the model, or against it, has at least this correlation with it.
+/// Smallest correlation, in absolute value, at which a channel moves with the model or against it.
 const TOGETHER: f64 = 0.95;
-/// A channel moves if its readings spread by so many of its own noise.
+/// Smallest spread of the readings, in units of the channel's noise, at which a channel moves.
 const MOVES: f64 = 10.0;
-/// Two sizes are those of a unit apart if they agree with it to this part.
+/// Relative tolerance when a ratio of sizes is compared with a ratio of units.
 const NEAR: f64 = 0.25;
-/// Readings and model have other zeros if they differ by so many times the scatter of their difference.
+/// Smallest offset between readings and model that counts as a different zero, in units of the scatter of their difference.
 const SHIFTED: f64 = 3.0;
-/// Readings begin at zero if the first is below this part of their spread.
+/// Largest first reading that counts as zero, relative to the spread of the readings.
 const ZERO: f64 = 0.02;
 
-/// What units are apart: minutes, radians, inches, centimetres, metres.
+/// Ratios between confusable units: minutes, radians, inches, centimetres, metres.
 const UNITS: [(f64, &str); 5] = [
     (60.0, "degrees and minutes"),
     (57.296, "degrees and radians"),
@@ -25,15 +25,15 @@ const UNITS: [(f64, &str); 5] = [
     (1000.0, "mm and m"),
 ];
 
-/// A channel in the cases where it was read.
+/// Readings of one channel with the model's values in the same cases.
 struct Beside {
     channel: usize,
     read: Vec<f64>,
     model: Vec<f64>,
 }
 
-/// How many channels plainly move as the model does, and what is odd of others; `None` without channels. `residual` is prediction less
-/// reading over sigma.
+/// Compares each channel with the model. Returns the number of channels that clearly follow the model, and one sentence for each suspicious
+/// channel; `None` without channels. `residual` is prediction minus reading, divided by sigma.
 pub(super) fn agreement(
     loaded: &LoadedStudy,
     rows: &[Row],
@@ -120,7 +120,7 @@ pub(super) fn agreement(
     (!all.is_empty()).then_some((alike, odd))
 }
 
-/// Mean, and standard deviation.
+/// Returns the mean and the standard deviation.
 fn spread(values: &[f64]) -> (f64, f64) {
     let count = values.len().max(1) as f64;
     let mean = values.iter().sum::<f64>() / count;

@@ -1,4 +1,4 @@
-/// One axis of a chart: the range of its values and where its ticks are.
+/// One axis of a chart: its range and its ticks.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Axis {
     low: f64,
@@ -9,8 +9,8 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// An axis that shows all these values, with about `wanted` ticks. Values that are not finite, or not positive on a logarithmic
-    /// axis, count for nothing.
+    /// Creates an axis that covers all these values, with about `wanted` ticks. Values that are not finite are ignored, and on a
+    /// logarithmic axis also values that are not positive.
     pub(crate) fn over(values: impl Iterator<Item = f64>, log: bool, wanted: usize) -> Self {
         let (low, high) = values
             .filter(|v| v.is_finite() && (!log || *v > 0.0))
@@ -26,7 +26,7 @@ impl Axis {
 
     fn linear(low: f64, high: f64, wanted: usize) -> Self {
         let (mut low, mut high) = if low > high { (0.0, 1.0) } else { (low, high) };
-        // Nothing narrower than what doubles can count in.
+        // A range too narrow for double precision is widened.
         let least = 1e-9 * low.abs().max(high.abs()).max(1e-300);
         if high - low <= least {
             let room = if low == 0.0 { 1.0 } else { low.abs() * 0.1 };
@@ -55,7 +55,7 @@ impl Axis {
         let (low, high) = if low > high { (0.1, 10.0) } else { (low, high) };
         let (low, high) = (low / 1.25, high * 1.25);
         let decades = libm::log10(high / low);
-        // The fewer decades there are, the more of each is labelled.
+        // With fewer decades, more ticks of each decade are labelled.
         let steps: &[f64] = if decades < 1.2 {
             &[1.0, 1.5, 2.0, 3.0, 5.0, 7.0]
         } else if decades < 3.0 {
@@ -78,7 +78,7 @@ impl Axis {
         }
     }
 
-    /// Where a value is between the ends of the axis, 0 to 1; `None` if it cannot be shown.
+    /// Returns the relative position of a value between the ends of the axis, 0 to 1; `None` if it cannot be drawn.
     pub(crate) fn share(&self, value: f64) -> Option<f64> {
         let share = if self.log {
             libm::log(value / self.low) / libm::log(self.high / self.low)
@@ -89,9 +89,9 @@ impl Axis {
     }
 }
 
-/// A tick label without needless digits.
+/// Formats a tick label without superfluous digits.
 pub(super) fn short(value: f64) -> String {
-    // Ticks are multiples of steps: what should be zero may be left with their round-off.
+    // Ticks are multiples of a step, so a tick at zero may carry round-off.
     if value.abs() < 1e-12 {
         return "0".to_string();
     }

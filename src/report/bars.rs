@@ -3,28 +3,28 @@ use std::fmt::Write as _;
 use super::axis::{Axis, short};
 use super::escape;
 
-/// Bars from a lower to an upper value, one below the other: a tornado.
+/// Tornado chart: bars from a lower to an upper value, one below the other.
 #[derive(Clone, Debug)]
 pub struct Bars {
     /// Title.
     pub title: String,
     /// Label of the axis, with its unit.
     pub x: String,
-    /// Name of each bar and the values it goes to from the level: the first is drawn in another colour.
+    /// Name of each bar, and its two end values; the bar to the first value is drawn in another colour.
     pub rows: Vec<(String, [f64; 2])>,
-    /// Where the bars begin.
+    /// Value at which all bars start.
     pub level: f64,
 }
 
-/// Width in pixels, and the height of a bar with its room.
+/// Width of the chart, and height of one bar with its margin, in pixels.
 const SIZE: (f64, f64) = (560.0, 26.0);
-/// Room for names at the left, at the right, above, and for the axis below.
+/// Margins in pixels: left for the names, right, top, and bottom for the axis.
 const ROOM: [f64; 4] = [170.0, 14.0, 8.0, 46.0];
-/// Letters of a name that fit.
+/// Largest number of characters shown of a name.
 const LETTERS: usize = 24;
 
 impl Bars {
-    /// The picture as an `<svg>` element that takes its colours from the page.
+    /// Draws the chart as an `<svg>` element, coloured by the page's style sheet.
     pub(crate) fn svg(&self) -> String {
         let ends = self.rows.iter().flat_map(|(_, ends)| ends.iter().copied());
         let axis = Axis::over(ends.chain([self.level]), false, 6);
@@ -90,7 +90,7 @@ impl Bars {
         out
     }
 
-    /// The data behind the picture: one line per bar.
+    /// Returns the data of the chart as CSV, one line for each bar.
     pub(crate) fn csv(&self) -> String {
         let mut out = String::from("name,low,high\n");
         for (name, [low, high]) in &self.rows {

@@ -1,4 +1,4 @@
-//! Tells the programs which commit they were built from. Builds for development do not ask: they would be built anew after every commit.
+//! Passes the commit to the compiler for release builds. Development builds omit it; otherwise every commit would trigger a rebuild.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     let commit = if std::env::var("PROFILE").as_deref() == Ok("release") {
-        // A worktree has them elsewhere. What is not there would have everything built anew each time.
+        // In a worktree these files are elsewhere. A missing file would trigger a rebuild every time.
         for file in ["HEAD", "logs/HEAD"] {
             if let Some(path) =
                 git(&["rev-parse", "--git-path", file]).filter(|p| Path::new(p).exists())
@@ -21,7 +21,7 @@ fn main() {
     println!("cargo:rustc-env=ADMIRE_COMMIT={commit}");
 }
 
-/// The commit of this folder, short, with a mark if files were changed since; `None` outside of a clone.
+/// Returns the abbreviated commit of this folder, marked if files have changed since; `None` outside a clone.
 fn commit() -> Option<String> {
     let text = git(&[
         "describe",
@@ -33,7 +33,7 @@ fn commit() -> Option<String> {
     Some(format!("commit {text}"))
 }
 
-/// What git answers; `None` outside of a clone.
+/// Runs git and returns its output; `None` if git fails, for example outside a clone.
 fn git(words: &[&str]) -> Option<String> {
     let run = Command::new("git").args(words).output().ok()?;
     let text = String::from_utf8(run.stdout).ok()?.trim().to_string();

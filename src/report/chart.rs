@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use super::axis::{Axis, short};
 use super::{DrawingError, escape};
 
-/// How a series is drawn.
+/// Drawing style of a series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mark {
     /// A line through the points.
@@ -17,18 +17,18 @@ pub enum Mark {
     LinePoints,
 }
 
-/// One curve or cloud.
+/// One curve or point cloud.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Name in the legend.
     pub name: String,
-    /// (x, y); points that are not finite are left out.
+    /// Points (x, y); points that are not finite are omitted.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Drawing style.
     pub mark: Mark,
 }
 
-/// A picture with two axes.
+/// Chart with two axes.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// Title.
@@ -37,22 +37,22 @@ pub struct Chart {
     pub x: String,
     /// Label of the y axis, with its unit.
     pub y: String,
-    /// Curves.
+    /// Curves and point clouds.
     pub series: Vec<Series>,
-    /// True for a logarithmic y axis; values that are not positive are left out then.
+    /// True for a logarithmic y axis, which omits values that are not positive.
     pub log_y: bool,
-    /// A horizontal line to compare with.
+    /// Value of a horizontal reference line.
     pub level: Option<f64>,
 }
 
-/// Width and height in pixels. Two stand side by side on a screen, and letters stay readable on a narrow one.
+/// Width and height in pixels. Two charts fit side by side on a screen, and the text stays readable on a narrow screen.
 const SIZE: (f64, f64) = (560.0, 340.0);
-/// Room at the left, right, top and bottom of the plot.
+/// Margins in pixels: left, right, top, bottom.
 const ROOM: [f64; 4] = [66.0, 14.0, 12.0, 46.0];
 const LEGEND_ROW: f64 = 18.0;
-/// Colours of the style sheet; from here on they repeat with another dash.
+/// Number of colours in the style sheet; further series repeat them with dashes.
 const COLOURS: usize = 8;
-/// Whose positions or readings a series has by its name, and the class of their colour: the same in all charts, tables and views of a page.
+/// Colour class of series with a fixed role, by name. A role has the same colour in all charts, tables and views of a page.
 const ROLES: [(&str, &str); 8] = [
     ("measured", MEASURED),
     ("as read", MEASURED),
@@ -64,22 +64,23 @@ const ROLES: [(&str, &str); 8] = [
     ("two standard errors below", "s1"),
 ];
 const MEASURED: &str = "s-measured";
-/// The model before a fit or an extension.
+/// Colour class of the model before a fit or an extension.
 pub(super) const INITIAL: &str = "s-initial";
-/// The model with what was found.
+/// Colour class of the extended model.
 pub(super) const EXTENDED: &str = "s-extended";
 
 impl Chart {
-    /// The picture as an `<svg>` element that takes its colours from the page. The names of the series stand below the plot, each beside
-    /// a piece of its line.
+    /// Draws the chart as an `<svg>` element, coloured by the page's style sheet. The legend below the plot shows each name beside a piece
+    /// of its line.
     ///
     /// # Errors
-    /// None at present; pictures of other kinds may have some.
+    /// None at present; other kinds of pictures may return errors.
     pub(crate) fn svg(&self) -> Result<String, DrawingError> {
         self.svg_in(&[])
     }
 
-    /// The same, the first series in these colours of the style sheet, counted from one; the others have that of their place.
+    /// Draws the chart as an `<svg>` element with given colours. The first series take these colours of the style sheet, counted from 1;
+    /// the others take the colour of their position.
     ///
     /// # Errors
     /// See [`Self::svg`].
@@ -172,7 +173,7 @@ impl Chart {
         Ok(out)
     }
 
-    /// What a person who cannot see the picture is told.
+    /// Describes the chart in words, for readers who cannot see it.
     fn described(&self) -> String {
         let names: Vec<&str> = self
             .series
@@ -188,7 +189,7 @@ impl Chart {
         )
     }
 
-    /// The number of rows, and the names of the series, each beside a piece of what it looks like.
+    /// Draws the legend. Returns the number of its rows, and the SVG text with each name beside a sample of its line or symbol.
     fn legend(&self, class: &dyn Fn(&str, usize, Mark) -> String) -> (usize, String) {
         if self.series.len() < 2 {
             return (0, String::new());
@@ -199,7 +200,7 @@ impl Chart {
             .map(|s| s.name.chars().count())
             .max()
             .unwrap_or(0);
-        // Eight pixels a letter hold most of a sans-serif font of this size, the larger one of narrow windows too.
+        // Eight pixels per letter suffice for most sans-serif fonts of this size, including the larger font of narrow windows.
         let column = 44.0 + 8.0 * longest as f64;
         let columns = (((SIZE.0 - 20.0) / column) as usize).max(1);
         let mut out = String::new();
@@ -222,7 +223,7 @@ impl Chart {
         (self.series.len().div_ceil(columns), out)
     }
 
-    /// The data behind the picture: one line per point.
+    /// Returns the data of the chart as CSV, one line for each point.
     pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = format!("series,{},{}\n", quoted(&self.x), quoted(&self.y));
@@ -235,7 +236,8 @@ impl Chart {
     }
 }
 
-/// A line through points. Where it goes back along itself it is drawn once: dashes would fill each other's gaps.
+/// Returns the SVG path through points. A segment that is traversed again is drawn once, because overlapping dashes would fill each other's
+/// gaps.
 fn path(spots: &[(f64, f64)]) -> String {
     let places: Vec<String> = spots
         .iter()
@@ -271,7 +273,7 @@ fn class(name: &str, k: usize, mark: Mark) -> String {
     }
 }
 
-/// A dot, square, triangle or diamond, so that clouds differ in more than colour.
+/// Draws a circle, square, triangle or diamond, so that point clouds differ in more than colour.
 fn symbol(k: usize, (x, y): (f64, f64)) -> String {
     match k % 4 {
         0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.2\"/>"),
@@ -329,7 +331,7 @@ mod tests {
     #[test]
     fn the_legend_shows_each_line_as_it_is_drawn() {
         let svg = chart(false, vec![(0.0, 0.5), (1.0, 0.9)]).svg().unwrap();
-        // The plot and the legend: the same class twice for either series.
+        // Each series has its class twice: in the plot and in the legend.
         assert_eq!(svg.matches("class=\"s2 dashed\"").count(), 2);
         assert_eq!(svg.matches("class=\"s1\"").count(), 2);
     }

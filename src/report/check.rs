@@ -1,25 +1,25 @@
-//! A line of the table of plausibility.
+//! One line of the plausibility table.
 
-/// What to think of a line.
+/// Assessment of a line.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Verdict {
-    /// As such things are.
+    /// Within the usual range.
     Plausible,
-    /// Unusual; a person should look.
+    /// Unusual; a person should check it.
     Doubtful,
-    /// Cannot be meant: a fit of this would answer another question.
+    /// Certainly a mistake; a fit of this study would be meaningless.
     Impossible,
 }
 
-/// One line of the table.
+/// One line of the plausibility table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Check {
-    /// What was looked at.
+    /// Checked property.
     pub what: &'static str,
-    /// What it is, with its unit.
+    /// Value found, with its unit.
     pub found: String,
-    /// What to think of it.
+    /// Assessment.
     pub verdict: Verdict,
-    /// Why, where it is not plausible.
+    /// Reason, empty if plausible.
     pub why: String,
 }

@@ -1,8 +1,8 @@
 use super::{Chart, DrawingError, Figure, Mark, Series};
 use admire_identify::{Fit, LoadedStudy};
 
-/// How every number went to its value: one picture per element, so that those of many unknowns stay readable. `named` gives the name of
-/// an element and of one of its numbers.
+/// Draws the convergence of every parameter over the iterations, in one chart per element to keep many parameters readable. `named` splits
+/// a parameter's address into the names of the element and of the number.
 pub(super) fn convergence(
     loaded: &LoadedStudy,
     fit: &Fit,

@@ -21,31 +21,31 @@ use admire_identify::LoadedStudy;
 use admire_identify::global::confidence::NORMAL_975;
 use admire_results::Timestamp;
 
-/// Up to so many cases a map of them can be read.
+/// Largest number of cases for which a map is readable.
 const MAPPED: usize = 60;
 
-/// What a diagnosis shows a person.
+/// Report of a diagnosis.
 pub struct DiagnosisReport<'a> {
-    /// The study.
+    /// Study.
     pub loaded: &'a LoadedStudy,
-    /// The diagnosis and the fits behind it.
+    /// Diagnosis and the fits behind it.
     pub outcome: &'a Outcome<'a>,
-    /// What changed in the deck.
+    /// Changes in the deck, as a diff.
     pub diff: &'a str,
 }
 
-/// `vertical = 4500, lateral = 0`.
+/// Formats the loads of a case: `vertical = 4500, lateral = 0`.
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Three digits.
+/// Formats a number with three digits.
 fn three(value: f64) -> String {
     number(value, Some(0.1 * value.abs()))
 }
 
-/// A p-value as a person reads it.
+/// Formats a p-value for readers.
 fn probability(p: f64) -> String {
     match p {
         0.0 => "< 1e-300".to_string(),
@@ -54,7 +54,7 @@ fn probability(p: f64) -> String {
     }
 }
 
-/// Columns of a table of cases that were predicted from others.
+/// Creates the empty table of cases that were predicted from other cases.
 fn predicted(of: &str, length: &str) -> Table {
     let unit = if of == "mark" { length } else { "sigmas" };
     let (before, after) = (
@@ -69,7 +69,7 @@ fn predicted(of: &str, length: &str) -> Table {
     ])
 }
 
-/// A row of it.
+/// Creates a row of the table of predicted cases.
 fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene) -> [String; 4] {
     let cases = match cases {
         [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
@@ -84,7 +84,7 @@ fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene)
     [cases, causes, before, after]
 }
 
-/// How far channels are missed.
+/// Tabulates the residuals of the channels.
 fn missed(channels: &[ChannelMiss]) -> Table {
     let mut table = Table::new(&[
         ("channel", Align::Left),
@@ -106,7 +106,7 @@ fn missed(channels: &[ChannelMiss]) -> Table {
     table
 }
 
-/// The cases held out.
+/// Tabulates the held-out cases.
 fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     let rms = [found.rms_before, found.rms_after];
@@ -114,7 +114,7 @@ fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
     table
 }
 
-/// Groups of cases, each predicted from the others.
+/// Tabulates the groups of cases, each predicted from the others.
 fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     for group in &found.groups {
@@ -130,7 +130,7 @@ fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     table
 }
 
-/// What remains, as a force over its coordinate.
+/// Draws the unexplained remainder as a force over its coordinate.
 fn remainder(found: &Remainder) -> Chart {
     let over = match (&found.load, found.over) {
         (Some(load), _) => load.clone(),
@@ -161,13 +161,13 @@ fn remainder(found: &Remainder) -> Chart {
 }
 
 impl DiagnosisReport<'_> {
-    /// The page.
+    /// Creates the page.
     ///
     /// # Errors
     /// When a picture cannot be drawn.
     pub fn html(&self) -> Result<String, DrawingError> {
         let diagnosis = &self.outcome.diagnosis;
-        // Tolerances that grow make any chi-square small: beside a verdict against the model it says nothing.
+        // Larger tolerances make any chi-square small, so it is shown only if the model explains the data.
         let lead = match diagnosis.verdict {
             Verdict::Consistent => format!(
                 "The model explains the data to their noise and to tolerances of the size shown below, with a chi-square of {:.2} per degree \
@@ -418,7 +418,7 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    /// Rms of each case before and after.
+    /// Draws the rms residual of each case, before and after.
     fn by_case(&self) -> Chart {
         let rows = &self.outcome.subject.rows;
         let series = |name: &str, fit: &FittedModel| {
@@ -454,7 +454,7 @@ impl DiagnosisReport<'_> {
         }
     }
 
-    /// Force against residual.
+    /// Draws the residual over the force that it follows most closely; `None` without such a trend.
     fn force(&self) -> Option<Chart> {
         let trend = self.outcome.trend()?;
         let series = |name: &str, points: Vec<(f64, f64)>| Series {
@@ -484,7 +484,7 @@ impl DiagnosisReport<'_> {
         })
     }
 
-    /// What each finding gains on the cases held out.
+    /// Tabulates the gain of each finding on the held-out cases.
     fn gains(&self, scene: &Scene) -> Table {
         let length = self.loaded.model.units.length.word;
         let (before, after) = (
@@ -537,7 +537,7 @@ impl DiagnosisReport<'_> {
         ]);
         let [before, after] = &self.outcome.structure;
         for test in before.iter().take(16) {
-            // The worst of many may be another one afterwards.
+            // The worst of many tests may be a different test afterwards.
             let later = after.iter().find(|other| other.what == test.what);
             let shown = |f: fn(&StructureTest) -> String| later.map_or_else(String::new, f);
             table.row([
@@ -552,7 +552,7 @@ impl DiagnosisReport<'_> {
         table
     }
 
-    /// Case by mark.
+    /// Draws the residuals as a map of cases and marks.
     fn map(&self, after: bool) -> HeatMap {
         let outcome = self.outcome;
         let fitted = if after {

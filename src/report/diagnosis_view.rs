@@ -7,7 +7,8 @@ use admire_diagnosis::{FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
 
-/// The mechanism with what was found marked: as measured, as the model was, and as it is extended.
+/// Creates the scene of the mechanism with the findings highlighted. It shows the measured positions, the initial model and the extended
+/// model.
 pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Scene {
     let before = positions(
         "as the model was",
@@ -31,7 +32,7 @@ pub(super) fn diagnosis_scene(loaded: &LoadedStudy, outcome: &Outcome<'_>) -> Sc
     scene
 }
 
-/// Where a fit puts the parts of the study's own deck; the parts that an extension adds are not among them.
+/// Returns the poses that a fit gives to the parts of the study's own deck. Parts added by an extension are omitted.
 fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Positions {
     let of = |part: &admire_solver::model::Part| {
         let mut others = fitted.deck.model.parts.iter();
@@ -53,7 +54,7 @@ fn positions(name: &str, role: Role, model: &Model, fitted: &FittedModel) -> Pos
     }
 }
 
-/// The wheel and the sensors of a rig against each load, there and back: as read, before and after.
+/// Draws the wheel and the sensors of a rig over each load, along the whole loop: measurement, initial model and extended model.
 pub(super) fn curves(
     loaded: &LoadedStudy,
     outcome: &Outcome<'_>,
@@ -91,7 +92,7 @@ pub(super) fn curves(
     Ok(out)
 }
 
-/// How well the model fits, without causes and with them.
+/// Describes in words how well the model fits without and with causes.
 pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     let [before, after] =
         [&outcome.baseline, &outcome.extended].map(|fitted| fitted.posterior.chi_square_per_dof());
@@ -109,7 +110,7 @@ pub fn fit_in_words(outcome: &Outcome<'_>) -> String {
     )
 }
 
-/// The answer in a sentence or two for someone who decides: problem, cause, place, gain.
+/// Returns the result in a sentence or two for decision makers: problem, cause, place, gain.
 pub(super) fn headline(loaded: &LoadedStudy, outcome: &Outcome<'_>, scene: &Scene) -> String {
     let diagnosis = &outcome.diagnosis;
     let length = loaded.model.units.length.word;

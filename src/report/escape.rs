@@ -1,4 +1,4 @@
-/// Text made safe for HTML: no character of it can open a tag, an entity or leave an attribute.
+/// Escapes text for HTML. No character of it can open a tag or an entity, or leave an attribute.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
@@ -8,7 +8,7 @@ pub fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // Control characters are not allowed in HTML; a deck may hold any byte.
+            // Control characters are invalid in HTML, but a deck may contain any byte.
             c if c.is_control() && c != '\n' && c != '\t' => out.push('\u{fffd}'),
             c => out.push(c),
         }
@@ -16,7 +16,7 @@ pub fn escape(text: &str) -> String {
     out
 }
 
-/// A sentence made safe, what stands in backticks set as code.
+/// Escapes a sentence, and sets text in backticks as code.
 pub(super) fn prose(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut pieces = text.split('`');
@@ -26,7 +26,7 @@ pub(super) fn prose(text: &str) -> String {
             Some(behind) => {
                 out += &format!("<code>{}</code>{}", escape(code), escape(behind));
             }
-            // A single one is a character like any other.
+            // A single backtick is an ordinary character.
             None => out += &format!("`{}", escape(code)),
         }
     }

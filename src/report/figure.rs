@@ -1,7 +1,7 @@
 use super::scene::Role;
 use super::{Bars, Chart, DrawingError, HeatMap, escape};
 
-/// A picture of a page: drawing, caption and the data behind it.
+/// Picture of a page with its caption and data.
 #[derive(Clone, Debug)]
 pub struct Figure {
     svg: String,
@@ -11,7 +11,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A chart with a caption.
+    /// Draws a chart with a caption.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -24,7 +24,7 @@ impl Figure {
         })
     }
 
-    /// A chart whose first series have the colours of what they show, by [`Role::colour`].
+    /// Draws a chart whose first series take the colours of their roles, by [`Role::colour`].
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -42,7 +42,7 @@ impl Figure {
         })
     }
 
-    /// Bars with a caption.
+    /// Draws bars with a caption.
     pub fn bars(bars: &Bars, caption: &str) -> Self {
         Self {
             svg: bars.svg(),
@@ -52,7 +52,7 @@ impl Figure {
         }
     }
 
-    /// A map with a caption.
+    /// Draws a map with a caption.
     pub(crate) fn map(map: &HeatMap, caption: &str) -> Self {
         Self {
             svg: map.svg(),
@@ -62,7 +62,7 @@ impl Figure {
         }
     }
 
-    /// The `<figure>` element. Its data are a link that holds them, so that the page stays one file.
+    /// Returns the `<figure>` element. A link embeds the data, so that the page remains a single file.
     pub(super) fn html(&self) -> String {
         format!(
             "<figure><h3>{}</h3>{}<figcaption>{} <a download=\"{}.csv\" href=\"data:text/csv;charset=utf-8,{}\">Data (CSV)</a></figcaption></figure>\n",
@@ -75,14 +75,14 @@ impl Figure {
     }
 }
 
-/// Letters and digits of a title, words joined by hyphens.
+/// Turns a title into a file name: letters and digits in lower case, words joined by hyphens.
 fn file_name(title: &str) -> String {
     let words = title.split(|c: char| !c.is_ascii_alphanumeric());
     let name: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
     name.join("-").to_lowercase()
 }
 
-/// Everything but what a data address may hold as it is.
+/// Percent-encodes all characters that a data URL may not contain literally.
 fn percent(text: &str) -> String {
     let mut out = String::with_capacity(text.len() * 5 / 4);
     for byte in text.bytes() {

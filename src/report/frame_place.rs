@@ -1,16 +1,16 @@
-//! Whether the marks are told in the deck's frame.
+//! Check of whether the marks are given in the deck's frame.
 
 use super::check::Verdict;
 use admire_identify::LoadedStudy;
 use admire_solver::mechanics::Vec3;
 use admire_study::{Case, FramePlace};
 
-/// It is surely another one where the motion leaves no more than this part,
+/// Largest share of the marks' offset (rms) that may remain after a rigid motion, for the marks to be certainly in another frame.
 const SURE: f64 = 0.4;
-/// and goes beyond so many metres or degrees: it cannot be meant.
+/// Shift in metres and rotation in degrees beyond which such a frame is certainly a mistake.
 const FAR: (f64, f64) = (0.02, 2.0);
 
-/// What is odd of the place of the marks, beside those the model predicts at the start values.
+/// Returns the finding if a common rigid motion separates the measured marks from those predicted at the start values.
 pub(super) fn odd_frame(loaded: &LoadedStudy, predicted: &[Case]) -> Option<(Verdict, String)> {
     let to = &loaded.measurement;
     let of = |cases: &[Case]| -> Vec<Vec3> {

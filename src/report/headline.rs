@@ -1,7 +1,7 @@
 use super::number::{change, rounded};
 use admire_identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
 
-/// The answer of an identification in a sentence or two for someone who decides.
+/// Returns the result of an identification in a sentence or two for decision makers.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     let length = loaded.model.units.length.word;
     let all = fit.parameters.len();
@@ -67,7 +67,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
     text
 }
 
-/// Tolerances and noises that had to be more than their priors allow; `None` if there are none.
+/// Describes the tolerances and noise levels that exceed their priors; `None` without any.
 pub(super) fn strained(fit: &Fit) -> Option<String> {
     let mut strained: Vec<_> = fit
         .tolerances
@@ -93,7 +93,7 @@ pub(super) fn strained(fit: &Fit) -> Option<String> {
     })
 }
 
-/// Two digits.
+/// Formats a number with two digits.
 fn digits(value: f64) -> String {
     super::number(value, Some(value.abs() * 0.1))
 }
@@ -108,7 +108,7 @@ mod tests {
     use crate::lead;
     use admire_identify::{Fit, ToleranceFound};
 
-    /// A fit whose noise grew twenty times is no model that explains the readings.
+    /// A fit whose noise grew to twenty times its usual size does not explain the readings.
     #[test]
     fn sizes_beyond_their_priors_come_first() {
         let mut fit = Fit {

@@ -2,7 +2,7 @@ use std::fmt::Write as _;
 
 use super::escape;
 
-/// Values over two lists of names, as coloured cells: blue below zero, red above.
+/// Map of values over two lists of names as coloured cells: blue below zero, red above.
 #[derive(Clone, Debug)]
 pub(crate) struct HeatMap {
     /// Title.
@@ -11,11 +11,11 @@ pub(crate) struct HeatMap {
     pub rows: Vec<String>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// One list per row; `None` where there is no value.
+    /// Values, one list for each row; `None` where there is no value.
     pub values: Vec<Vec<Option<f64>>>,
-    /// The value of full colour.
+    /// Value at which a cell has full colour.
     pub limit: f64,
-    /// What the values are, with the unit.
+    /// Quantity shown, with its unit.
     pub what: String,
 }
 
@@ -24,7 +24,7 @@ const LEFT: usize = 170;
 const TOP: usize = 120;
 
 impl HeatMap {
-    /// The picture as an `<svg>` element. Each cell tells its value when pointed at.
+    /// Draws the map as an `<svg>` element. Each cell shows its value as a tooltip.
     pub(crate) fn svg(&self) -> String {
         let width = LEFT + self.columns.len() * CELL.0 + 30;
         let height = TOP + self.rows.len() * CELL.1 + 40;
@@ -74,7 +74,7 @@ impl HeatMap {
         out
     }
 
-    /// The data behind the picture: a line per row.
+    /// Returns the data of the map as CSV, one line for each row.
     pub(crate) fn csv(&self) -> String {
         let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let mut out = quoted(&self.what);
@@ -93,7 +93,7 @@ impl HeatMap {
         out
     }
 
-    /// The colour of a value and how strongly it covers the page: nothing for zero, in light and dark alike.
+    /// Returns the colour of a value, and its opacity: transparent for zero, on light and dark pages alike.
     fn colour(&self, value: f64) -> (&'static str, f64) {
         let share = (value / self.limit.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0);
         let full = if share < 0.0 {

@@ -1,4 +1,4 @@
-//! The page of an identification.
+//! Page of an identification.
 
 use super::convergence::convergence;
 use super::headline::strained;
@@ -13,24 +13,24 @@ use admire_identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
 use admire_results::Timestamp;
 use admire_syntax::text::Decimals;
 
-/// The colour of values that are known from elsewhere: that of no model.
+/// Colour index of reference values, which no model uses.
 const REFERENCE: usize = 4;
 
-/// What the page shows beside the fit.
+/// Report of an identification.
 #[derive(Clone, Debug)]
 pub struct IdentificationReport<'a> {
-    /// The study.
+    /// Study.
     pub loaded: &'a LoadedStudy,
-    /// The answer.
+    /// Result of the fit.
     pub fit: &'a Fit,
-    /// The identified deck's edits as a diff.
+    /// Edits of the identified deck, as a diff.
     pub diff: &'a str,
-    /// Where the model stands with its initial and with its identified numbers, as far as the solver told.
+    /// Poses of the model with its initial and its identified numbers, where equilibria were found.
     pub positions: &'a [Positions],
 }
 
 impl IdentificationReport<'_> {
-    /// The whole page.
+    /// Creates the page.
     ///
     /// # Errors
     /// When a picture cannot be drawn.
@@ -177,7 +177,7 @@ impl IdentificationReport<'_> {
                 );
             }
             cells.push(match parameter.status {
-                // The word of the JSON is too wide for a column.
+                // The JSON word is too wide for a column.
                 Status::Unidentifiable => unbroken("not determined"),
                 other => unbroken(status(other)),
             });
@@ -204,7 +204,7 @@ impl IdentificationReport<'_> {
         table
     }
 
-    /// `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)` where the deck names its bushings.
+    /// Returns the name of a parameter: `A (BUSHING/1.K.1) = A (BUSHING/1.K.2)` where the deck names its bushings.
     fn named(&self, parameter: &ParameterFit) -> String {
         std::iter::once(&parameter.address)
             .chain(&parameter.tied)
@@ -223,7 +223,7 @@ impl IdentificationReport<'_> {
         }
     }
 
-    /// `A (BUSHING/1)` and `K.1` of `BUSHING/1.K.1`.
+    /// Splits an address into element and number: `BUSHING/1.K.1` into `A (BUSHING/1)` and `K.1`.
     fn element_and_number(&self, address: &str) -> (String, String) {
         let (element, number) = address.split_once('.').unwrap_or((address, ""));
         let name = self.loaded.model.bushings.iter().find(|bushing| {
@@ -236,7 +236,7 @@ impl IdentificationReport<'_> {
         (element, number.to_string())
     }
 
-    /// Where the page comes from.
+    /// Lists the origin of the page: study, deck, date, version, cases, units and inputs.
     fn origin(&self) -> Vec<(&'static str, String)> {
         let study = &self.loaded.study;
         let measurement = &self.loaded.measurement;
@@ -274,7 +274,7 @@ impl IdentificationReport<'_> {
         ]
     }
 
-    /// Force against deflection of every bushing that holds an identified number.
+    /// Draws force over deflection of every bushing with an identified number.
     fn laws(&self, page: &mut Page, figures: &StudyFigures<'_>) -> Result<(), DrawingError> {
         let problem = self.loaded.problem();
         let (initial, values) = (problem.initial(), self.fit.values());
@@ -360,7 +360,7 @@ impl IdentificationReport<'_> {
             let (before, after) = (wheel.steer_deg_rms_before, wheel.steer_deg_rms_after);
             rows.push(("steer, rms, deg".into(), Some(before), Some(after)));
         }
-        // A column for the model as it was only where something is known of it.
+        // The column of the initial model is shown only where there are values for it.
         let compared = rows.iter().any(|(_, before, _)| before.is_some());
         let mut columns = vec![("", Align::Left)];
         if compared {
@@ -377,7 +377,7 @@ impl IdentificationReport<'_> {
 }
 
 impl IdentificationReport<'_> {
-    /// The tolerances that the intervals allow for.
+    /// Adds the tolerances included in the intervals.
     fn tolerances(&self, page: &mut Page) {
         if self.fit.tolerances.is_empty() {
             return;
@@ -400,7 +400,7 @@ impl IdentificationReport<'_> {
         );
     }
 
-    /// What is left of the readings, and whether it looks like noise.
+    /// Adds the residuals, and the tests of whether they look like noise.
     fn tests(&self, page: &mut Page) {
         let Some(test) = &self.fit.fit_test else {
             return;
@@ -443,7 +443,7 @@ impl IdentificationReport<'_> {
     }
 }
 
-/// The answer in a few sentences; what stands against it comes first.
+/// Returns the result in a few sentences, objections first.
 pub fn lead(fit: &Fit) -> String {
     let of = |status: Status| {
         fit.parameters
@@ -476,7 +476,7 @@ pub fn lead(fit: &Fit) -> String {
     } else if misfit {
         vec![explained, found]
     } else if structured.is_some() {
-        // A chi-square that is small enough does not excuse what is left from looking like something.
+        // Structure in the residuals is an objection even if chi-square is small.
         vec![found]
     } else {
         vec![found, explained]
@@ -502,7 +502,7 @@ pub fn lead(fit: &Fit) -> String {
     sentences.join(" ")
 }
 
-/// What the test of the fit says.
+/// Describes the result of the goodness-of-fit test.
 fn explained(fit: &Fit) -> String {
     let Some(test) = &fit.fit_test else {
         let rms = fit.marks.and_then(|marks| marks.rms);
@@ -529,7 +529,7 @@ fn explained(fit: &Fit) -> String {
     }
 }
 
-/// A p-value for a person.
+/// Formats a p-value for readers.
 fn probability(p: f64) -> String {
     if p < 1e-300 {
         "0".to_string()
@@ -553,7 +553,7 @@ fn interval(parameter: &ParameterFit) -> String {
     format!("{} … {}", digits(low), digits(high))
 }
 
-/// A word for a person.
+/// Returns the status in words; empty for identified numbers.
 pub fn status(status: Status) -> &'static str {
     match status {
         Status::Identified => "",

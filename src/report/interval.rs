@@ -1,19 +1,20 @@
 use std::fmt::Write as _;
 
-/// Width and height of the picture of one interval.
+/// Width and height of an interval's picture, in pixels.
 const SIZE: (f64, f64) = (170.0, 20.0);
 
-/// Intervals of numbers on one logarithmic scale, each over its estimate: how well numbers of very different size are known.
+/// Shared logarithmic scale for intervals relative to their estimates. It makes parameters of very different size comparable.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IntervalScale {
-    /// The scale reaches from one over this to this.
+    /// Upper end of the scale; the lower end is its reciprocal.
     reach: f64,
-    /// Class of the colour of the interval.
+    /// Colour class of the intervals.
     colour: &'static str,
 }
 
 impl IntervalScale {
-    /// A scale for these 95 percent intervals over their estimates; wider ones than a factor of ten end in arrows.
+    /// Creates a scale for the ends of 95 percent intervals relative to their estimates. Intervals wider than a factor of ten end in
+    /// arrows.
     pub(crate) fn over(ratios: impl Iterator<Item = f64>) -> Self {
         let widest = ratios
             .filter(|ratio| *ratio > 0.0 && ratio.is_finite())
@@ -26,20 +27,19 @@ impl IntervalScale {
         }
     }
 
-    /// The same in another colour.
+    /// Returns the same scale in another colour.
     pub(crate) const fn coloured(self, colour: &'static str) -> Self {
         Self { colour, ..self }
     }
 
-    /// The ends of the scale, for the head of its column.
+    /// Returns the ends of the scale as text, for the heading of its column.
     pub(crate) fn ends(&self) -> String {
         let reach = shown(self.reach);
         format!("÷{reach} … ×{reach}")
     }
 
-    /// The interval as a bar with the estimate as a dot in the middle, and the reference value as a diamond in a colour of the
-    /// style sheet. A side without a bound, or one
-    /// beyond the scale, ends in an arrow.
+    /// Draws an interval as a bar, the estimate as a dot in the middle, and the reference value as a diamond in a colour of the style
+    /// sheet. A side that is unbounded or beyond the scale ends in an arrow.
     pub(crate) fn svg(
         &self,
         low: Option<f64>,

@@ -6,37 +6,37 @@ use admire_kc::{
 };
 use admire_syntax::units::Units;
 
-/// A curve that was measured, in the units of the deck and radians.
+/// Measured curve in the units of the deck and radians.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MeasuredCurve {
     /// Name of the test.
     pub test: String,
-    /// Name of the characteristic: `toe_angle.left`.
+    /// Path of the characteristic, such as `toe_angle.left`.
     pub path: String,
-    /// Value of the test's variable, value of the characteristic; in the order driven.
+    /// Values of the test's variable and of the characteristic, in the order driven.
     pub points: Vec<(f64, f64)>,
 }
 
-/// What the page of K&C tests shows.
+/// Report of K&C tests.
 #[derive(Debug)]
 pub struct KcReport<'a> {
-    /// The deck.
+    /// Name of the deck.
     pub deck: &'a str,
-    /// Its run.
+    /// Run of the deck.
     pub run: &'a KcRun,
-    /// Other decks with their names, under the same tests.
+    /// Runs of other decks under the same tests, with their names.
     pub others: &'a [(String, KcRun)],
-    /// Measurements.
+    /// Measured curves.
     pub measured: &'a [MeasuredCurve],
     /// Units of the deck.
     pub units: &'a Units,
-    /// Axes of the answer.
+    /// Axes in which results are given.
     pub convention: Convention,
-    /// What is given and chosen, by name.
+    /// Inputs and choices, by name.
     pub facts: &'a [(&'a str, String)],
 }
 
-/// Curves of each test: names of the left and right reading, what to call the picture.
+/// Curves of each test: request, left and right component, and title.
 const CURVES: [(&str, [&str; 2], &str); 7] = [
     ("toe_angle", ["left", "right"], "Toe"),
     ("camber_angle", ["left", "right"], "Camber"),
@@ -63,7 +63,7 @@ const CURVES: [(&str, [&str; 2], &str); 7] = [
     ),
 ];
 
-/// Single readings of the axle that are shown over the tests that drive heights.
+/// Readings of the axle shown over the tests that drive heights: request, component, and title.
 const MIGRATION: [(&str, &str, &str); 2] = [
     ("roll_center_location", "vertical", "Roll centre height"),
     (
@@ -73,7 +73,7 @@ const MIGRATION: [(&str, &str, &str); 2] = [
     ),
 ];
 
-/// What is shown of ride height.
+/// Requests shown in the table of ride height.
 const AT_RIDE_HEIGHT: [&str; 22] = [
     "toe_angle",
     "camber_angle",
@@ -99,10 +99,10 @@ const AT_RIDE_HEIGHT: [&str; 22] = [
     "anti_squat_acceleration",
 ];
 
-/// So many digits are enough for a sentence.
+/// Number of digits in a sentence.
 const LEAD: i32 = 3;
 
-/// The name of a request as people say it.
+/// Returns a readable name for a request.
 fn called(entity: &str) -> String {
     match entity {
         "kingpin_incl_angle" => "kingpin inclination".to_string(),
@@ -121,12 +121,12 @@ fn called(entity: &str) -> String {
     }
 }
 
-/// Five digits.
+/// Formats a number with five digits; empty if not finite.
 fn digits(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    // Round-off of angles and lengths.
+    // Smaller values are round-off of angles and lengths.
     let value = if value.abs() < 1e-11 { 0.0 } else { value };
     let size = value.abs();
     if size != 0.0 && !(1e-3..1e6).contains(&size) {
@@ -140,7 +140,7 @@ fn digits(value: f64) -> String {
     format!("{value:.*}", places as usize)
 }
 
-/// A share in percent; nothing where there is one wheel.
+/// Formats a share in percent; empty for a single wheel.
 fn percent(share: f64) -> String {
     if share.is_finite() {
         format!("{:.1} %", 100.0 * share + 0.0)
@@ -154,7 +154,7 @@ fn reading<'s>(sample: &'s Sample, entity: &str, component: &str) -> Option<&'s 
     all.find(|reading| reading.entity == entity && reading.component == component)
 }
 
-/// True if the way back lies on the way there, to a thousandth of what is drawn.
+/// Returns true if the two branches coincide, to a thousandth of the plotted range.
 fn one_curve(up: &[(f64, f64)], down: &[(f64, f64)]) -> bool {
     let values = || up.iter().map(|point| point.1);
     let (least, most) = (
@@ -170,7 +170,7 @@ fn one_curve(up: &[(f64, f64)], down: &[(f64, f64)]) -> bool {
 }
 
 impl KcReport<'_> {
-    /// The page. `footer` says what made it.
+    /// Creates the page. `footer` names the program that made it.
     ///
     /// # Errors
     /// When a picture cannot be drawn.
@@ -310,7 +310,7 @@ impl KcReport<'_> {
         ));
         let mut figures = Vec::new();
         for (entity, components, title) in CURVES {
-            // Where heights are held they are what is driven.
+            // Where heights are held, wheel travel is the input.
             if entity == "wheel_travel" && settings.hold == admire_kc::Hold::Height {
                 continue;
             }
@@ -331,7 +331,7 @@ impl KcReport<'_> {
         Ok(())
     }
 
-    /// One picture, unless nothing moves in it: a constant says nothing.
+    /// Draws one chart; `None` if all its curves are constant, because they carry no information.
     fn curve(
         &self,
         test: &TestRun,
@@ -502,7 +502,7 @@ impl KcReport<'_> {
     }
 }
 
-/// The wheels of a symmetric axle in phase: one line for both.
+/// Merges the curves of both wheels where they coincide, as on a symmetric axle with the wheels in phase.
 fn merge_sides(series: &mut Vec<Series>) {
     let mut at = 0;
     while at < series.len() {

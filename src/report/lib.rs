@@ -1,10 +1,10 @@
 //! Self-contained HTML pages with tables and SVG pictures.
 //!
-//! [`Page`] is put together from [`Table`]s and [`Figure`]s; [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are whole
-//! pages, [`scene`] the view of a model in three dimensions. Knows results and how a person reads them; neither solvers nor files. Every
-//! text that comes from a study is escaped.
+//! [`Page`] is assembled from [`Table`]s and [`Figure`]s. [`IdentificationReport`], [`DiagnosisReport`] and [`KcReport`] are complete
+//! pages, and [`scene`] is the three-dimensional view of a model. This crate displays results; it neither solves nor writes files. Every
+//! text from a study is escaped.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -75,15 +75,15 @@ pub use topology_graph::TopologyGraph;
 
 pub use admire_syntax::units::short_unit;
 
-/// The version of this program with the commit it was built from.
+/// Version of this program, with the commit it was built from.
 pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("ADMIRE_COMMIT"), ")");
 
-/// Why a picture could not be drawn.
+/// Reason why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot draw the picture '{title}': {reason}")]
 pub struct DrawingError {
     /// Title of the picture.
     pub title: String,
-    /// What the drawing library said.
+    /// Message of the drawing library.
     pub reason: String,
 }

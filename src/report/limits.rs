@@ -1,14 +1,14 @@
-//! What the readings cannot see, as tables.
+//! Detection limits as tables.
 
 use super::ranking::unit;
 use super::{Align, Scene, Table, number, short_unit};
 use admire_diagnosis::{Cause, CauseLimit, Diagnosis};
 use admire_identify::LoadedStudy;
 
-/// Higher terms of laws; the limit of the first term says more.
+/// Higher-order terms of laws. They are omitted, because the limit of the first term is more informative.
 const HIGHER: [&str; 4] = ["quadratic", "quintic", "hardening", "growth"];
 
-/// How far off each point has to be.
+/// Tabulates the smallest detectable displacement of each point.
 pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("point", Align::Left),
@@ -25,7 +25,7 @@ pub(crate) fn of_points(diagnosis: &Diagnosis, scene: &Scene) -> Table {
     table
 }
 
-/// How large all other causes have to be: a line for each kind of number.
+/// Tabulates the smallest detectable size of all other causes, one line for each kind of number.
 pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
@@ -38,7 +38,7 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         ("not seen", Align::Right),
     ]);
     let all = &diagnosis.cause_limits;
-    // One line holds one unit: moments of a bushing are no forces, a rate is no length.
+    // Each line has a single unit. Moments of a bushing are separate from forces, and rates from lengths.
     let of = |limit: &CauseLimit| {
         let own = limit.number.as_str();
         let argument = limit.address.split('.').nth(1).unwrap_or_default();

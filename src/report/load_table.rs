@@ -1,4 +1,4 @@
-//! Whether the marks follow the table of loads: exchanged cases and columns of another sign or unit show before any fit.
+//! Check of whether the marks follow the table of loads. It reveals exchanged cases, and columns of wrong sign or unit, before any fit.
 
 use std::collections::BTreeMap;
 
@@ -8,18 +8,20 @@ use super::check::Verdict;
 use admire_identify::LoadedStudy;
 use admire_study::Case;
 
-/// Marks move against the model with a load below this cosine between the two motions, and with it above its negative.
+/// Cosine between measured and predicted motion under a load. Below it, the marks move against the model; above its negative, they move
+/// with the model.
 const AGAINST: f64 = -0.5;
-/// Loads in another unit are off by a factor between these: newtons and kilonewtons.
+/// Range of the ratio of motions that suggests confused units, such as newtons and kilonewtons.
 const THOUSAND: (f64, f64) = (300.0, 3000.0);
-/// Two cases are exchanged if what their loads leave unexplained falls below this part when they change places.
+/// Largest share of the unexplained motion that may remain after swapping two cases, for them to count as exchanged.
 const EXCHANGED: f64 = 0.25;
-/// So many more cases than functions of the loads tell.
+/// Number of cases required beyond the number of functions of the loads.
 const SPARE: usize = 4;
-/// Directions of functions of the loads that are shorter than this part of the longest are none.
+/// Relative singular value below which a direction of the functions of the loads counts as zero.
 const NONE: f64 = 1e-6;
 
-/// What is odd of loads and marks, beside what the model predicts at the start values where that says something.
+/// Returns the suspicious findings about loads and marks. The comparison with the prediction at the start values is included where it is
+/// meaningful.
 pub(super) fn odd_loads(
     loaded: &LoadedStudy,
     predicted: Option<&[Case]>,
@@ -30,7 +32,7 @@ pub(super) fn odd_loads(
     out
 }
 
-/// Loads with which the marks move against the model, or a thousand times as far.
+/// Finds the loads under which the marks move against the model, or about a thousand times as far or as little.
 fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, String)>> {
     let to = &loaded.measurement;
     let cases: Vec<usize> = to.fitted_cases().collect();
@@ -70,7 +72,7 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
     Some(out)
 }
 
-/// Two cases whose marks fit each other's loads.
+/// Finds two cases whose marks fit each other's loads.
 fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     let to = &loaded.measurement.cases;
     let cases: Vec<usize> = (0..to.len()).collect();
@@ -82,13 +84,14 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
         (cases.len() >= rank + SPARE).then(|| turn.u.map(|u| u.columns(0, rank).into_owned()))?
     };
     let U = enough(true).or_else(|| enough(false))?;
-    // What no function of the loads explains, M Y, with M = I - U U'.
+    // M Y is the part of the motion that no function of the loads explains, with M = I - U U'.
     let left = &Y - &U * (U.transpose() * &Y);
     let before = left.norm_squared();
     let mut best: Option<(f64, usize, usize)> = None;
     for a in 0..cases.len() {
         for b in a + 1..cases.len() {
-            // With d the difference of the two rows and u their places, the sum of squares of M (Y + u d').
+            // With d the difference of the two rows and u the difference of their unit vectors, the new sum of squares is that of M (Y + u
+            // d').
             let d = Y.row(b) - Y.row(a);
             let along = d.dot(&(left.row(a) - left.row(b)));
             let own = (U.row(a) - U.row(b)).norm_squared();
@@ -105,7 +108,7 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     })
 }
 
-/// Loads that are not the same in all cases.
+/// Returns the indices of the loads that differ between cases.
 fn varying(all: &[Case], cases: &[usize]) -> Vec<usize> {
     let count = all.first().map_or(0, |case| case.loads.len());
     let is_constant = |load: &usize| {
@@ -116,7 +119,7 @@ fn varying(all: &[Case], cases: &[usize]) -> Vec<usize> {
     (0..count).filter(|load| !is_constant(load)).collect()
 }
 
-/// One row per case: one, the loads in parts of their largest values, and their products if asked.
+/// Builds one row for each case: 1, the loads relative to their largest values, and optionally their products.
 fn functions(all: &[Case], cases: &[usize], loads: &[usize], products: bool) -> DMatrix<f64> {
     let largest = |load: usize| {
         let values = cases.iter().map(|k| all[*k].loads[load].abs());
@@ -139,7 +142,7 @@ fn functions(all: &[Case], cases: &[usize], loads: &[usize], products: bool) -> 
     DMatrix::from_rows(&rows)
 }
 
-/// One row per case: the coordinates of the marks that were read in all of them; `None` if there are none.
+/// Builds one row for each case: the coordinates of the marks that were read in all cases; `None` if there are none.
 fn coordinates(all: &[Case], cases: &[usize]) -> Option<DMatrix<f64>> {
     let mut columns: BTreeMap<(usize, usize, usize), Vec<f64>> = BTreeMap::new();
     for case in cases {

@@ -1,10 +1,10 @@
-//! How exact marks are before any fit: by the rigid parts that carry them, and by loads that were applied again.
+//! Precision of the marks before any fit, estimated from the rigid parts that carry them and from repeated loads.
 
 use admire_identify::global::{Observed, SeenMark};
 use admire_identify::{LoadedStudy, meet_marks};
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// Sd of a coordinate that the fits of rigid parts to their marks show; fits that stand out are left out.
+/// Returns the standard deviation of a mark coordinate, from fits of rigid parts to their marks. Outlying fits are left out.
 pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     let to = &loaded.measurement;
     let mut spreads: Vec<(f64, usize)> = Vec::new();
@@ -28,8 +28,8 @@ pub(super) fn rigidity(loaded: &LoadedStudy) -> Option<f64> {
     (dof >= 6).then(|| (squares / dof as f64).sqrt())
 }
 
-/// Sd of a coordinate that cases with the same loads show, motions left out that nothing resists, and how many of them follow another of the
-/// same loads.
+/// Returns the standard deviation of a mark coordinate, from cases with the same loads, and the number of such pairs of cases.
+/// Zero-stiffness motions between the cases are removed.
 pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
     let cases = &loaded.measurement.cases;
     let (mut squares, mut count, mut pairs) = (0.0, 0_usize, 0);
@@ -53,11 +53,12 @@ pub(super) fn repeats(loaded: &LoadedStudy) -> Option<(f64, usize)> {
             }
         }
     }
-    // A difference has twice the variance of a reading.
+    // A difference of two readings has twice the variance of one reading.
     (count > 0).then(|| ((squares / (2 * count) as f64).sqrt(), pairs))
 }
 
-/// How each marked part has moved freely between two cases with the same loads; `None` of one that may have and has too few marks to tell.
+/// Returns the free motion of each marked part between two cases with the same loads. `None` for a part with a free motion but too few
+/// marks to determine it.
 fn moved(loaded: &LoadedStudy, [first, second]: [usize; 2]) -> Vec<Option<Pose>> {
     let (to, free) = (&loaded.measurement, &loaded.free);
     let before: Vec<Option<Pose>> = (0..to.parts.len())

@@ -1,15 +1,16 @@
-//! Whether the measured marks are a mirror image: one coordinate with the other sign, or two of them exchanged.
+//! Check of whether the measured marks are a mirror image: one coordinate with the wrong sign, or two coordinates exchanged.
 
 use super::mark_scatter::rigidity;
 use admire_identify::LoadedStudy;
 use admire_solver::mechanics::Vec3;
 
-/// A mirror image is no rigid part: mended, the marks of parts scatter by less than this part.
+/// Largest scatter of the corrected marks on their parts, relative to the uncorrected scatter, that proves a mirror image. A mirror image
+/// does not fit a rigid part.
 const RIGID: f64 = 0.2;
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// What mends the marks, if they are a mirror image. Every mirror makes the parts rigid; the one that was meant leaves them nearest to their
-/// places in the deck.
+/// Returns the correction if the marks are a mirror image. Every reflection makes the parts rigid again; the chosen correction brings the
+/// marks nearest to their positions in the deck.
 pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
     let before = rigidity(loaded)?;
     let mends = |change: &dyn Fn(&Vec3) -> Vec3| {
@@ -57,7 +58,7 @@ pub(super) fn mirrored(loaded: &LoadedStudy) -> Option<String> {
     ))
 }
 
-/// How far the marks are from where the deck has them, rms.
+/// Returns the rms distance of the marks from their positions in the deck.
 fn from_deck(loaded: &LoadedStudy) -> f64 {
     let to = &loaded.measurement;
     let (mut squares, mut count) = (0.0, 0_usize);

@@ -1,9 +1,9 @@
-/// A short text that stays on one line.
+/// Makes a short text unbreakable.
 pub(super) fn unbroken(text: &str) -> String {
     text.replace(' ', "\u{a0}")
 }
 
-/// A value with no more digits than its standard error deserves: two digits of the error.
+/// Formats a value to the precision of its standard error: two digits of the error. Without an error, six digits.
 pub fn number(value: f64, std_error: Option<f64>) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -17,7 +17,7 @@ pub fn number(value: f64, std_error: Option<f64>) -> String {
     rounded(value, digits as i32)
 }
 
-/// What becomes of an error, three digits each: `falls from 0.48 to 0.05`; `stays at 0.05` where nobody sees a difference.
+/// Describes the change of an error, with three digits each: `falls from 0.48 to 0.05`, or `stays at 0.05` for a negligible change.
 pub(super) fn change(before: f64, after: f64) -> String {
     let digits = |value: f64| number(value, Some(value.abs() * 0.1));
     let (from, to) = (digits(before), digits(after));

@@ -4,19 +4,19 @@ use super::escape::{escape, prose};
 use super::scene::{CLIENT, CLIENT_STYLE};
 use super::{Figure, Scene, Table};
 
-/// One page, built from top to bottom. It refers to nothing outside of itself.
+/// HTML page, built from top to bottom. It is self-contained and refers to no other file.
 #[derive(Debug)]
 pub struct Page {
     title: String,
     body: String,
-    /// Whether the client of the three-dimensional view is needed.
+    /// True if the page needs the script of the three-dimensional view.
     scenes: bool,
 }
 
 const STYLE: &str = include_str!("page.css");
 
 impl Page {
-    /// A page with a title and, under it, the answer in a sentence or two.
+    /// Creates a page with a title and, below it, the result in a sentence or two.
     pub fn new(title: &str, lead: &str) -> Self {
         let mut page = Self {
             title: title.to_string(),
@@ -37,25 +37,25 @@ impl Page {
             .expect("writing into a String cannot fail");
     }
 
-    /// A heading.
+    /// Adds a heading.
     pub fn heading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h2>{}</h2>\n", escape(text)));
         self
     }
 
-    /// A paragraph.
+    /// Adds a paragraph.
     pub(crate) fn paragraph(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p>{}</p>\n", prose(text)));
         self
     }
 
-    /// A paragraph of small print.
+    /// Adds a paragraph in small print.
     pub fn note(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<p class=\"note\">{}</p>\n", prose(text)));
         self
     }
 
-    /// A list of sentences.
+    /// Adds a list of sentences.
     pub(crate) fn list(&mut self, items: &[String]) -> &mut Self {
         self.body.push_str("<ul>\n");
         for item in items {
@@ -65,19 +65,19 @@ impl Page {
         self
     }
 
-    /// Text as it is, for example a diff.
+    /// Adds preformatted text, for example a diff.
     pub(crate) fn verbatim(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<pre>{}</pre>\n", escape(text)));
         self
     }
 
-    /// A table.
+    /// Adds a table.
     pub fn table(&mut self, table: &Table) -> &mut Self {
         self.push(format_args!("<div class=\"wide\">{}</div>\n", table.html()));
         self
     }
 
-    /// Names and values, for example where a page comes from.
+    /// Adds names with values, for example the origin of the page.
     pub fn facts(&mut self, facts: &[(&str, String)]) -> &mut Self {
         self.body.push_str("<dl class=\"facts\">\n");
         for (name, value) in facts {
@@ -91,20 +91,20 @@ impl Page {
         self
     }
 
-    /// A heading inside of a section.
+    /// Adds a heading within a section.
     pub fn subheading(&mut self, text: &str) -> &mut Self {
         self.push(format_args!("<h3>{}</h3>\n", escape(text)));
         self
     }
 
-    /// One picture over the whole width.
+    /// Adds one picture over the full width.
     pub(crate) fn add(&mut self, figure: &Figure) -> &mut Self {
         self.body
             .push_str(&format!("<div class=\"wide\">{}</div>\n", figure.html()));
         self
     }
 
-    /// Pictures side by side where there is room.
+    /// Adds pictures, side by side where there is room.
     pub fn figures(&mut self, figures: &[Figure]) -> &mut Self {
         self.body.push_str("<div class=\"figures\">\n");
         for figure in figures {
@@ -114,19 +114,19 @@ impl Page {
         self
     }
 
-    /// A picture in three dimensions.
+    /// Adds a three-dimensional view.
     pub(crate) fn scene(&mut self, scene: &Scene) -> &mut Self {
         self.scenes = true;
         self.body.push_str(&scene.html(false));
         self
     }
 
-    /// The whole page as one file. `footer` says what made it and from what.
+    /// Returns the page as one file. `footer` names the program and its inputs.
     pub fn finish(self, footer: &str) -> String {
         self.written("", footer)
     }
 
-    /// A page that is one picture in three dimensions and fills the window.
+    /// Creates a page with a single three-dimensional view that fills the window.
     pub fn of_scene(scene: &Scene, lead: &str, footer: &str) -> String {
         let mut page = Self::new(&scene.title, lead);
         page.scenes = true;

@@ -1,4 +1,4 @@
-//! What a study looks like before anything is fitted: what was found, in which units, and whether it can be meant.
+//! Overview of a study before any fit: its contents, their units, and whether they are plausible.
 
 use nalgebra::DMatrix;
 
@@ -18,28 +18,29 @@ use admire_solver::model::lint::implausible_units;
 use admire_study::settings::BackendChoice;
 use admire_syntax::diagnostic::Severity;
 
-/// The table.
+/// Plausibility table.
 #[derive(Clone, Default, PartialEq, Debug)]
 pub struct Plausibility {
-    /// Line by line.
+    /// Lines of the table.
     pub checks: Vec<Check>,
 }
 
-/// The marks show so many times the stated noise: the study states another unit, or the noise of another sensor.
+/// Ratio of observed to stated mark noise beyond which the study is certainly wrong: it states another unit, or the noise of another
+/// sensor.
 const NOISE_IMPOSSIBLE: f64 = 20.0;
-/// So many times more or less is worth a look.
+/// Ratio of observed to stated mark noise beyond which the noise is doubtful; its reciprocal applies to overstated noise.
 const NOISE_DOUBTFUL: f64 = 2.0;
-/// A mechanism on a test rig is between these sizes, in metres.
+/// Plausible size of a mechanism on a test rig, in metres.
 const SIZE: (f64, f64) = (0.02, 50.0);
-/// All its moving parts together weigh between these, in kilograms.
+/// Plausible total mass of the moving parts, in kilograms.
 const MASS: (f64, f64) = (1e-3, 1e5);
-/// Rubber, joints and links: stiffness in newtons per metre.
+/// Plausible stiffness of rubber, joints and links, in newtons per metre.
 const STIFFNESS: (f64, f64) = (1.0, 1e11);
-/// Marks that move by fewer of their own noise tell nothing.
+/// Smallest motion of a mark, in units of its noise, that carries information.
 const MOVED: f64 = 3.0;
 
 impl Plausibility {
-    /// Looks at a study; the forecast solves all load cases once with the start values, and slips are looked for by short fits.
+    /// Checks a study. The forecast solves all load cases once at the start values; slips are found by short fits.
     pub fn of(loaded: &LoadedStudy) -> Self {
         let mut table = Self::default();
         table.loads(loaded);
@@ -58,7 +59,7 @@ impl Plausibility {
         table
     }
 
-    /// Why this study is not fitted unless that is forced.
+    /// Returns the reason why this study is refused unless a fit is forced; `None` if it is acceptable.
     pub fn refusal(&self) -> Option<String> {
         let wrong = self.checks.iter();
         let wrong = wrong.filter(|check| check.verdict == Verdict::Impossible);
@@ -66,14 +67,14 @@ impl Plausibility {
         (!why.is_empty()).then(|| format!("this cannot be meant: {}", why.join("; ")))
     }
 
-    /// True if nothing speaks against a fit.
+    /// Returns true if no check forbids a fit.
     pub fn allows_a_fit(&self) -> bool {
         self.checks
             .iter()
             .all(|check| check.verdict != Verdict::Impossible)
     }
 
-    /// Adds a line; what is plausible needs no reason.
+    /// Adds a line. The reason is dropped if the verdict is plausible.
     pub(super) fn add(
         &mut self,
         what: &'static str,
@@ -167,7 +168,7 @@ impl Plausibility {
         }
     }
 
-    /// Gradients and widths of loops: each is one reading of several cases.
+    /// Checks gradients and loop widths; each is one reading derived from several cases.
     fn summaries(&mut self, loaded: &LoadedStudy) {
         let to = &loaded.measurement;
         let (mut told, mut missing) = (Vec::new(), 0);
@@ -197,7 +198,7 @@ impl Plausibility {
         );
     }
 
-    /// So many readings of as many as there could be.
+    /// Adds a line with the number of readings, out of the full number.
     fn counted(&mut self, what: &'static str, of: String, read: usize, full: usize) {
         let verdict = if 2 * read < full {
             Verdict::Doubtful
@@ -395,7 +396,7 @@ impl Plausibility {
         );
     }
 
-    /// What the deck leaves open and no reading is compared along.
+    /// Lists the zero-stiffness motions of the deck, along which no reading is compared.
     fn free_motions(&mut self, loaded: &LoadedStudy) {
         let sentences = loaded.free.sentences();
         if !sentences.is_empty() {
@@ -403,8 +404,9 @@ impl Plausibility {
         }
     }
 
-    /// How well each number sought would be known if the start values were true, and what is odd of the readings beside them. Where it
-    /// `is_settled`, by a slip or because a fit explains them, the start values accuse nothing.
+    /// Forecasts how well each unknown will be determined if the start values are true, and reports discrepancies between them and the
+    /// readings. If `is_settled`, because of a slip or because a fit explains the readings, the start values are not used as evidence
+    /// against the readings.
     fn forecast(&mut self, loaded: &LoadedStudy, is_settled: bool) {
         let count = loaded.unknowns.len();
         if loaded.study.solver.backend != BackendChoice::Native {
@@ -482,19 +484,19 @@ impl Plausibility {
     }
 }
 
-/// What the start values say.
+/// Results at the start values.
 struct Forecast {
-    /// Posterior sd of ln K of each number sought, linearised there.
+    /// Posterior standard deviation of ln K of each unknown, linearised at the start values.
     sd: Vec<f64>,
-    /// Channels that move as the model does, and what is odd of others.
+    /// Number of channels that follow the model, and findings about the others.
     channels: Option<(usize, Vec<String>)>,
-    /// What is odd of the place of all marks.
+    /// Finding about the common position of all marks.
     odd_frame: Option<(Verdict, String)>,
-    /// What is odd of loads, by how the marks move.
+    /// Findings about the loads, from the motion of the marks.
     odd_loads: Vec<(Verdict, String)>,
 }
 
-/// `None` where the start values have no equilibrium in some load case.
+/// Computes the forecast; `None` if some load case has no equilibrium at the start values.
 fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     let problem = loaded.problem();
     let prepared = Prepared::new(&problem).ok()?;
@@ -511,7 +513,7 @@ fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     let channels = agreement(loaded, rows, there.residual.as_slice());
     let predicted = global.observations.predicted(&there.residual);
     let odd_frame = odd_frame(loaded, &predicted).filter(|_| !is_settled);
-    // Loads are compared in the deck's frame.
+    // Loads can be compared only if the marks are in the deck's frame.
     let odd_loads = if odd_frame.is_none() {
         let predicted = (!is_settled).then_some(predicted.as_slice());
         odd_loads(loaded, predicted)
@@ -526,7 +528,7 @@ fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
             odd_loads,
         });
     }
-    // In units of each prior the information of the priors is the identity.
+    // In units of the prior standard deviations, the prior information is the identity.
     let sd: Vec<f64> = global
         .priors()
         .iter()
@@ -547,7 +549,7 @@ fn forecast(loaded: &LoadedStudy, is_settled: bool) -> Option<Forecast> {
     })
 }
 
-/// The diagonal of the box that holds these points.
+/// Returns the diagonal of the bounding box of these points.
 fn diagonal(points: &[Vec3]) -> f64 {
     let Some(first) = points.first() else {
         return 0.0;
@@ -568,7 +570,7 @@ fn most(values: &[f64]) -> Option<f64> {
     values.iter().copied().max_by(f64::total_cmp)
 }
 
-/// Three digits that count.
+/// Formats a number with three significant digits.
 fn short(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");

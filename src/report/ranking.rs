@@ -1,4 +1,4 @@
-//! The ranking of causes: each with its probability as a bar, its rivals below it.
+//! Ranking of causes, each with its probability as a bar and its rivals below.
 
 use super::scene::Scene;
 use super::{Align, Table, escape, number, short_unit};
@@ -6,10 +6,10 @@ use admire_diagnosis::{Cause, Diagnosis, Finding};
 use admire_identify::LoadedStudy;
 use admire_syntax::Address;
 
-/// Width and height of a bar.
+/// Width and height of a bar, in pixels.
 const SIZE: (f64, f64) = (150.0, 14.0);
 
-/// Causes, the most important first, each followed by what would do as well.
+/// Tabulates the causes, the most important first, each followed by its indistinguishable rivals.
 pub(super) fn ranking(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Scene) -> Table {
     let mut table = Table::new(&[
         ("cause", Align::Left),
@@ -64,7 +64,7 @@ fn line(table: &mut Table, cause: String, place: String, probability: f64, sizes
     table.picture(2, bar(probability, &text));
 }
 
-/// A cause as a person says it.
+/// Returns the name of a cause in words.
 pub(super) fn words(cause: Cause) -> String {
     cause.to_string().replace('-', " ")
 }
@@ -91,8 +91,8 @@ fn bar(probability: f64, text: &str) -> String {
     )
 }
 
-/// The numbers of a finding with their units and errors, angles in degrees; of a wrong number of the deck also the old value, the new one and
-/// the change in percent.
+/// Lists the numbers of a finding with units and standard errors; angles are in degrees. A corrected number of the deck is listed with its
+/// old value, its new value, and the change in percent.
 pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let texts = finding.parameters.iter().map(|(name, value)| {
@@ -125,7 +125,7 @@ pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
                 text += &format!(" ({:+.1} %)", 100.0 * value / old.value.abs());
             }
         }
-        // A stiffness is what an engineer has in mind.
+        // Engineers think in stiffness, so the reciprocal is added.
         if name == "compliance" && *value > 0.0 {
             let relative = error.map(|error| error / (value * value));
             text += &format!(
@@ -140,7 +140,7 @@ pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     texts.collect::<Vec<_>>().join("; ")
 }
 
-/// The unit of a coefficient of a bushing's energy by the components it multiplies, as in `x-rzrzrz`.
+/// Returns the unit of a coupling coefficient of a bushing's energy, from the components it multiplies, as in `x-rzrzrz`.
 fn of_coupling(name: &str, force: &str, length: &str) -> String {
     let turns = name.matches('r').count();
     let shifts = name.matches(['x', 'y', 'z']).count() - turns;
@@ -155,7 +155,7 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
     }
 }
 
-/// The unit of a number of a cause; empty where it has none, or where only the deck knows it.
+/// Returns the unit of a number of a cause; empty if it is dimensionless or only the deck defines it.
 pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);
@@ -174,7 +174,7 @@ pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedS
             .and_then(|channel| channel.unit.clone())
             .unwrap_or_default();
     }
-    // Numbers of further parts of a law.
+    // Numbers of further parts of a law carry an index.
     let name = name.trim_end_matches(|c: char| c == '_' || c.is_ascii_digit());
     match name {
         _ if cause == Cause::BushingCoupling => of_coupling(name, force, length),
@@ -186,7 +186,7 @@ pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedS
         "force" | "asymmetry" | "law_misfit" => force.to_string(),
         "stiffness" if turns => format!("{force}-{length}/rad"),
         "stiffness" | "contact" => format!("{force}/{length}"),
-        // A number of the deck, by its argument.
+        // The unit of a number in the deck follows from its argument.
         "change" => match address.split('.').nth(1) {
             Some("K") => format!("{force}/{length}"),
             Some("KT") => format!("{force}-{length}/rad"),

@@ -1,4 +1,4 @@
-//! The page of the paper's validations run again.
+//! Page of the paper's validations, repeated with this program.
 
 use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
 use admire_results::Timestamp;
@@ -77,7 +77,7 @@ impl Curve {
     }
 }
 
-/// What the page shows.
+/// Report of the repeated validations.
 #[derive(Clone, Debug)]
 pub struct ReproductionReport<'a> {
     /// The validations.
@@ -85,7 +85,7 @@ pub struct ReproductionReport<'a> {
 }
 
 impl ReproductionReport<'_> {
-    /// The whole page.
+    /// Creates the page.
     ///
     /// # Errors
     /// When a picture cannot be drawn.

@@ -1,4 +1,4 @@
-//! What may have been mistaken in a study, as lines of the table of plausibility.
+//! Possible slips in a study, as lines of the plausibility table.
 
 use super::check::Verdict;
 use super::mirrored_marks::mirrored;
@@ -8,7 +8,7 @@ use admire_identify::slips::{displaced, search};
 use admire_study::settings::BackendChoice;
 
 impl Plausibility {
-    /// Bushings and joints whose two sides lie apart at the design position. True if one change brings them together.
+    /// Checks for bushings and joints whose two sides lie apart at the design position. Returns true if one change brings them together.
     pub(super) fn assembly(&mut self, loaded: &LoadedStudy) -> bool {
         let found = displaced(loaded);
         let Some(mended) = found.iter().map(|gap| gap.is_mended).max() else {
@@ -20,7 +20,7 @@ impl Plausibility {
         mended
     }
 
-    /// Marks that are a mirror image. True if they are: then their noise says nothing.
+    /// Checks for marks that are a mirror image. Returns true if they are; their noise is then meaningless.
     pub(super) fn mirror(&mut self, loaded: &LoadedStudy) -> bool {
         let Some(why) = mirrored(loaded) else {
             return false;
@@ -30,7 +30,8 @@ impl Plausibility {
         true
     }
 
-    /// One number that was mistaken, looked for where nothing else forbids a fit. True if it is sure, or if nothing has to be explained.
+    /// Searches for one mistaken number, unless another check already forbids a fit. Returns true if the slip is certain, or if the
+    /// readings are explained without any.
     pub(super) fn slip(&mut self, loaded: &LoadedStudy) -> bool {
         if !self.allows_a_fit() || loaded.study.solver.backend != BackendChoice::Native {
             return false;

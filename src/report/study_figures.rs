@@ -8,12 +8,12 @@ use admire_solver::system::Scratch;
 use admire_study::deflection::{DeflectionForm, deflection};
 use admire_study::wheel::WheelReading;
 
-/// Up to so many cases a map of them can be read.
+/// Largest number of cases for which a map is readable.
 const MAPPED: usize = 60;
 /// Axes of a bushing.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
-/// A load as the name of an axis, with its unit unless the study's own name says it.
+/// Returns the axis label of a load. Forces get their unit unless the load's name already contains one.
 pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     let load = loaded.programme.loads.iter().find(|load| load.name == name);
     let argument = load.and_then(|load| load.target.argument.as_deref());
@@ -35,7 +35,7 @@ pub(super) fn load_axis(loaded: &LoadedStudy, name: &str) -> String {
     format!("{name}, {}", short_unit(loaded.model.units.force.word))
 }
 
-/// The pictures of a study that need where its model stands: `positions` in the order in which models are compared, the last the best.
+/// Pictures of a study that need the poses of its models. `positions` are in the order of comparison, the best model last.
 pub(super) struct StudyFigures<'a> {
     pub loaded: &'a LoadedStudy,
     pub positions: &'a [Positions],
@@ -50,13 +50,13 @@ impl StudyFigures<'_> {
         }
     }
 
-    /// What the curves of a chart show: what was measured, then each model.
+    /// Returns the roles of a chart's curves: measurement, then each model.
     fn roles(&self) -> Vec<Role> {
         let models = self.positions.iter().map(|positions| positions.role);
         std::iter::once(Role::Measured).chain(models).collect()
     }
 
-    /// Rms residual of each case, and which of them no fit saw.
+    /// Draws the rms residual of each case, and marks the cases that no fit used.
     pub(crate) fn by_case(&self) -> Result<Option<Figure>, DrawingError> {
         let measurement = &self.loaded.measurement;
         if measurement.cases.iter().all(|case| case.marks.is_empty()) || self.positions.is_empty() {
@@ -120,7 +120,7 @@ impl StudyFigures<'_> {
         self.loaded.model.units.length.word
     }
 
-    /// Prediction minus reading of every mark read in a case: column of the map and vector in ground.
+    /// Returns prediction minus reading of every mark read in a case: part and mark index, and vector in ground.
     fn misfits(
         &self,
         set: usize,
@@ -137,7 +137,7 @@ impl StudyFigures<'_> {
         })
     }
 
-    /// Maps of the residuals, case by mark, one for each model.
+    /// Draws the residuals as maps of cases and marks, one for each model.
     pub(crate) fn maps(&self) -> Vec<Figure> {
         let measurement = &self.loaded.measurement;
         let mut first = Vec::new();
@@ -165,7 +165,7 @@ impl StudyFigures<'_> {
                 .map(|case| {
                     let mut row = vec![None; columns.len()];
                     for ((part, mark), misfit) in self.misfits(set, case) {
-                        // The coordinate that is worst, with its sign.
+                        // Each cell shows the worst coordinate with its sign.
                         let value = misfit
                             .iter()
                             .copied()
@@ -198,7 +198,7 @@ impl StudyFigures<'_> {
         (0..self.positions.len()).map(map).collect()
     }
 
-    /// Force against deflection of one bushing, in each of its directions that moves: the laws as lines, what was measured as points.
+    /// Draws force over deflection of one bushing in each direction that moves: the laws as lines, the measurement as points.
     pub(crate) fn bushing(
         &self,
         bushing: usize,
@@ -235,7 +235,7 @@ impl StudyFigures<'_> {
         for axis in 0..6 {
             let turning = axis >= 3;
             let scale = if turning { 1f64.to_degrees() } else { 1.0 };
-            // What acts on J: it grows with the deflection.
+            // The force acts on J, so it grows with the deflection.
             let load = |stiffness: f64, d: f64| stiffness * d - preload[axis];
             let [initial, identified] = [stiffness[0][axis], stiffness[1][axis]];
             let read: Vec<(f64, f64)> = found
@@ -296,7 +296,8 @@ impl StudyFigures<'_> {
         Ok(out)
     }
 
-    /// For each load that takes three values alone: the cases in which the others are what they are in the first.
+    /// Returns, for each load, the cases in which all other loads equal those of the first case. Loads with fewer than three such levels
+    /// are omitted.
     fn runs(&self) -> Vec<(usize, Vec<usize>)> {
         let programme = &self.loaded.programme;
         let Some(rest) = programme.cases.first().map(|case| &case.values) else {
@@ -319,10 +320,10 @@ impl StudyFigures<'_> {
         (0..programme.loads.len()).filter_map(of).collect()
     }
 
-    /// The curves of a K&C rig against each load that changes alone, in the order of application.
+    /// Draws the curves of a K&C rig over each load that varies alone, in the order of application.
     pub(crate) fn curves(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
-        // What follows from the places of the parts alone.
+        // Only channels that follow from the poses of the parts alone can be drawn.
         let is_curve = |channel: &admire_study::Channel| {
             channel.is_read_by_case() && !channel.helpers.is_empty()
         };
@@ -393,7 +394,7 @@ impl StudyFigures<'_> {
         Ok(out)
     }
 
-    /// Camber, steer and the place of the wheel against each load that changes alone, in the order of application.
+    /// Draws camber, steer and position of the wheel over each load that varies alone, in the order of application.
     pub(crate) fn wheel(&self) -> Result<Vec<Figure>, DrawingError> {
         let (measurement, programme) = (&self.loaded.measurement, &self.loaded.programme);
         let Some(wheel) = &measurement.wheel else {
@@ -457,10 +458,11 @@ impl StudyFigures<'_> {
     }
 }
 
-/// Two values of a curve are one below this share of its whole change.
+/// Largest difference, relative to the whole change, at which two values of a curve coincide.
 const ONE: f64 = 2e-3;
 
-/// A curve that comes back on itself, drawn once: two lines of dashes over one another would show none. A loop stays as it is driven.
+/// Reduces a curve that returns along itself to a single pass, because overlapping dashes would hide each other's gaps. A hysteresis loop
+/// is kept in the order driven.
 fn once(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     let mut sorted = points.clone();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -4,19 +4,19 @@ use admire_identify::LoadedStudy;
 use admire_session::backend::Sweep;
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// Where a model stands in every load case of a study.
+/// Poses of a model in every load case of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Positions {
-    /// Name for a legend.
+    /// Name in the legend.
     pub name: String,
-    /// Whose positions.
+    /// Origin of the positions.
     pub role: Role,
-    /// Per case the pose of each part of the model; `None` without an equilibrium.
+    /// Pose of each part of the model for each case; `None` without an equilibrium.
     pub cases: Vec<Option<Vec<Pose>>>,
 }
 
 impl Positions {
-    /// Those of a sweep over the cases of a study.
+    /// Takes the poses from a sweep over the cases of a study.
     pub fn of(name: &str, role: Role, sweep: &Sweep) -> Self {
         let cases = 0..sweep.cases.len();
         Self {
@@ -29,7 +29,8 @@ impl Positions {
     }
 }
 
-/// The mechanism of a study: as measured, and where these models put it, case by case. Loads are arrows.
+/// Creates the scene of a study, with one frame for each case: the measured poses, and the poses of these models. Loads are drawn as
+/// arrows.
 pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scene {
     let model = &loaded.model;
     let measurement = &loaded.measurement;
@@ -107,7 +108,7 @@ pub(crate) fn study_scene(loaded: &LoadedStudy, positions: &[Positions]) -> Scen
     scene
 }
 
-/// The loads of a case in words.
+/// Lists the loads of a case in words.
 fn loads(loaded: &LoadedStudy, case: usize) -> String {
     let programme = &loaded.programme;
     let Some(case) = programme.cases.get(case) else {
@@ -120,7 +121,8 @@ fn loads(loaded: &LoadedStudy, case: usize) -> String {
     texts.join(", ")
 }
 
-/// The forces among the loads of a case, in ground axes: SFORCE along its line or the z axis of J, GFORCE and VFORCE by component.
+/// Returns the forces among the loads of a case, in ground axes. An SFORCE acts along its line or the z axis of J; GFORCE and VFORCE act by
+/// component.
 fn arrows(
     loaded: &LoadedStudy,
     scene: &Scene,

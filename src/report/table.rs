@@ -2,14 +2,14 @@ use std::fmt::Write as _;
 
 use super::escape;
 
-/// How a column is aligned.
+/// Alignment of a column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Align {
-    /// Words.
+    /// Left, for words.
     Left,
-    /// Numbers.
+    /// Right, for numbers.
     Right,
-    /// Long words that may wrap.
+    /// Left with line breaks, for long texts.
     Wrap,
 }
 
@@ -17,14 +17,14 @@ pub enum Align {
 struct Cell {
     text: String,
     class: Option<&'static str>,
-    /// A drawing of this crate in place of the text, which then says what is drawn.
+    /// SVG drawing shown instead of the text; the text remains its description.
     picture: Option<String>,
 }
 
-/// From so many columns on a table does not fit a telephone.
+/// Number of columns from which a table does not fit on a phone.
 const CARDS: usize = 5;
 
-/// A table of texts.
+/// Table of texts.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     columns: Vec<(String, Align)>,
@@ -32,7 +32,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table with these column heads.
+    /// Creates a table with these column headings.
     pub fn new(columns: &[(&str, Align)]) -> Self {
         let columns = columns
             .iter()
@@ -59,7 +59,7 @@ impl Table {
         self
     }
 
-    /// Marks a cell of the last row with a class of the page's style: `good`, `bad` or `soft`.
+    /// Gives a cell of the last row a class of the page's style sheet: `good`, `bad` or `soft`.
     pub(crate) fn mark(&mut self, column: usize, class: &'static str) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.class = Some(class);
@@ -67,7 +67,7 @@ impl Table {
         self
     }
 
-    /// Replaces a cell of the last row by a drawing of this module; the cell's text becomes its description.
+    /// Replaces a cell of the last row by an SVG drawing; the cell's text remains its description.
     pub(super) fn picture(&mut self, column: usize, svg: String) -> &mut Self {
         if let Some(cell) = self.rows.last_mut().and_then(|row| row.get_mut(column)) {
             cell.picture = Some(svg);
@@ -89,7 +89,7 @@ impl Table {
                 format!(" class=\"{}\"", both.trim())
             }
         };
-        // On a telephone a row of many cells becomes a card.
+        // On a phone, each row of a wide table becomes a card.
         let cards = if self.columns.len() >= CARDS {
             " class=\"cards\""
         } else {
@@ -114,7 +114,7 @@ impl Table {
                 let inside = cell.map_or_else(String::new, |cell| {
                     cell.picture.clone().unwrap_or_else(|| escape(&cell.text))
                 });
-                // The first cell names its row.
+                // The first cell is the heading of its row.
                 let (open, close) = if k == 0 {
                     ("th scope=\"row\"", "th")
                 } else {

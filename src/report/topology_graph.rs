@@ -6,43 +6,44 @@ use admire_syntax::{Dataset, Object, Statement, Topology};
 use super::escape;
 use admire_syntax::text::printable;
 
-/// Bodies and what joins them, as a picture or as text for Graphviz.
+/// Graph of bodies and the elements between them, drawn as SVG or as text for Graphviz.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TopologyGraph {
-    /// The title of the dataset.
+    /// Title of the dataset.
     pub title: String,
-    /// The bodies in the order of the dataset.
+    /// Bodies in the order of the dataset.
     pub bodies: Vec<Body>,
-    /// What joins two of them, in the order of the dataset; an element on more bodies has a link to each from the first.
+    /// Links between two bodies, in the order of the dataset. An element on more bodies has a link from its first body to each of the
+    /// others.
     pub links: Vec<Link>,
 }
 
-/// A body.
+/// Body of the graph.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Body {
     /// Kind and id.
     pub address: String,
-    /// The view name, or the address where there is none.
+    /// View name, or the address without one.
     pub name: String,
-    /// True for the ground.
+    /// True for ground.
     pub ground: bool,
 }
 
-/// An element between two bodies.
+/// Element between two bodies.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Link {
-    /// Positions of the bodies.
+    /// Indices of the two bodies.
     pub ends: [usize; 2],
     /// Kind and id.
     pub address: String,
-    /// Its view name or address, and its type where it has one: `front_ball (SPHERICAL)`.
+    /// View name or address, with the type where it has one: `front_ball (SPHERICAL)`.
     pub name: String,
     /// True for constraints, false for forces.
     pub constraint: bool,
 }
 
 impl TopologyGraph {
-    /// Bodies and elements of a dataset, names as they may be printed. What hangs on one body only, or measures and draws, is left out.
+    /// Creates the graph of a dataset, with printable names. Elements on a single body, measurements and graphics are left out.
     pub fn of(dataset: &Dataset) -> Self {
         let topology = Topology::of(dataset);
         let address = |statement: &Statement| {
@@ -107,7 +108,7 @@ impl TopologyGraph {
         }
     }
 
-    /// The graph in the language of Graphviz: bodies by address, so that names may repeat.
+    /// Returns the graph in the Graphviz language. Bodies are identified by address, because names may repeat.
     pub fn dot(&self) -> String {
         let quoted =
             |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
@@ -138,7 +139,7 @@ impl TopologyGraph {
         out
     }
 
-    /// The graph as an SVG picture: the ground at the bottom, every other body as many rows above it as links lead to it.
+    /// Draws the graph as SVG: ground at the bottom, every other body in a row given by its number of links from ground.
     pub fn svg(&self) -> String {
         let places = self.places();
         let wide = |text: &str| 7.2 * text.chars().count() as f64;
@@ -156,7 +157,7 @@ impl TopologyGraph {
             let mut pair = link.ends;
             pair.sort_unstable();
             let count = seen.entry(pair).or_default();
-            // Links of one pair bend to both sides in turn.
+            // Links between the same pair are bent alternately to both sides.
             let bend =
                 if count.is_multiple_of(2) { 1.0 } else { -1.0 } * 34.0 * count.div_ceil(2) as f64;
             *count += 1;
@@ -182,9 +183,9 @@ impl TopologyGraph {
                 out,
                 "<path d=\"M{x0:.1},{y0:.1} Q{cx:.1},{cy:.1} {x1:.1},{y1:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"{dash}>{tip}</path>"
             );
-            // The middle of the curve.
+            // Middle of the curve.
             let (mx, my) = (0.25 * (x0 + 2.0 * cx + x1), 0.25 * (y0 + 2.0 * cy + y1));
-            // The white edge is drawn by itself: not every viewer draws it below the letters.
+            // The white outline is drawn separately, because not every viewer draws it below the letters.
             for edge in [" stroke=\"white\" stroke-width=\"3\"", ""] {
                 _ = writeln!(
                     labels,
@@ -216,7 +217,7 @@ impl TopologyGraph {
         out
     }
 
-    /// Where the bodies are drawn: rows by the number of links to the ground, in a row near what they are joined to.
+    /// Returns the positions of the bodies. The row is the number of links from ground; within a row, bodies are near their neighbours.
     fn places(&self) -> Vec<(f64, f64)> {
         let count = self.bodies.len();
         let mut near = vec![Vec::new(); count];
@@ -245,7 +246,7 @@ impl TopologyGraph {
             .copied()
             .unwrap_or(0)
             + 1;
-        // What nothing joins to the ground stands above all.
+        // Bodies without a path to ground are placed above all others.
         let mut rows = vec![Vec::new(); top + 1];
         for (at, row) in row.iter_mut().enumerate() {
             *row = (*row).min(top);
@@ -291,7 +292,7 @@ impl TopologyGraph {
     }
 }
 
-/// The words that say of what type an element is.
+/// Words that state the type of an element.
 const TYPES: [&str; 20] = [
     "SPHERICAL",
     "REVOLUTE",

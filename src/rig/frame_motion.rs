@@ -1,19 +1,19 @@
-//! How all marks of a virtual rig move together: a measuring frame that was aligned badly, and a mount that yields to the loads.
+//! Common motion of all marks of a virtual rig: a misaligned measuring frame, and a mount that yields under the loads.
 
 use super::tolerances::Tolerances;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::{Mat3, Vec3, exp};
 use admire_study::Noise;
 
-/// Shifts and rotation vectors: of the frame, and of the mount by each load.
+/// Rigid motion of all marks: shift and rotation vector of the misaligned frame, and of the mount for each load.
 pub(super) struct FrameMotion {
     alignment: (Vec3, Vec3),
-    /// With the largest value of the load.
+    /// Largest absolute value of each load, with the shift and rotation vector of the mount at that value.
     mount: Vec<(f64, Vec3, Vec3)>,
 }
 
 impl FrameMotion {
-    /// `None` where nothing moves.
+    /// Draws the motions, or returns `None` if all their standard deviations are zero.
     pub(super) fn new(
         tolerances: &Tolerances,
         seed: u64,
@@ -40,7 +40,7 @@ impl FrameMotion {
         })
     }
 
-    /// Under these loads.
+    /// Returns the shift and rotation of all marks under these loads.
     pub(super) fn under(&self, loads: &[f64]) -> (Vec3, Mat3) {
         let (mut shift, mut turn) = self.alignment;
         for ((largest, by, about), load) in self.mount.iter().zip(loads) {

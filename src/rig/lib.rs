@@ -1,10 +1,10 @@
-//! A virtual test rig: it measures a deck as a real rig measures an axle.
+//! A virtual test rig that measures a deck as a real rig measures an axle.
 //!
-//! [`virtual_rig()`] solves the load cases of a study with a changed deck and writes the readings as a new study folder. [`effect`] holds the effects
-//! that can be planted in the deck or the readings, one file each; [`Tolerances`] the small errors of every axle and rig; [`Scatter`] the
-//! noise. The laws by which effects are planted are written apart from those by which the diagnosis models causes.
+//! [`virtual_rig()`] solves the load cases of a study with a changed deck and writes the readings as a new study folder. [`effect`] holds the
+//! effects that can be planted in the deck or the readings, one file each. [`Tolerances`] are the small errors of every axle and rig,
+//! [`Scatter`] the noise of the marks. The force laws of planted effects are implemented separately from the laws that the diagnosis fits.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -1,13 +1,13 @@
-//! Load programmes every wheel rig knows.
+//! Standard load programmes of a wheel rig.
 
 /// A programme of vertical, lateral and longitudinal loads at one wheel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LoadTable {
-    /// Table 1 of the paper: thirteen cases, each load up from zero.
+    /// Table 1 of the paper: thirteen cases, each applied from zero load.
     Table1,
-    /// Table 2 of the paper: seventeen cases as they were applied on its rig.
+    /// Table 2 of the paper: seventeen cases in the order applied on its rig.
     Table2,
-    /// Each load up and down again and to the other side, so that hysteresis shows.
+    /// Each load is raised, lowered and applied to the other side, so that hysteresis shows.
     UpAndDown,
 }
 
@@ -70,7 +70,7 @@ const UP_AND_DOWN: &[[f64; 3]] = &[
 ];
 
 impl LoadTable {
-    /// Vertical, lateral and longitudinal load of each case, newtons, in the order of application.
+    /// Returns the vertical, lateral and longitudinal load of each case in newtons, in the order of application.
     pub(crate) const fn loads(self) -> &'static [[f64; 3]] {
         match self {
             Self::Table1 => TABLE_1,
@@ -79,7 +79,7 @@ impl LoadTable {
         }
     }
 
-    /// As a file of load cases, numbered from 1, with the columns `vertical, lateral, longitudinal`.
+    /// Formats the programme as a CSV file of load cases, numbered from 1, with the columns `vertical, lateral, longitudinal`.
     pub fn csv(self) -> String {
         let mut text = String::from("case,vertical,lateral,longitudinal\n");
         for (k, [vertical, lateral, longitudinal]) in self.loads().iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the instruments of a virtual rig read: poses become marks, wheel and channels, with noise and with faults.
+//! Instrument readings of a virtual rig: part poses become readings of marks, wheel and channels, with noise and faults.
 
 use super::effect::{GroundTruth, ReadingFault};
 use super::frame_motion::FrameMotion;
@@ -8,20 +8,20 @@ use admire_solver::mechanics::{Vec3, exp};
 use admire_solver::model::Model;
 use admire_study::{MarkedPart, Measurement, Noise, WheelReading};
 
-/// What is read in every case: marks by part and mark, the wheel, the channels; and the marks as the first session lists them.
+/// Readings of all cases (marks, wheel, channels), and the mark positions that the first session lists.
 pub(super) struct Readings {
-    /// By part and mark, in the part's frame.
+    /// Listed position of each mark in its part's frame, by part and mark.
     pub listed: Vec<Vec<Vec3>>,
-    /// By case, part and mark, in ground.
+    /// Measured position of each mark in the ground frame, by case, part and mark.
     pub marks: Vec<Vec<Vec<Vec3>>>,
-    /// By case.
+    /// Wheel reading by case.
     pub wheel: Vec<Option<WheelReading>>,
-    /// By case and channel.
+    /// Channel values by case and channel.
     pub channels: Vec<Vec<f64>>,
 }
 
 impl Readings {
-    /// Reads every case once. Each kind of noise has its own stream, so that no effect changes the noise.
+    /// Reads every case once. Each kind of noise has its own random stream, so that no effect changes the noise.
     pub(crate) fn new(
         measured: &Measurement,
         reality: &GroundTruth,
@@ -51,7 +51,7 @@ impl Readings {
             })
             .collect();
         let places = places_on_parts(measured, seed, tolerances.marks_on_parts);
-        // The wheel marker is the deck's; the reality may hold more markers, never fewer.
+        // The wheel marker has its index in the deck. The ground truth may hold more markers, never fewer.
         let model = reality.model();
         let (mut marks, mut wheel, mut channels) = (Vec::new(), Vec::new(), Vec::new());
         for (case, at) in rest.iter().enumerate() {
@@ -87,7 +87,7 @@ impl Readings {
                 {
                     let last = (seen.iter().flatten().count() - 1).max(1) as f64;
                     for (k, x) in seen.iter_mut().flatten().enumerate() {
-                        // Marks are read in the order of their list.
+                        // The marks are read in the order of their list.
                         let share = 1.0 + creep * (k as f64 / last - 0.5);
                         *x += (pose.point(x) - *x) * share;
                     }
@@ -176,7 +176,7 @@ impl Readings {
     }
 }
 
-/// Moves points together, by a shift and by a turn about each axis through their mean.
+/// Displaces points as a rigid body, by a random shift and a random rotation about their mean.
 fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f64, f64)) {
     let shift = noise.vector(length);
     let turn = exp(&noise.vector(angle_deg.to_radians()));
@@ -188,7 +188,7 @@ fn moved(mut points: Vec<&mut Vec3>, noise: &mut Noise, (length, angle_deg): (f6
     }
 }
 
-/// Where the marks really are, each on the part it moves with.
+/// Returns the true positions of the marks in ground, each on the part it actually moves with.
 fn true_marks(
     reality: &GroundTruth,
     model: &Model,
@@ -221,7 +221,7 @@ fn true_marks(
     measured.parts.iter().enumerate().map(of_part).collect()
 }
 
-/// Where the marks really sit on their parts, by part and mark.
+/// Returns the true positions of the marks on their parts, by part and mark.
 fn places_on_parts(measured: &Measurement, seed: u64, sigma: f64) -> Vec<Vec<Vec3>> {
     let mut noise = Noise::new(seed, "places of marks");
     let mut of_part = |part: &MarkedPart| {

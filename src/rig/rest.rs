@@ -1,15 +1,15 @@
 use admire_solver::mechanics::Pose;
 use admire_solver::model::{MarkerIx, Model};
 
-/// Part poses and channel values of one case.
+/// Part poses and channel values at the equilibrium of one case.
 pub(super) struct Rest {
-    /// In the order of the reality's parts.
+    /// Part poses, in the order of the ground truth's parts.
     pub poses: Vec<Pose>,
-    /// In the order of the measurement's channels.
+    /// Channel values, in the order of the measurement's channels.
     pub channels: Vec<f64>,
 }
 
-/// Where a marker is.
+/// Returns the pose of a marker in ground.
 pub(super) fn place(model: &Model, poses: &[Pose], marker: MarkerIx) -> Pose {
     let frame = &model.markers[marker.0];
     poses[frame.part.0].compose(&Pose {

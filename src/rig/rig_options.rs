@@ -3,21 +3,21 @@ use super::load_table::LoadTable;
 use super::scatter::Scatter;
 use super::tolerances::Tolerances;
 
-/// What the rig is asked to do.
+/// Options of the virtual rig.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RigOptions {
-    /// Seed of the noise.
+    /// Seed of all random streams.
     pub seed: u64,
-    /// Sd of a mark coordinate instead of the study's; zero makes every reading exact.
+    /// Standard deviation of a mark coordinate, in place of the study's. Zero makes every reading exact.
     pub sigma: Option<f64>,
-    /// Sd of one coordinate of the first session instead of the study's; the folder tells it, as the data sheet would.
+    /// Standard deviation of a mark coordinate in the first session, in place of the study's. The folder states it, as a data sheet would.
     pub sigma_on_parts: Option<f64>,
     /// Effects to plant.
     pub effects: Vec<EffectSpec>,
-    /// Small errors in many places besides.
+    /// Small errors in many places, planted in addition.
     pub tolerances: Tolerances,
-    /// How the marks scatter.
+    /// Distribution of the noise of the marks.
     pub scatter: Scatter,
-    /// Load cases instead of the study's, whose loads must be called vertical, lateral and longitudinal.
+    /// Load programme in place of the study's load cases. The loads of the study must be called vertical, lateral and longitudinal.
     pub programme: Option<LoadTable>,
 }

@@ -1,19 +1,19 @@
-//! How mark readings scatter, where that is not a normal distribution of the declared width.
+//! Noise of mark readings that deviates from a normal distribution of the declared width.
 
 use super::effect::{EffectSpec, GroundTruth};
 use admire_study::Noise;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// What is unusual about the noise of marks.
+/// Deviations of the mark noise from the declared normal distribution.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Scatter {
-    /// Degrees of freedom of a Student t whose scale is the noise; infinite for a normal distribution.
+    /// Degrees of freedom of a Student t distribution whose scale is the noise sigma; infinite for a normal distribution.
     pub tails: f64,
-    /// Readings that are wrong.
+    /// Number of outliers among the readings.
     pub outliers: usize,
-    /// By how much, in the deck's length unit, in any direction.
+    /// Length of each outlier's error, in the deck's length unit; its direction is random.
     pub outlier_size: f64,
-    /// What the folder says of the noise, as a part of what it is.
+    /// Ratio of the sigma declared in the study folder to the actual sigma.
     pub declared: f64,
 }
 
@@ -29,10 +29,10 @@ impl Default for Scatter {
 }
 
 impl Scatter {
-    /// Reads `tails=3,outliers=6,outlier_size=2,declared=0.5`.
+    /// Parses `tails=3,outliers=6,outlier_size=2,declared=0.5`.
     ///
     /// # Errors
-    /// `bad-effect` when it is something else.
+    /// `bad-effect` when the text does not have this form.
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let mut scatter = Self::default();
         for item in text.split(',').filter(|item| !item.trim().is_empty()) {
@@ -52,10 +52,10 @@ impl Scatter {
         Ok(scatter)
     }
 
-    /// The wrong readings as effects, no two at one mark of one case.
+    /// Draws the outliers as effects, at most one per mark and case.
     ///
     /// # Errors
-    /// `bad-effect` when there are fewer readings than wrong ones asked for.
+    /// `bad-effect` when more outliers are requested than there are readings.
     pub(super) fn drawn(
         &self,
         seed: u64,

@@ -1,4 +1,4 @@
-//! Where parts are on a rig along motions that nothing resists.
+//! Random displacement of parts along zero-stiffness motions, as found on a real rig.
 
 use admire_session::backend::CaseSweeper;
 use admire_solver::model::PartIx;
@@ -6,14 +6,15 @@ use admire_solver::statics::{displace, twist};
 use admire_solver::system::{Parameters, State, System};
 use admire_study::Noise;
 
-/// Friction in ball joints leaves a link turned by up to so many degrees,
+/// Largest rotation along a free motion, in degrees. Friction in ball joints can leave a link turned this far.
 const TURN_DEG: f64 = 30.0;
-/// and what slides freely off by up to so many metres.
+/// Largest displacement along a free sliding motion, in m.
 const SHIFT: f64 = 1e-3;
-/// Where there is no equilibrium so far off, half as far is tried, so often.
+/// Largest number of attempts; each attempt without an equilibrium halves the displacement of the next.
 const HALVED: usize = 6;
 
-/// The equilibrium of a case moved along each of its free motions by an amount that nobody knows.
+/// Returns an equilibrium of a case displaced by a random amount along each of its free motions. Returns `state` itself if there are no free
+/// motions or no displaced equilibrium is found.
 pub(super) fn spun(
     (system, parameters, metre): (&System, &Parameters, f64),
     (sweeper, case): (&mut CaseSweeper, usize),

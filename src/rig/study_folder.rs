@@ -1,4 +1,4 @@
-//! The study folder a virtual rig hands over: the study's own files with new readings, and nothing that tells what was planted.
+//! Study folder written by a virtual rig: the study's own files with new readings, without any trace of the planted effects.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -7,10 +7,10 @@ use super::readings::Readings;
 use super::rig_options::RigOptions;
 use admire_study::{Measurement, Study, section, written};
 
-/// The standard deviation that exact readings are given, in length units: they cannot have none.
+/// Standard deviation declared for exact readings, in the deck's length unit. A sigma of zero is not allowed.
 const EXACT: f64 = 1e-4;
 
-/// The files, relative to the folder.
+/// Returns the files as pairs of a path relative to the folder and its contents.
 pub(super) fn files(
     study: &Study,
     measured: &Measurement,
@@ -66,7 +66,7 @@ pub(super) fn files(
         files.push((relative(marks.on_parts.source.name()), listed));
         files.push((relative(marks.measured.source.name()), seen.into_bytes()));
         if options.sigma.is_some() || options.scatter.declared != 1.0 {
-            // Exact readings still need a weight.
+            // Exact readings need a nonzero sigma as well.
             let sigma = if measured.sigma == 0.0 {
                 EXACT
             } else {
@@ -104,7 +104,7 @@ pub(super) fn files(
     }
     if let Some((_, table)) = &study.kc {
         let name = relative(table.source.name());
-        // One file may hold loads and curves.
+        // Loads and curves may share one file.
         let both = name == relative(study.loads.source.name());
         let loads: Vec<&str> = study.columns.iter().map(|(n, _)| n.text.as_str()).collect();
         let loads = if both { loads.as_slice() } else { &[] };
@@ -123,7 +123,7 @@ pub(super) fn files(
     files
 }
 
-/// A file with a row for each case: `loads` if any, then channels in the units of their columns.
+/// Formats a CSV file with a row for each case: the loads if any, then the channels in the units of their columns.
 fn channels(
     measured: &Measurement,
     read: &Readings,
@@ -141,7 +141,7 @@ fn channels(
         let _ = write!(out, ",{}", channel.column.0);
     }
     out.push('\n');
-    // What was not read on the study's own rig is not read here, unless nothing was.
+    // A channel without readings in the study is written for all cases. Otherwise only the cells present in the study are written.
     let all: Vec<bool> = (0..measured.channels.len())
         .map(|k| measured.cases.iter().all(|case| case.channels[k].is_none()))
         .collect();
@@ -164,7 +164,7 @@ fn channels(
     out
 }
 
-/// A reference deck says what another reality was: the new study has none.
+/// Removes a section from the TOML text. The new study must not have a `[reference]`, which describes another ground truth.
 fn without_section(toml: &str, name: &str) -> String {
     let header = format!("[{name}]");
     let mut keep = true;

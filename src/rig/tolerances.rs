@@ -1,4 +1,4 @@
-//! Small errors that every axle and every rig has besides the one that is looked for.
+//! Small errors that every axle and every rig has besides the effect under study.
 
 use super::effect::{EffectSpec, GroundTruth, direction_of, held, points};
 use admire_session::backend::{Load, LoadProgramme};
@@ -7,51 +7,53 @@ use admire_study::Noise;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Standard deviations of small errors in many places at once. Each is drawn as an effect and planted like one, so that `--truth` can
-/// tell them all; the folder tells none of them.
+/// Standard deviations of small errors in many places at once. Errors of the deck and of the load gains and directions are drawn as effects
+/// and planted like effects, so that `--truth` can list them. The study folder lists none of them.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Tolerances {
-    /// Of each coordinate of each point of the car, on all parts that meet there, in the deck's length unit.
+    /// Standard deviation of each coordinate of each point of the car, on all parts that meet there, in the deck's length unit.
     pub hardpoints: f64,
-    /// Of each coordinate of each marker at which a joint or a spring holds a part: one part made wrong.
+    /// Standard deviation of each coordinate of each marker at which a joint or spring holds a part, in the deck's length unit (one part made
+    /// wrong).
     pub parts: f64,
-    /// Of each coordinate of the assembly offset of each bushing, in the deck's length unit.
+    /// Standard deviation of each coordinate of the assembly offset of each bushing, in the deck's length unit.
     pub assembly_offset: f64,
-    /// Of the turn of each bushing about each axis, degrees.
+    /// Standard deviation of the rotation of each bushing about each axis, in degrees.
     pub bushing_axis_deg: f64,
-    /// Of the preload of each spring, relative.
+    /// Relative standard deviation of the preload of each spring.
     pub preload: f64,
-    /// Of the gain of each load, relative.
+    /// Relative standard deviation of the gain of each load.
     pub load_gain: f64,
-    /// Of each load in each case by itself, relative to the largest value of that load.
+    /// Standard deviation of each load in each case, relative to the largest value of that load.
     pub load_repeatability: f64,
-    /// Of the turn of each load about each axis across it, degrees.
+    /// Standard deviation of the rotation of each load's direction about each axis, in degrees.
     pub load_direction_deg: f64,
-    /// Of one coordinate of each mark on its part, constant over cases.
+    /// Standard deviation of each coordinate of each mark on its part, constant over cases, in the deck's length unit.
     pub marks_on_parts: f64,
-    /// Of each coordinate of the pose of each part in each case, in the deck's length unit.
+    /// Standard deviation of each coordinate of each part's position in each case, in the deck's length unit.
     pub pose: f64,
-    /// Of the turn of each part in each case about each axis, through the mean of its marks, degrees.
+    /// Standard deviation of the rotation of each part in each case about each axis through the mean of its marks, in degrees.
     pub pose_deg: f64,
-    /// Of each coordinate of the place of the measuring frame, the same in all cases, in the deck's length unit.
+    /// Standard deviation of each coordinate of the measuring frame's origin, constant over cases, in the deck's length unit.
     pub alignment: f64,
-    /// Of its turn about each axis, through the mean of all marks of the first case, degrees.
+    /// Standard deviation of the measuring frame's rotation about each axis through the mean of all marks of the first case, in degrees.
     pub alignment_deg: f64,
-    /// Of each coordinate of how far the axle's mount moves with each load at its largest value, in the deck's length unit.
+    /// Standard deviation of each coordinate of the mount's displacement at the largest value of each load, in the deck's length unit.
     pub mount: f64,
-    /// Of its turn about each axis, through the mean of all marks of the first case, degrees.
+    /// Standard deviation of the mount's rotation at the largest value of each load, about each axis through the mean of all marks of the
+    /// first case, in degrees.
     pub mount_deg: f64,
-    /// Of each coordinate of the measuring frame in each case, the same for all marks, in the deck's length unit.
+    /// Standard deviation of each coordinate of the measuring frame's shift in each case, common to all marks, in the deck's length unit.
     pub frame: f64,
-    /// Of the turn of the measuring frame in each case about each axis, through the mean of all marks, degrees.
+    /// Standard deviation of the measuring frame's rotation in each case, about each axis through the mean of all marks, in degrees.
     pub frame_deg: f64,
 }
 
 impl Tolerances {
-    /// Reads `hardpoints=0.3,load_gain=0.005`; what is not given is zero.
+    /// Parses `hardpoints=0.3,load_gain=0.005`; groups that are not given are zero.
     ///
     /// # Errors
-    /// `bad-effect` when it is something else.
+    /// `bad-effect` when the text does not have this form.
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let mut tolerances = Self::default();
         for item in text.split(',').filter(|item| !item.trim().is_empty()) {
@@ -68,7 +70,7 @@ impl Tolerances {
         Ok(tolerances)
     }
 
-    /// Every size with its name.
+    /// Returns every standard deviation with its name.
     fn named(&mut self) -> [(&'static str, &mut f64); 17] {
         [
             ("hardpoints", &mut self.hardpoints),
@@ -91,10 +93,11 @@ impl Tolerances {
         ]
     }
 
-    /// The errors of the deck and of the loads as effects. Each group has its own stream: its size, and no other, scales it.
+    /// Draws the errors of the deck and of the loads as effects. Each group has its own random stream, which depends on no other group's
+    /// standard deviation.
     ///
     /// # Errors
-    /// `bad-effect` never, unless an effect has no text that can be read back.
+    /// `bad-effect` only if an effect's own text cannot be parsed.
     pub(super) fn drawn(
         &self,
         seed: u64,
@@ -156,7 +159,7 @@ impl Tolerances {
             };
             let fresh = !turned_already.contains(&object);
             if self.load_direction_deg > 0.0 && fresh && direction_of(reality, &object).is_some() {
-                // About its own line an action-only force does not turn.
+                // Rotation about its own line leaves an action-only force unchanged.
                 texts.push(format!("load-direction@{}:{}", load.target, turned(turn)));
                 turned_already.push(object);
             }
@@ -164,7 +167,8 @@ impl Tolerances {
         texts.iter().map(|text| EffectSpec::parse(text)).collect()
     }
 
-    /// Moves each load in each case away from what the table says. What a rig does not apply in any case it does not hold either.
+    /// Adds a random error to each force and torque load in each case. Prescribed displacements stay exact. A load that is zero in every case
+    /// stays zero.
     pub(super) fn scatter(&self, seed: u64, programme: &mut LoadProgramme) {
         let mut noise = Noise::new(seed, "load repeatability");
         let is_force = |load: &Load| {
@@ -181,7 +185,7 @@ impl Tolerances {
         }
     }
 
-    /// The names of `[tolerances]` with what was asked for, for the truth.
+    /// Formats the nonzero standard deviations as in `--tolerances`, for the truth file.
     pub(super) fn told(mut self) -> String {
         let asked = self.named().into_iter();
         let asked = asked.filter(|(_, size)| **size > 0.0);
@@ -190,7 +194,7 @@ impl Tolerances {
     }
 }
 
-/// A vector as the values of an effect.
+/// Formats a vector as the values of an effect.
 fn shift(v: Vec3) -> String {
     format!("x={:e},y={:e},z={:e}", v.x, v.y, v.z)
 }
@@ -231,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Forces scatter by the part that was asked for of their largest value, a stroke not at all, and no two cases by the same.
+    /// Forces scatter by the stated fraction of their largest value, independently between cases; a prescribed stroke stays exact.
     #[test]
     fn forces_scatter_by_their_largest_value() {
         let load = |kind: &str| Load {
@@ -258,7 +262,7 @@ mod tests {
         let pairs = acting.cases.iter().zip(&stated.cases);
         let off: Vec<f64> = pairs.map(|(a, s)| a.values[0] - s.values[0]).collect();
         let rms = (off.iter().map(|x| x * x).sum::<f64>() / f64::from(cases)).sqrt();
-        // Of 400 draws the rms is known to 3.5 percent.
+        // The rms of 400 draws has a relative standard error of 3.5 percent.
         assert!((rms / 10.0 - 1.0).abs() < 0.12, "{rms}");
         assert!(off.windows(2).all(|pair| pair[0] != pair[1]));
         assert!(acting.cases.iter().all(|case| case.values[1] == 20.0));

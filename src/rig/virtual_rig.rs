@@ -1,4 +1,4 @@
-//! The virtual test rig: a study folder whose readings are what a rig would read on the deck, with effects planted.
+//! The virtual test rig: it writes a study folder with the readings a rig would take on the deck with effects planted.
 
 use std::path::{Path, PathBuf};
 
@@ -17,34 +17,35 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
-/// What the rig hands over.
+/// Result of a virtual rig run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RigRun {
     /// Files of the new study folder, relative to it.
     pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// What was planted, one effect per line: for `--truth` only.
+    /// The planted effects, one per line; written by `--truth` only.
     pub truth: String,
 }
 
 /// Measures the deck of a study. The study's own readings need not exist.
 ///
 /// # Errors
-/// Whatever stands in the way: of the study, of an effect, or a load case the reality has no equilibrium for.
+/// Errors of the study or of an effect, and load cases for which the changed deck has no equilibrium.
 pub fn virtual_rig(folder: &Path, options: &RigOptions) -> Result<RigRun, Vec<Diagnostic>> {
     virtual_rig_watched(folder, options, &mut |_, _| {})
 }
 
-/// The same; `progress` is told how many load cases are measured, and of how many.
+/// Measures the deck of a study as [`virtual_rig`] does. After each load case it calls `progress` with the number of cases measured and their
+/// total.
 ///
 /// # Errors
-/// As [`virtual_rig`].
+/// Same as [`virtual_rig`].
 pub fn virtual_rig_watched(
     folder: &Path,
     options: &RigOptions,
     progress: &mut dyn FnMut(usize, usize),
 ) -> Result<RigRun, Vec<Diagnostic>> {
     let mut checked = Study::read(folder);
-    // Readings are what the rig makes: those that are missing do not matter.
+    // The rig produces the readings, so missing readings are no error here.
     let matters = |diagnostic: &Diagnostic| {
         diagnostic.severity == Severity::Error
             && !matches!(
@@ -52,7 +53,7 @@ pub fn virtual_rig_watched(
                 Code::CannotRead | Code::MissingColumn | Code::MissingMarks
             )
     };
-    // The first session is no reading of the rig's: without it there is nothing to see on the parts.
+    // The positions of the marks on the parts must exist, because the rig cannot produce them.
     let complete = |study: &mut Study| study.marks.is_some() || !says_marks(study);
     let Some(mut study) = checked.value.take_if(complete) else {
         return Err(checked.diagnostics);
@@ -79,7 +80,7 @@ pub fn virtual_rig_watched(
     } else if measured.sigma_estimated {
         measured.sigma = 0.05;
     }
-    // Curves whose noise the study does not say are read as well as rigs do: 0.005 deg, 0.05 mm.
+    // Curves without a declared noise get that of a typical rig: 0.005 deg, 0.05 mm.
     for channel in measured.channels.iter_mut().filter(|c| c.sigma_estimated) {
         match channel.unit.as_deref() {
             Some("deg") => channel.sigma = 0.005,
@@ -114,14 +115,14 @@ pub fn virtual_rig_watched(
             .map(|channel| channel.name.clone())
             .collect(),
     };
-    // What spins freely in the deck as it is does so whatever is planted.
+    // Motions that are free in the unchanged deck stay free whatever is planted.
     let free = compile(&lowered.value).ok().and_then(|system| {
         let loads = Loads::of(&system, &reality.programme).ok()?;
         let deck = (&reality.dataset, &lowered.value);
         Some(FreeMotions::new(deck, &system, loads))
     });
     let free = free.unwrap_or_default();
-    // Tolerances and outliers are drawn from the deck as it is, whatever else is planted.
+    // Tolerances and outliers are drawn for the unchanged deck, whatever else is planted.
     let tolerances = options.tolerances.drawn(options.seed, &reality);
     let tolerances = tolerances.map_err(|why| vec![why])?;
     let outliers = options.scatter.drawn(options.seed, &reality);
@@ -129,7 +130,7 @@ pub fn virtual_rig_watched(
     for spec in tolerances.iter().chain(&options.effects).chain(&outliers) {
         plant(spec, &mut reality).map_err(|why| vec![why])?;
     }
-    // Gains and directions act on what is applied.
+    // The repeatability errors are added after the planted errors of the loads.
     options
         .tolerances
         .scatter(options.seed, &mut reality.programme);
@@ -154,7 +155,7 @@ pub fn virtual_rig_watched(
     })
 }
 
-/// Applies the loads one after the other and lets what remembers the path remember it.
+/// Applies the loads in order, solves each equilibrium, and updates the history-dependent states after each.
 fn at_rest(
     reality: &GroundTruth,
     measured: &Measurement,
@@ -242,7 +243,7 @@ fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
     }
 }
 
-/// True if the study has a section of marks, readable or not.
+/// Returns true if the study has a `[marks]` section, readable or not.
 fn says_marks(study: &Study) -> bool {
     String::from_utf8_lossy(study.source.bytes())
         .lines()

@@ -7,84 +7,84 @@ use admire_solver::system::{ConstraintIx, ElementIx, System};
 use admire_syntax::hash::QuickMap;
 use admire_syntax::units::{Dimension, Units};
 
-/// What the values of an entity of the results are.
+/// Kind of an entity in the results, with the source of its values.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Item {
-    /// A DIFF.
+    /// Value and rate of a DIFF.
     Diff {
-        /// Its id.
+        /// Id of the DIFF.
         id: u32,
-        /// Where it is in the model.
+        /// Index in the model.
         at: Option<usize>,
     },
-    /// A constraint.
+    /// Reaction of a constraint.
     Constraint {
-        /// Statement.
+        /// Keyword of the statement.
         kind: &'static str,
-        /// Id.
+        /// Id of the statement.
         id: u32,
-        /// Where it is in the system.
+        /// Index in the system.
         at: Option<ConstraintIx>,
     },
-    /// A force element; and the angles of I in J where asked for.
+    /// Force and torque of a force element, and for some elements the angles of I in J.
     Element {
-        /// Statement.
+        /// Keyword of the statement.
         kind: &'static str,
-        /// Id.
+        /// Id of the statement.
         id: u32,
-        /// ANGX, ANGY, ANGZ follow.
+        /// True if the columns ANGX, ANGY, ANGZ follow.
         angles: bool,
-        /// Where it is in the system.
+        /// Index in the system.
         at: Option<ElementIx>,
     },
-    /// Requests that share a name.
+    /// Components of one request, or of several requests that share a name.
     Request(Vec<Component>),
-    /// A VARIABLE.
+    /// Value of a VARIABLE.
     Variable {
-        /// Its id.
+        /// Id of the VARIABLE.
         id: u32,
-        /// Where it is in the model.
+        /// Index in the model.
         at: Option<usize>,
     },
-    /// The floating marker of a vector force.
+    /// Pose of the floating marker of a vector force.
     FloatingMarker {
-        /// Its id.
+        /// Id of the marker.
         id: u32,
-        /// The I marker of its force, which it is kept on.
+        /// I marker of its force, to which it is attached.
         on: Option<MarkerIx>,
     },
-    /// A GCON.
+    /// Reaction of a GCON.
     Condition {
-        /// Its id.
+        /// Id of the GCON.
         id: u32,
-        /// The marker its reaction is reported at.
+        /// Marker at which the reaction is reported.
         at: Option<MarkerIx>,
     },
-    /// An NFORCE: its id and how many I markers it has.
+    /// Forces of an NFORCE: its id and its number of I markers.
     Multi(u32, usize),
-    /// The variables of a PINPUT or POUTPUT.
+    /// Values of the variables of a PINPUT or POUTPUT.
     Variables {
-        /// Their ids.
+        /// Ids of the variables.
         ids: Vec<u32>,
-        /// Where they are in the model.
+        /// Indices in the model.
         at: Vec<Option<usize>>,
     },
     /// States and outputs of linear state equations.
     LinearStates {
-        /// Statement.
+        /// Keyword of the statement.
         kind: &'static str,
-        /// Id.
+        /// Id of the statement.
         id: u32,
-        /// How many columns they have.
+        /// Number of columns.
         columns: usize,
-        /// Where they are in the model.
+        /// Index in the model.
         at: Option<usize>,
-        /// The first of their states.
+        /// Index of the first of their states.
         first: usize,
-        /// The variables that are their inputs.
+        /// Indices of the VARIABLEs that are their inputs.
         inputs: Vec<Option<usize>>,
     },
-    /// A FRICTION: its id.
+    /// Values of a FRICTION with this id.
     Friction(u32),
 }
 
@@ -93,27 +93,27 @@ pub(super) enum Item {
 pub(super) struct Component {
     /// Id of the request.
     pub id: u32,
-    /// Where it is in the model.
+    /// Index in the model.
     pub at: Option<usize>,
-    /// Which of its eight components.
+    /// Index of the component, 0 to 7.
     pub which: usize,
 }
 
-/// The columns of a run in the order of the values of a step (guide/formats.md 6.1, 12).
+/// Columns of a run in the order of a step's values (guide/formats.md 6.1, 12).
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
-    /// The bodies; those with three freedoms have no angles.
+    /// Bodies with their kinds. A point mass has no angles.
     pub bodies: Vec<(PartIx, EntityKind)>,
-    /// Which derivatives follow, as zeros: a static state is at rest.
+    /// Derivatives that follow the displacements. They are zero in a static state.
     pub stored: Stored,
-    /// What follows the bodies.
+    /// Entities after the bodies.
     pub items: Vec<Item>,
-    /// Names and numbers of all of it.
+    /// Names and numbers of all columns.
     pub catalogue: Catalogue,
 }
 
 impl Columns {
-    /// The columns that RESULTS asks for, of a model as a system.
+    /// Selects the columns that RESULTS requests for a model.
     pub(crate) fn of(model: &Model, system: &System) -> Self {
         let settings = &model.results;
         let stored = Stored {
@@ -136,7 +136,7 @@ impl Columns {
                 builder.number(kind, &part.header.name, part.header.id);
                 bodies.push((PartIx(index), kind));
             }
-            // The numbering sorts by kind, and keeps the order inside of a kind.
+            // The numbering sorts by kind and keeps the order within a kind.
             bodies.sort_by_key(|(_, kind)| *kind);
         }
         builder.add(model, settings);
@@ -155,7 +155,7 @@ impl Columns {
         columns
     }
 
-    /// Finds what the columns name in the system of a model that was compiled anew.
+    /// Resolves the entities of the columns in a newly compiled system.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         let elements: QuickMap<_, _> = system
             .elements()
@@ -191,7 +191,7 @@ impl Columns {
                     let mut all = model.linear_states.iter();
                     *at = all.position(|s| s.kind == *kind && s.header.id == *id);
                     if let Some(at) = *at {
-                        // DIFFs come first among the states, then these in the order of the model.
+                        // The states of DIFFs come first, then those of linear state equations in the order of the model.
                         let before = model.linear_states[..at].iter();
                         *first = model.diffs.len() + before.map(|s| s.a.len()).sum::<usize>();
                         *inputs = inputs_of(model, &model.linear_states[at]);
@@ -216,12 +216,12 @@ impl Columns {
     }
 }
 
-/// Where each id is in its list.
+/// Returns the index of each id in its list.
 pub(super) fn places(ids: impl Iterator<Item = u32>) -> QuickMap<u32, usize> {
     ids.enumerate().map(|(at, id)| (id, at)).collect()
 }
 
-/// The variables in the array of inputs of linear state equations.
+/// Returns the indices of the VARIABLEs in the input array of linear state equations.
 fn inputs_of(model: &Model, states: &LinearStates) -> Vec<Option<usize>> {
     let mut arrays = model.arrays.iter();
     let inputs = arrays.find(|array| array.header.id == states.u);
@@ -231,7 +231,7 @@ fn inputs_of(model: &Model, states: &LinearStates) -> Vec<Option<usize>> {
     }
 }
 
-/// Where variables are in the model.
+/// Returns the indices of VARIABLEs in the model.
 fn variables(model: &Model, ids: &[u32]) -> Vec<Option<usize>> {
     let variable = |id: &u32| model.variables.iter().position(|v| v.header.id == *id);
     ids.iter().map(variable).collect()
@@ -327,7 +327,7 @@ impl Builder {
         }
     }
 
-    /// States as X1, X2, ... and outputs as Y1, Y2, ...: how ADAMS calls them is not documented.
+    /// Adds states as X1, X2, ... and outputs as Y1, Y2, ...; ADAMS' own names are not documented.
     fn add_linear_states(&mut self, model: &Model) {
         for states in &model.linear_states {
             let kind = match states.kind {
@@ -354,7 +354,7 @@ impl Builder {
         }
     }
 
-    /// FX to TZ at the first I marker, FX_2 to TZ_2 at the second and so on: how ADAMS calls them is not documented.
+    /// Adds FX to TZ at the first I marker, FX_2 to TZ_2 at the second and so on; ADAMS' own names are not documented.
     fn add_multi_point_forces(&mut self, model: &Model) {
         let units = [Dimension::FORCE, Dimension::TORQUE].map(|d| model.units.name(d));
         for force in &model.nforces {
@@ -380,7 +380,7 @@ impl Builder {
         }
     }
 
-    /// Forces in ground axes; coefficients, surface velocities and creeps in those of I.
+    /// Adds forces in ground axes, and coefficients, surface velocities and creeps in the axes of I.
     fn add_frictions(&mut self, model: &Model) {
         let unit = |dimension: Dimension| model.units.name(dimension);
         let (force, torque) = (unit(Dimension::FORCE), unit(Dimension::TORQUE));
@@ -454,7 +454,7 @@ impl Builder {
         self.add_frictions(model);
     }
 
-    /// Requests with one RESULTS_NAME make one result set, whose object id is 0.
+    /// Adds the requests. Requests with one RESULTS_NAME form one result set, whose object id is 0.
     fn add_requests(&mut self, model: &Model) {
         let mut done = vec![false; model.requests.len()];
         for first in 0..model.requests.len() {
@@ -502,10 +502,10 @@ impl Builder {
     }
 }
 
-/// The components of a request that are written: index from 0 to 7, name and unit.
+/// Returns the written components of a request: index from 0 to 7, name and unit.
 ///
-/// Names are those of CNAMES or TITLE, and an empty one takes its component out; a request of functions has only the
-/// components with a function. The names ADAMS gives by itself are not documented; these are the usual column headings.
+/// The names are those of CNAMES or TITLE; an empty name omits its component. A request of functions has only the components with a function.
+/// ADAMS' default names are not documented; the usual column headings are used.
 pub(super) fn components(
     request: &Request,
     units: &Units,
@@ -550,7 +550,7 @@ pub(super) fn components(
     out
 }
 
-/// The names of the eight components of a request that names none itself. With `ypr` displacements have YAW, PITCH, ROLL.
+/// Returns the default names of the eight components of a request. With `ypr` the angles of displacements are YAW, PITCH, ROLL.
 pub(super) fn usual_names(kind: &RequestKind, ypr: bool) -> [&'static str; 8] {
     match kind {
         RequestKind::Displacement { .. } if ypr => {
@@ -568,7 +568,7 @@ pub(super) fn usual_names(kind: &RequestKind, ypr: bool) -> [&'static str; 8] {
     }
 }
 
-/// The unit that a word of CUNITS stands for: `"length"`, `"force"`, `"no_units"`, ... A word that is a unit itself stays.
+/// Returns the unit for a word of CUNITS: `"length"`, `"force"`, `"no_units"`, ... A word that is a unit itself is kept.
 fn unit_of_word(word: &str, units: &Units) -> String {
     let dimension = match word.to_ascii_lowercase().as_str() {
         "no_units" | "none" => return "no_units".to_string(),

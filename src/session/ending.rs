@@ -1,36 +1,36 @@
 use std::path::PathBuf;
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Stop {
     /// STOP, or the end of the commands.
     Finished,
-    /// A command file or a dataset cannot be read, or an output file cannot be written.
+    /// A command file or dataset cannot be read, or an output file cannot be written.
     File,
     /// The dataset has errors.
     Model,
-    /// PREFERENCES/SIMFAIL=STOPCF and a simulation failed.
+    /// A simulation failed under PREFERENCES/SIMFAIL=STOPCF.
     Simulation,
-    /// Whoever watches the run asked it to stop.
+    /// The watcher of the run stopped it.
     Interrupted,
 }
 
-/// What came of a run.
+/// Outcome of a run.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Ending {
-    /// Why it ended.
+    /// Reason for the end.
     pub stop: Stop,
-    /// Commands that could not be understood.
+    /// Number of commands with errors.
     pub misunderstood: usize,
-    /// Commands and simulations that ADAMS executes and this solver does not.
+    /// Number of commands and simulations that ADAMS executes and this solver does not.
     pub refused: usize,
-    /// Simulations without an answer.
+    /// Number of simulations without a solution.
     pub failed: usize,
-    /// The results of the last model that has any.
+    /// Results file of the last model that has one.
     pub results: Option<PathBuf>,
 }
 
-/// What `mdi` ends with, for `mdi --help`; the page `drop_in` of the guide has the same table.
+/// Exit codes of `mdi` for `mdi --help`; the guide page `drop_in` has the same table.
 pub(crate) const EXIT_CODES: &str = "\
   what happened                                                            code  MDI_STRICT=1  runStatus in .res
   all commands executed, equilibrium found                                   0        0        Successful
@@ -44,11 +44,11 @@ pub(crate) const EXIT_CODES: &str = "\
 ";
 
 impl Ending {
-    /// The exit code of the process.
+    /// Returns the exit code of the process.
     ///
-    /// As ADAMS does, 0 when the end was reached, even if a static solution failed on the way: funnels of static solutions
-    /// count on it; with `strict` that is 3. What ADAMS would have solved or understood and this solver did not is 1 with and
-    /// without: ADAMS would not have failed. See `EXIT_CODES`.
+    /// As with ADAMS, 0 means that the end of the commands was reached, even if a static solution failed. Command files that try several
+    /// static solutions in turn rely on this. With `strict` a failed simulation gives 3. Commands that ADAMS executes and this solver does not
+    /// give 1, with and without `strict`. See `EXIT_CODES`.
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.stop {
             Stop::File => 2,

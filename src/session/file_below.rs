@@ -5,12 +5,13 @@ use admire_syntax::text::real_path;
 
 use super::paths::{ignoring_case, native_spelling, told_of_case};
 
-/// A file or folder that a file in `folder` names; whose folder it is says `what`: a study, a sweep. It must lie in that folder or below
-/// it, links followed, whether it exists or not. What only differs in upper and lower case is found with a warning.
+/// Returns the path of a file or folder named by a file in `folder`. It must lie in that folder or below it, with symbolic links resolved,
+/// whether it exists or not. A name that differs only in case is accepted with a warning. `what` names the owner of the folder in messages: a
+/// study, a sweep.
 ///
-/// The complaints have no place.
+/// The diagnostics have no position.
 pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<PathBuf>> {
-    // Written on Windows it may have backslashes.
+    // A path written on Windows may contain backslashes.
     let relative = native_spelling(written);
     let plain = relative
         .components()
@@ -39,7 +40,7 @@ pub fn file_below(folder: &Path, written: &str, what: &str) -> Checked<Option<Pa
     }
 }
 
-/// True if no link on the way leads out of the folder, not even one to what does not exist yet.
+/// Returns true if no symbolic link in the path leads out of the folder, not even a link to a missing target.
 fn is_below(folder: &Path, path: &Path) -> bool {
     let here = if folder.as_os_str().is_empty() {
         Path::new(".")
@@ -47,7 +48,7 @@ fn is_below(folder: &Path, path: &Path) -> bool {
         folder
     };
     let Ok(real) = real_path(here) else {
-        // Where there is no folder there are no links in it.
+        // A folder that does not exist contains no links.
         return true;
     };
     let mut on_the_way = path.ancestors().take_while(|part| *part != folder);

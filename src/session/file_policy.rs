@@ -5,21 +5,21 @@ use admire_syntax::text::real_path;
 
 use super::windows_names::check_name;
 
-/// Which files a command file may name. Datasets and command files are not trusted: what they name is held to the folders of the
-/// run.
+/// Restrictions on the files that a command file may name. Datasets and command files are not trusted, so the files they name are restricted
+/// to the folders of the run.
 #[derive(Clone, Debug)]
 pub struct FilePolicy {
-    /// Real paths of folders; what is below them may be written.
+    /// Real paths of folders in and below which files may be written.
     folders: Vec<PathBuf>,
-    /// Real paths of folders; what is in them may be written, not what is in folders of theirs.
+    /// Real paths of folders in which files may be written, but not below them.
     beside: Vec<PathBuf>,
-    /// Nothing outside of `folders` may be read either.
+    /// True if files outside `folders` may not be read either.
     confined: bool,
 }
 
 impl FilePolicy {
-    /// The working directory, and the folders that the environment variable `ADMIRE_ALLOW_PATH` lists, may be written. Anything may
-    /// be read.
+    /// Allows writing in the working directory and in the folders listed in the environment variable `ADMIRE_ALLOW_PATH`. Any file may be
+    /// read.
     pub fn new(directory: &Path) -> Self {
         let mut policy = Self {
             folders: Vec::new(),
@@ -37,12 +37,12 @@ impl FilePolicy {
         policy
     }
 
-    /// Lets nothing be read either that may not be written.
+    /// Restricts reading to the folders that may be written.
     pub const fn confine(&mut self) {
         self.confined = true;
     }
 
-    /// Allows a folder and all below: where the command file of the command line is.
+    /// Allows a folder and everything below it, such as the folder of the command file on the command line.
     pub fn allow(&mut self, folder: &Path) {
         if let Ok(real) = real_path(or_here(folder))
             && !self.folders.contains(&real)
@@ -51,8 +51,8 @@ impl FilePolicy {
         }
     }
 
-    /// Allows to write beside a model. Its name comes out of a command file: only a dataset by name opens its folder, and nothing
-    /// below.
+    /// Allows writing next to a model, but not in subfolders. The name comes from a command file, so only a name that ends in `.adm` opens its
+    /// folder.
     pub(crate) fn allow_beside(&mut self, model: &Path) {
         let is_adm = model
             .extension()
@@ -65,10 +65,10 @@ impl FilePolicy {
         }
     }
 
-    /// True if a file that was found may be read.
+    /// Checks that an existing file may be read.
     ///
     /// # Errors
-    /// `read-outside`, or `cannot-read` of a name that is no file on Windows.
+    /// `read-outside`, or `cannot-read` for a name that is no file on Windows.
     pub fn check_read(&self, path: &Path) -> Result<(), Diagnostic> {
         check_name(&path.to_string_lossy())
             .map_err(|why| Diagnostic::error(Code::CannotRead, why))?;
@@ -83,8 +83,8 @@ impl FilePolicy {
         .help("what a file names is read below its own folder and the working directory; ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders"))
     }
 
-    /// True if `path` may be written: its real folder, links followed, is one of the allowed ones or below, and what stands
-    /// there already is a plain file.
+    /// Checks that `path` may be written. Its real folder, with links resolved, must be allowed or lie below an allowed one, and an existing
+    /// file must be a plain file.
     ///
     /// # Errors
     /// `write-outside` or `cannot-write`.
@@ -122,7 +122,7 @@ impl FilePolicy {
     }
 }
 
-/// The folder, or `.` for the empty path.
+/// Returns the folder, or `.` for the empty path.
 fn or_here(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() {
         Path::new(".")
@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(outside.code, Code::WriteOutside);
         let climbing = policy.check(&run.join("../model/a.res")).unwrap_err();
         assert_eq!(climbing.code, Code::WriteOutside);
-        // Beside a model, but not below; and only a dataset by name is one.
+        // Writing is allowed next to a model but not below, and only a name ending in `.adm` is a model.
         policy.allow_beside(&model.join("passwd"));
         assert!(policy.check(&model.join("a.res")).is_err());
         policy.allow_beside(&model.join("a.adm"));

@@ -11,15 +11,14 @@ use admire_syntax::text::{Source, read_at_most};
 use super::file_policy::FilePolicy;
 use super::paths::find_file;
 
-/// The largest file that is read: a command file may name any.
+/// Size in bytes of the largest file that is read; a command file may name any file.
 pub(super) const LARGEST: u64 = 1 << 30;
 
-/// Larger files are no property files.
+/// Size in bytes above which a file is not read as a property file.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Reads the property files a dataset names, from the folder of the dataset or where their path leads as far as the policy lets it.
-/// Complains of files that are not there, of each once: a warning where the answer needs it, a note where only graphics or a
-/// subroutine would read it.
+/// Reads the property files that a dataset names, from the folder of the dataset or by their own path as far as the policy allows. Each
+/// missing file is reported once: as a warning if the answer depends on it, as a note if only graphics or a subroutine would read it.
 pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Checked<Files> {
     let mut files = Files::default();
     let mut diagnostics: Vec<Diagnostic> = Vec::new();
@@ -45,7 +44,7 @@ pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Chec
             continue;
         };
         if let Err(mut outside) = policy.check_read(&path) {
-            // What the answer needs of it is missing, as if the file were.
+            // The effect on the answer is the same as for a missing file.
             outside.severity = Severity::Warning;
             diagnostics.push(label(outside));
             continue;
@@ -65,7 +64,7 @@ pub fn read_files(dataset: &Dataset, folder: &Path, policy: &FilePolicy) -> Chec
     }
 }
 
-/// The folder a dataset of this name stands in.
+/// Returns the folder part of a source's name.
 pub fn folder_of(source: &Source) -> PathBuf {
     Path::new(source.name())
         .parent()

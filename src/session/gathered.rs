@@ -1,4 +1,4 @@
-//! The same complaint of many objects, told once.
+//! Grouping of the same diagnostic about many objects into one message.
 
 use std::collections::BTreeMap;
 
@@ -6,13 +6,13 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
 use super::run_state::Session;
 
-/// So many objects get a message each; more share one.
+/// Largest number of objects that get a message each; more share one.
 const APART: usize = 3;
-/// So many of those that share a message are named in it.
+/// Largest number of further objects named in a shared message.
 const NAMED: usize = 5;
 
 impl Session<'_> {
-    /// Says what is wrong with objects of the model, alike complaints as one, and each only once as long as the model is loaded.
+    /// Reports diagnostics about objects of the model. Similar ones are grouped, and each is reported only once while the model is loaded.
     pub(super) fn report_once(&mut self, mut found: Vec<Diagnostic>) {
         if let Some(loaded) = &mut self.loaded {
             found.retain(|told| loaded.told.insert((told.severity, told.message.clone())));
@@ -27,7 +27,7 @@ impl Session<'_> {
     }
 }
 
-/// Complaints that differ only in the object they are about, as in `CONTACT/1 'a' is not solved`, become one where they are many.
+/// Groups diagnostics that differ only in their object, such as `CONTACT/1 'a' is not solved`, if there are many.
 fn grouped_diagnostics(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     type Key = (Code, Severity, &'static str, String, Option<String>);
     let mut groups: Vec<Vec<Diagnostic>> = Vec::new();
@@ -54,7 +54,7 @@ fn grouped_diagnostics(found: Vec<Diagnostic>) -> Vec<Diagnostic> {
     groups.into_iter().flat_map(as_one).collect()
 }
 
-/// One message for a group of many.
+/// Merges a large group into one message.
 fn as_one(mut group: Vec<Diagnostic>) -> Vec<Diagnostic> {
     if group.len() <= APART {
         return group;

@@ -1,4 +1,4 @@
-//! What a graphics file draws: parts, markers, joints, and the arrows of forces.
+//! Contents of a graphics file: parts, markers, joints, springs, and the arrows of forces.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +10,13 @@ use admire_syntax::{Dataset, Statement};
 
 use super::measures::{Exerting, Measures};
 
-/// SEG of a spring whose statement has none, as ADAMS writes it.
+/// SEG of a spring graphic without one, as ADAMS writes it.
 const SEGMENTS: i64 = 20;
 
-/// The numbers of a spring: diameters, then lengths.
+/// Size arguments of a spring graphic: diameters, then lengths.
 const SIZES: [&str; 7] = ["DA", "DB", "DC", "LA", "LB", "LC", "LD"];
 
-/// What every frame has, in its order.
+/// Contents of every frame, in their order.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drawn {
     /// Indices of the moving parts.
@@ -24,18 +24,18 @@ pub(super) struct Drawn {
     forces: Vec<ForceGraphic>,
 }
 
-/// The arrow of a force.
+/// Arrow of a force.
 #[derive(Clone, Debug)]
 struct ForceGraphic {
-    /// ETYPE and EID.
+    /// Statement (ETYPE) and id (EID) of the force.
     element: (String, u32),
-    /// EMARKER.
+    /// Id of its marker (EMARKER).
     marker: u32,
-    /// Where they are in the model as it is now.
+    /// Force and marker in the current system, if they exist.
     place: Option<(Exerting, MarkerIx)>,
 }
 
-/// The head of the graphics file of a model, and what its frames have.
+/// Returns the head of a model's graphics file, and the contents of its frames.
 pub(super) fn drawn(model: &Model, dataset: &Dataset) -> (GraphicsHead, Drawn) {
     let id = |part: usize| i64::from(model.parts[part].header.id);
     let moving: Vec<usize> = (0..model.parts.len())
@@ -83,7 +83,7 @@ pub(super) fn drawn(model: &Model, dataset: &Dataset) -> (GraphicsHead, Drawn) {
     (head, drawn)
 }
 
-/// A drawing that moves by itself, and its force if it is the arrow of one.
+/// Returns the shape of a force or spring graphic, and for an arrow its force.
 fn shape(
     statement: &Statement,
     dataset: &Dataset,
@@ -115,7 +115,7 @@ fn shape(
 }
 
 impl Drawn {
-    /// Finds what exerts the forces in a model that was compiled anew.
+    /// Resolves the forces in a newly compiled system.
     pub(super) fn locate(&mut self, model: &Model, system: &System) {
         let elements = system
             .elements()
@@ -131,7 +131,7 @@ impl Drawn {
         }
     }
 
-    /// Poses of the parts, and loads of the forces; a force that is not solved or is switched off is zero.
+    /// Returns the poses of the parts and the loads of the forces. A force that is not solved or is switched off is zero.
     pub(super) fn frame(&self, measures: &mut Measures<'_>) -> (Vec<[f64; 6]>, Vec<[f64; 6]>) {
         let state: &State = measures.state;
         let poses = self.parts.iter().map(|&part| six(&state.poses[part]));
@@ -145,7 +145,7 @@ impl Drawn {
     }
 }
 
-/// X, Y, Z, PSI, THETA, PHI.
+/// Returns X, Y, Z, PSI, THETA, PHI of a pose.
 fn six(pose: &Pose) -> [f64; 6] {
     let [psi, theta, phi] = psi_theta_phi(&pose.R);
     [pose.p.x, pose.p.y, pose.p.z, psi, theta, phi]

@@ -1,9 +1,9 @@
-//! Commands and complaints that change nothing in a static run.
+//! Commands and diagnostics without effect on a static run.
 
 use admire_syntax::Statement;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// True for commands that only print, or concern other analyses: they change nothing here.
+/// Returns true for commands that only print or concern other analyses.
 pub(super) fn is_output_only(kind: Option<&str>) -> bool {
     matches!(
         kind,
@@ -22,12 +22,12 @@ pub(super) fn is_output_only(kind: Option<&str>) -> bool {
     )
 }
 
-/// True where a complaint lies in a command.
+/// Returns true if a diagnostic lies in a command.
 pub(super) fn is_in(command: &Statement, complaint: &Diagnostic) -> bool {
     (command.span.start()..=command.span.end()).contains(&place_in_file(complaint))
 }
 
-/// Where a complaint begins, in bytes.
+/// Returns the start offset of a diagnostic in bytes.
 pub(super) fn place_in_file(diagnostic: &Diagnostic) -> usize {
     diagnostic
         .labels

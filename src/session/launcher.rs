@@ -2,21 +2,21 @@ use std::path::Path;
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// What a command line in ADAMS' style asks for.
+/// A parsed command line in ADAMS' style.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Launch {
-    /// Where the commands come from.
+    /// Source of the commands.
     pub input: LaunchInput,
-    /// Words that were skipped.
+    /// Warnings about skipped words.
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Where the commands of a run come from.
+/// Source of the commands of a run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum LaunchInput {
-    /// A command file, as written on the command line, quotes removed; `.acf` may be missing.
+    /// A command file as written on the command line, without quotes; `.acf` may be missing.
     CommandFile(String),
-    /// Commands on standard input.
+    /// Commands from standard input.
     StandardInput,
     /// `--help`.
     Help,
@@ -25,15 +25,15 @@ pub(crate) enum LaunchInput {
 }
 
 impl Launch {
-    /// Reads the words after the program's name. The program's own name says nothing: shims and copies are called `mdi`,
-    /// `mdi.bat`, `adams2024_1` and so on.
+    /// Parses the words after the program's name. The program's own name is ignored: shims and copies are called `mdi`, `mdi.bat`,
+    /// `adams2024_1` and so on.
     ///
-    /// Forms in the wild (guide/formats.md 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`,
-    /// `ru-solver run.acf`, `acar ru-solver run.acf`, a bare `stem`, and nothing at all (commands on standard input). Words nobody
-    /// knows (`n`, `-t 4`, memory sizes) are skipped with a warning.
+    /// Forms in use (guide/formats.md 5.4): `-c ru-standard i run.acf exit`, `ru-s b run.acf`, `ru-standard stem`, `ru-solver run.acf`, `acar
+    /// ru-solver run.acf`, a bare `stem`, and no words at all (commands on standard input). Unknown words (`n`, `-t 4`, memory sizes) are
+    /// skipped with a warning.
     ///
     /// # Errors
-    /// A form only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as `acar` without the
+    /// Forms that only a full ADAMS installation can run: `ru-user` (a user-written solver library), products such as `acar` without the
     /// solver, and command files of ADAMS/View (`.cmd`).
     pub(crate) fn parse(words: &[String]) -> Result<Self, Diagnostic> {
         let mut warnings = Vec::new();
@@ -47,12 +47,12 @@ impl Launch {
                 "exit" | "quit" => break,
                 "--help" | "-h" | "/?" => return Ok(Self::of(LaunchInput::Help)),
                 "--version" => return Ok(Self::of(LaunchInput::Version)),
-                // A product starts its solver: the word behind it says so.
+                // A product name followed by a solver word starts the solver.
                 _ if is_product(&lower) && words.peek().is_some_and(|next| is_run_word(&next.to_ascii_lowercase())) => {}
                 "acar" | "aview" | "acarrt" | "atruck" | "adriveline" | "amachinery"
                 | "achassis" | "aengine" | "arail" | "aflex" | "aplugin" | "ppt" | "python"
                 | "vibration" | "controls" | "durability" | "cr-user" | "cr-u"
-                    // After `ru-standard` it is a command file of that name.
+                    // After `ru-standard` the word is the name of a command file.
                     if !runs =>
                 {
                     return Err(refused(
@@ -88,7 +88,7 @@ impl Launch {
                         "it is a command file of ADAMS/View; the solver runs command files that end in .acf",
                     ));
                 }
-                // The command file names its dataset; beside it on the command line the dataset says nothing new.
+                // The command file names its dataset, so a dataset next to it on the command line adds nothing.
                 _ if file.as_deref().is_some_and(is_dataset) && !is_noise(&lower) && !is_dataset(word) => {
                     warnings.extend(file.replace(word.to_string()).map(|deck| skipped(&deck)));
                 }
@@ -99,7 +99,7 @@ impl Launch {
         let input = match file {
             Some(file) => {
                 if !runs && !file.to_ascii_lowercase().ends_with(".acf") {
-                    // FAST-era wrappers: the program's name, then the stem of the command file.
+                    // Wrappers from the FAST era: the program's name, then the stem of the command file.
                     warnings.push(Diagnostic::note(
                         Code::LauncherWord,
                         format!("no `ru-standard` on the command line: `{file}` is taken as the command file"),
@@ -112,9 +112,8 @@ impl Launch {
         Ok(Self { input, warnings })
     }
 
-    /// What lines of standard input ask for that answer the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one to
-    /// a line, or the last of them where the command line gave the first. `None` if they do not begin like that: then they are commands
-    /// of the solver.
+    /// Parses standard input that answers the menus of the launcher: `ru-standard`, `i`, the command file, `exit`, one per line. The first
+    /// words may already be on the command line. Returns `None` if the input starts differently; it then consists of solver commands.
     pub(crate) fn of_menu(text: &str) -> Option<Result<Self, Diagnostic>> {
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next()?;
@@ -122,7 +121,7 @@ impl Launch {
             let lower = unquote(word).to_ascii_lowercase();
             is_run_word(&lower) || is_product(&lower) || lower.starts_with("ru-") || lower == "-c"
         };
-        // The first line of commands may name a dataset, never a command file.
+        // The first line of a command file may name a dataset, but never a command file.
         let lower = unquote(first).to_ascii_lowercase();
         let goes_on = matches!(lower.as_str(), "i" | "b")
             || Path::new(&lower)
@@ -134,7 +133,7 @@ impl Launch {
         }
         let mut words: Vec<String> = Vec::new();
         for line in std::iter::once(first).chain(lines) {
-            // The name of a file may hold blanks.
+            // A file name may contain blanks.
             let several = line.split_whitespace().next().is_some_and(known);
             if several {
                 words.extend(line.split_whitespace().map(str::to_string));
@@ -145,7 +144,7 @@ impl Launch {
         Some(Self::parse(&words))
     }
 
-    /// The stem that messages of a launch get until a model names another: that of the command file among the words.
+    /// Returns the stem of the message file until a model gives it another name: the stem of the command file among the words.
     pub(crate) fn stem(words: &[String]) -> String {
         let is_file = |word: &&str| {
             let lower = word.to_ascii_lowercase();
@@ -176,7 +175,7 @@ impl Launch {
     }
 }
 
-/// Without the quotes that a Windows `system()` call may leave around a word.
+/// Removes the quotes that a Windows `system()` call may leave around a word.
 fn unquote(word: &str) -> &str {
     let word = word.trim();
     for quote in ['"', '\''] {
@@ -190,7 +189,7 @@ fn unquote(word: &str) -> &str {
     word
 }
 
-/// `ru-standard` and its abbreviations down to `ru-s`, and `ru-solver`.
+/// Returns true for `ru-standard` and `ru-solver`, and for their abbreviations of at least four letters.
 fn is_run_word(lower: &str) -> bool {
     lower.len() >= 4
         && ["ru-standard", "ru-solver"]
@@ -198,7 +197,7 @@ fn is_run_word(lower: &str) -> bool {
             .any(|whole| whole.starts_with(lower))
 }
 
-/// Names of products whose word may stand before that of the solver.
+/// Returns true for product names that may precede the solver's word.
 fn is_product(lower: &str) -> bool {
     matches!(
         lower,
@@ -219,18 +218,18 @@ fn is_product(lower: &str) -> bool {
     )
 }
 
-/// True for names of datasets.
+/// Returns true for names of datasets.
 pub(super) fn is_dataset(name: &str) -> bool {
     let extension = Path::new(name).extension();
     extension.is_some_and(|end| end.eq_ignore_ascii_case("adm"))
 }
 
-/// Options of the launcher that carry a number.
+/// Returns true for launcher options that are followed by a number.
 fn takes_value(lower: &str) -> bool {
     matches!(lower, "-t" | "-n" | "-nt" | "-m" | "-mem" | "-memory")
 }
 
-/// Answers to old menus and memory sizes: options, single letters, numbers, `16mb`, `large`.
+/// Returns true for answers to old menus and for memory sizes: options, single letters, numbers, `16mb`, `large`.
 fn is_noise(lower: &str) -> bool {
     let digits = lower.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let sized = !digits.is_empty()
@@ -279,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_forms_in_the_wild_name_their_command_file() {
-        // guide/formats.md 5.4.
+        // Forms listed in guide/formats.md 5.4.
         for line in [
             &["-c", "ru-standard", "i", "run.acf", "exit"][..],
             &["ru-s", "b", "run.acf"],

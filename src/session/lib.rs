@@ -1,10 +1,10 @@
-//! Executes command files: the drop-in solver, and whoever else solves decks.
+//! Execution of command files: the drop-in solver, and the backends for other crates that solve decks.
 //!
-//! A [`Session`] runs a command file against a dataset and writes the files that ADAMS would; [`mdi`] is the program with ADAMS' command line.
-//! [`backend`] has one contract for all solvers: the built-in one, any program with ADAMS' command line, and recorded runs. [`check`] says
-//! everything there is to say of one file. Knows how ADAMS' command line, messages and output files look, and nothing of measurements.
+//! A [`Session`] runs a command file against a dataset and writes the output files of ADAMS; [`mdi`] is the program with ADAMS' command line.
+//! [`backend`] has one contract for all solvers: the built-in one, any program with ADAMS' command line, and recorded runs. [`check`] runs all
+//! checks of one file. The crate implements ADAMS' command line, messages and output files, and is independent of measurements.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

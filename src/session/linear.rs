@@ -1,4 +1,4 @@
-//! LINEAR/EIGENSOL and STATEMAT: eigenvalues, mode shapes and state matrices where the model stands.
+//! LINEAR/EIGENSOL and STATEMAT: eigenvalues, mode shapes and state matrices at the current state of the model.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use admire_solver::motion::{Coordinates, Mode};
 use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// What the six numbers of a part are called.
+/// Names of the six coordinates of a part.
 const COORDINATES: [&str; 6] = ["X", "Y", "Z", "RX", "RY", "RZ"];
 
 impl Session<'_> {
@@ -110,7 +110,7 @@ impl Session<'_> {
         self.simulation_failed()
     }
 
-    /// The VARIABLEs of a PINPUT or POUTPUT that a command names; none if it names none.
+    /// Returns the indices of the VARIABLEs of the PINPUT or POUTPUT that a command names; empty if it names none.
     fn port(&mut self, command: &Statement, kind: &'static str) -> Result<Vec<usize>, String> {
         let Some(id) = command.first(kind) else {
             return Ok(Vec::new());
@@ -134,7 +134,7 @@ impl Session<'_> {
         port.variables.iter().map(variable).collect()
     }
 
-    /// What PSTATE and RM say of the states.
+    /// Reads PSTATE and RM, which define the states.
     fn coordinates(&mut self, command: &Statement) -> Result<Coordinates, String> {
         let variables = self.port(command, "PSTATE")?;
         let seen_from = command.first("RM").filter(|id| *id != 0.0);
@@ -149,7 +149,7 @@ impl Session<'_> {
         })
     }
 
-    /// LINEAR/STATEMAT: the matrices as text that MATLAB loads, and the list of the states.
+    /// Executes LINEAR/STATEMAT: writes the matrices as text for MATLAB, and the list of the states.
     fn state_matrices(
         &mut self,
         command: &Statement,
@@ -251,7 +251,7 @@ impl Session<'_> {
     }
 }
 
-/// A matrix as MATLAB's `load` reads it: one line per row.
+/// Formats a matrix for MATLAB's `load`: one line per row.
 fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
     let mut text = String::new();
     for row in matrix.row_iter() {
@@ -261,7 +261,7 @@ fn numbers(matrix: &nalgebra::DMatrix<f64>) -> String {
     text
 }
 
-/// The states by number.
+/// Formats the numbered list of states.
 fn listed(states: &[String]) -> String {
     let mut text = String::new();
     for (k, state) in states.iter().enumerate() {
@@ -270,13 +270,13 @@ fn listed(states: &[String]) -> String {
     text
 }
 
-/// One of a pair, or a real eigenvalue.
+/// Returns the real modes and one of each complex conjugate pair.
 fn shown(found: &[Mode]) -> impl Iterator<Item = &Mode> {
     found.iter().filter(|mode| mode.value.im >= 0.0)
 }
 
-/// The table of ADAMS, which is in cycles per time unit: real eigenvalues first, then pairs, each by size (grammar/NOTES.md). Below it
-/// frequencies and damping, then the shapes: size and phase of every coordinate that takes part.
+/// Formats the table of ADAMS in cycles per time unit: real eigenvalues first, then pairs, each sorted by magnitude (grammar/NOTES.md).
+/// Frequencies and damping ratios follow, then the mode shapes: magnitude and phase of every moving coordinate.
 fn table(found: &[Mode], names: &[String], time: f64, vectors: bool) -> String {
     let turn = std::f64::consts::TAU;
     let mut listed: Vec<&Mode> = shown(found).collect();

@@ -1,6 +1,6 @@
-//! What LIST, INFO and TIME print: values of the model as it is now.
+//! Output of LIST, INFO and TIME: values of the current model.
 //!
-//! How ADAMS lays these pages out is not published; the lines here are our own (guide/formats.md 6.5).
+//! ADAMS' layout of these pages is not published; the layout here is our own (guide/formats.md 6.5).
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -14,13 +14,13 @@ use super::loaded::Loaded;
 use super::message::exponent;
 use super::run_state::{Flow, Locate as _, Place, Session};
 
-/// The values of one argument, as text: SPLINE has several Y.
+/// Values of one argument as text. SPLINE has several Y, hence a list.
 struct Given {
     name: &'static str,
     values: Vec<String>,
 }
 
-/// The values of the statement a command names, one argument to a line; `None` if there is no such statement.
+/// Formats the statement that a command names, one argument per line; `None` if there is no such statement.
 fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     let def = command.def?;
     let statement = definitions.statement(def, command.number());
@@ -30,7 +30,7 @@ fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     let mut all = statement
         .as_ref()
         .map_or_else(Vec::new, |s| given(&s.stated()));
-    // What nobody gave has its default, unless what was given stands in its place.
+    // An argument that is not stated has its default, unless a stated argument excludes it.
     for argument in def.arguments {
         let known = all.iter().any(|given| given.name == argument.name);
         let replaced = all
@@ -64,7 +64,7 @@ fn listed(definitions: &Definitions, command: &Statement) -> Option<String> {
     Some(text + "\n")
 }
 
-/// What a statement gives, argument by argument.
+/// Returns the arguments of a statement with their values.
 fn given(statement: &Stated) -> Vec<Given> {
     let mut all: Vec<Given> = Vec::new();
     for (argument, source) in statement.arguments() {
@@ -96,11 +96,11 @@ fn value(argument: &Argument, source: &Source) -> String {
     }
 }
 
-/// The components of an answer and what they are called.
+/// Components of a request, with their names.
 type Components = [(&'static str, f64); 7];
 
 impl Session<'_> {
-    /// Prints what LIST asks for.
+    /// Executes LIST: prints the values of a statement.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn list(&mut self, command: &Statement) -> Flow {
         let asked = self.loaded.as_ref().filter(|_| command.has("LIST"));
@@ -110,7 +110,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// TIME: where the simulation stands.
+    /// Executes TIME: prints the current time.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn print_time(&mut self) -> Flow {
         let now = self.loaded.as_ref().map_or(0.0, Loaded::time);
@@ -118,7 +118,8 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// INFO: how one marker stands and moves to another, and what acts at it. What is wrong with it changes no answer.
+    /// Executes INFO: prints the motion of one marker relative to another, or the forces at it. Errors in the command are warnings, because
+    /// they change no answer.
     pub(super) fn info(&mut self, command: &Statement, source: &Source) -> Flow {
         let Some(loaded) = &mut self.loaded else {
             return self.no_model(command, source);
@@ -148,7 +149,7 @@ impl Loaded {
         let help = "for example INFO/DISPLACEMENT, I=12, J=31";
         let mut ends = [None; 3];
         for (end, name) in ends.iter_mut().zip(["I", "J", "RM"]) {
-            // Zero is the ground coordinate system.
+            // The id zero stands for the ground coordinate system.
             let Some(id) = command.first(name).filter(|id| *id > 0.0) else {
                 continue;
             };
@@ -209,7 +210,7 @@ impl Loaded {
         Ok(text + "\n")
     }
 
-    /// The components of a request that the dataset does not have, at the state where the model stands.
+    /// Evaluates a request that is not in the dataset at the current state.
     fn asked(&mut self, kind: RequestKind) -> Result<Components, Diagnostic> {
         let names = match kind {
             RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "PSI", "THETA", "PHI"],
@@ -238,7 +239,7 @@ impl Loaded {
                 "what INFO asks for has no value here".to_string(),
             ));
         };
-        // The fifth component is the magnitude of the turn, or nothing.
+        // The fifth component is the magnitude of the rotation, or empty, and is omitted.
         let values = [v[0], v[1], v[2], v[3], v[5], v[6], v[7]];
         Ok(std::array::from_fn(|k| (names[k], values[k])))
     }

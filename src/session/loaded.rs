@@ -16,31 +16,31 @@ use super::output_options::not_written;
 use super::outputs::Outputs;
 use super::saved::{Kind, Saved};
 
-/// A model that was read, and where it stands.
+/// A loaded model and its current state.
 pub(super) struct Loaded {
     pub model: Model,
-    /// The statements it stands for.
+    /// Statements of the model, with redefinitions.
     pub definitions: Definitions,
     pub outputs: Outputs,
-    /// What was told of its objects.
+    /// Diagnostics about objects of the model reported so far.
     pub told: BTreeSet<(Severity, String)>,
-    /// The redundant constraints that were last told of.
+    /// Redundant constraints reported last.
     pub said_redundant: Option<Vec<EquationName>>,
-    /// The parts that move most in the instabilities that were told of since the model was stable.
+    /// Parts that move most in the instabilities reported since the model was last stable.
     pub said_unstable: Vec<usize>,
-    /// Parts that were warned of because they went far in one static solution.
+    /// Parts already reported because they moved far in one static solution.
     pub said_far: Vec<Name>,
-    /// The limit of iterations was told of.
+    /// True once the iteration limit has been reported.
     pub said_iterations: bool,
-    /// The free motions that were last told of.
+    /// Free motions reported last.
     pub said_free: Option<Vec<String>>,
     pub(super) compiled: Option<Compiled>,
-    /// What may be left out of the model.
+    /// Statements that may be left out of the model.
     ignored: Vec<Ignore>,
-    /// Where the model was before it is compiled anew.
+    /// State of the model before it is compiled again.
     before: Option<Before>,
     beginning: Beginning,
-    /// A simulation over time has written where it began.
+    /// True once the initial state of a simulation over time has been written.
     pub begun: bool,
 }
 
@@ -50,20 +50,20 @@ pub(super) struct Compiled {
     pub parameters: Parameters,
     pub state: State,
     pub solver: Solver,
-    /// Why the equations are not the model's, if so.
+    /// Reasons why the equations do not represent the model, if any.
     pub errors: Vec<Diagnostic>,
-    /// What the equations leave out, some of it in statics alone.
+    /// Elements that the equations leave out, some of them in statics only.
     pub warnings: Vec<Diagnostic>,
-    /// What a motion begins with.
+    /// Initial velocities of the next motion.
     pub beginning: Beginning,
 }
 
-/// Where a model stood before it was changed.
+/// State of a model before it was changed.
 struct Before {
     state: State,
-    /// Places of the angles whose turns its functions counted.
+    /// Indices of the angles whose full turns the functions counted.
     counted: BTreeMap<Measure, usize>,
-    /// Which dynamic states were switched on.
+    /// Flags of the dynamic states that were active.
     active_states: Vec<bool>,
 }
 
@@ -77,22 +77,22 @@ impl Before {
     }
 }
 
-/// What a motion begins with.
+/// Initial velocities of a motion.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) enum Beginning {
-    /// The velocities of the dataset: nothing moved yet, or a static solution found where it begins.
+    /// The velocities of the dataset: nothing has moved yet, or a static solution was found at the start time.
     #[default]
     Dataset,
-    /// At rest: a static solution came before.
+    /// Zero velocities after a static solution.
     Rest,
-    /// It goes on as it moves, but the model has changed.
+    /// The current velocities, after a change of the model.
     Changed,
-    /// It goes on: initial conditions are known.
+    /// The current velocities, with known initial conditions.
     Known,
 }
 
 impl Beginning {
-    /// After a static solution: at the start the velocities of the dataset count again.
+    /// Returns the value after a static solution. At time zero the velocities of the dataset apply again.
     pub(crate) fn after_statics(self, time: f64) -> Self {
         if time == 0.0 {
             Self::Dataset
@@ -110,7 +110,7 @@ impl Beginning {
 }
 
 impl Loaded {
-    /// Reads a dataset. The model can be used if no complaint is an error.
+    /// Reads a dataset. The model is usable if no diagnostic is an error.
     pub(crate) fn read(
         parsed: &Checked<Dataset>,
         outputs: Outputs,
@@ -146,12 +146,12 @@ impl Loaded {
         }
     }
 
-    /// The current time.
+    /// Returns the current time.
     pub(crate) fn time(&self) -> f64 {
         self.state().map_or(0.0, |state| state.time)
     }
 
-    /// The current state, if any simulation was asked for yet.
+    /// Returns the current state, if a simulation has been requested.
     pub(crate) fn state(&self) -> Option<&State> {
         match &self.compiled {
             Some(compiled) => Some(&compiled.state),
@@ -159,7 +159,7 @@ impl Loaded {
         }
     }
 
-    /// The model was changed: its equations are compiled anew before the next simulation, which starts from where it stands.
+    /// Marks the model as changed: it is compiled again before the next simulation, which continues from the current state.
     pub(crate) fn changed(&mut self) {
         if let Some(compiled) = self.compiled.take() {
             self.before = Some(Before::of(&compiled.system, compiled.state));
@@ -168,7 +168,7 @@ impl Loaded {
         self.outputs.last = None;
     }
 
-    /// Redefines a statement by a command. Gives the complaints; nothing is changed if one is an error.
+    /// Redefines a statement by a command and returns the diagnostics. After an error nothing is changed.
     pub(crate) fn redefine(&mut self, command: &Statement, source: &Source) -> Vec<Diagnostic> {
         let constants = self.constants(command);
         let poses: Vec<_> = self.model.parts.iter().map(|part| part.pose).collect();
@@ -187,7 +187,7 @@ impl Loaded {
             return complaints;
         }
         self.changed();
-        // A part that is placed anew goes there; the others stay where they are.
+        // A part with a new position moves there; the others keep their current poses.
         if let Some(Before { state, .. }) = &mut self.before {
             for (k, part) in self.model.parts.iter().enumerate() {
                 if poses.get(k) != Some(&part.pose)
@@ -200,8 +200,8 @@ impl Loaded {
         complaints
     }
 
-    /// What a command such as `SFORCE/3, FUNCTION=1200` sets, if it does nothing but give constants to loads of the compiled model:
-    /// the usual load programme needs no new equations for every case.
+    /// Returns the slots and values that a command such as `SFORCE/3, FUNCTION=1200` sets, if it only assigns constants to loads of the
+    /// compiled model. The usual load programme then needs no compilation for every case.
     fn constants(&self, command: &Statement) -> Option<Vec<(Slot, f64)>> {
         const LOADS: [&str; 5] = ["SFORCE", "GFORCE", "VFORCE", "VTORQUE", "MOTION"];
         let compiled = self.compiled.as_ref()?;
@@ -219,7 +219,7 @@ impl Loaded {
                 },
                 _ => return None,
             };
-            // The whole function of an SFORCE or MOTION is the object itself.
+            // The whole function of an SFORCE or MOTION has the address of the object itself.
             let argument = (name != "FUNCTION").then(|| name.to_string());
             let address = Address {
                 kind: kind.to_string(),
@@ -233,7 +233,7 @@ impl Loaded {
         command.arguments.iter().map(constant).collect()
     }
 
-    /// The components of a request that the dataset does not have, where the model stands. `None` if they have no value here.
+    /// Evaluates a request that is not in the dataset at the current state. `None` if it has no value there.
     pub(crate) fn answer(&mut self, request: Request) -> Option<[f64; 8]> {
         let compiled = self.compiled().value;
         let before = Before::of(&compiled.system, compiled.state.clone());
@@ -249,10 +249,10 @@ impl Loaded {
             .filter(|values| values.iter().all(|value| value.is_finite()))
     }
 
-    /// Goes back to a saved state.
+    /// Restores a saved state.
     ///
     /// # Errors
-    /// When the state is that of another model.
+    /// When the state belongs to another model.
     pub(crate) fn restore(&mut self, saved: Saved) -> Result<(), Diagnostic> {
         self.changed();
         if let Some(Kind::Resolved(model)) = saved.model {
@@ -263,7 +263,7 @@ impl Loaded {
                 let system = System::compile(&self.model).value;
                 let mut state = system.state();
                 placed.put_into(&mut state)?;
-                // What moved goes on; what stood still is at rest, or begins with the dataset.
+                // A moving state continues; a state at rest is treated like one after a static solution.
                 self.beginning = if state.moves() {
                     Beginning::Changed
                 } else {
@@ -276,7 +276,7 @@ impl Loaded {
         Ok(())
     }
 
-    /// The equations of the model as it is now, at the state where it stands, and what a new compilation warns of.
+    /// Returns the equations of the current model at its current state, with the warnings of a new compilation.
     pub(crate) fn compiled(&mut self) -> Checked<&mut Compiled> {
         let mut diagnostics = Vec::new();
         let compiled = self.compiled.get_or_insert_with(|| {
@@ -321,10 +321,10 @@ impl Loaded {
     }
 }
 
-/// Puts a model that was compiled anew where it stood before. What has changed in number starts from the dataset's values.
+/// Transfers the earlier state to a newly compiled model. Quantities whose number has changed start from the dataset's values.
 fn carry_over(system: &System, state: &mut State, before: Before) {
     let (counted, were_active, before) = (before.counted, before.active_states, before.state);
-    // A state that is switched on begins anew, one that is switched off is zero (com_activate, com_deactivate).
+    // A state that is switched on starts again, and one that is switched off is zero (com_activate, com_deactivate).
     let begin = (state.states.clone(), state.state_rates.clone());
     system.count_on(state, (&counted, &before.measure_angles));
     state.time = before.time;
@@ -360,7 +360,7 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     if state.driven.len() == before.driven.len() {
         state.driven = before.driven;
     } else {
-        // They begin anew, where the parts are now.
+        // They start again from the current poses.
         for driven in &mut state.driven {
             driven.time = f64::NAN;
         }

@@ -6,7 +6,7 @@ use admire_syntax::text::{Source, Span};
 
 use super::object_names::{ObjectNames, qualified};
 
-/// The files that diagnostics point into.
+/// Texts of the files that diagnostics refer to.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<Source>,
@@ -14,23 +14,23 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Adds a file; one of the same name is replaced.
+    /// Adds a file, and replaces a file of the same name.
     pub fn add(&mut self, source: Source) {
         self.files.retain(|known| known.name() != source.name());
         self.files.push(source);
     }
 
-    /// The file of this name.
+    /// Returns the file with this name.
     pub fn get(&self, name: &str) -> Option<&Source> {
         self.files.iter().find(|source| source.name() == name)
     }
 
-    /// From here on objects of a dataset are named beside what is said of their statements; those of one before no longer.
+    /// Sets the dataset whose object names are shown with diagnostics about its statements. It replaces an earlier dataset.
     pub(crate) fn name_objects(&mut self, dataset: &Dataset) {
         self.names = Some(ObjectNames::of(dataset));
     }
 
-    /// The object a diagnostic is about, as ADAMS names it.
+    /// Returns the name of the object that a diagnostic is about, in ADAMS' form.
     fn object(&self, diagnostic: &Diagnostic) -> Option<String> {
         let named = |label| self.names.as_ref()?.at(label).map(str::to_string);
         if let Some(name) = diagnostic.labels.first().and_then(named) {
@@ -40,7 +40,7 @@ impl Sources {
         Some(qualified(None, view))
     }
 
-    /// `file:line:column` of a label, or the file alone when its text is not at hand or the label is about all of it.
+    /// Returns `file:line:column` of a label, or the file alone if its text is not available or the label covers all of it.
     pub fn place(&self, label: &Label) -> String {
         match self.get(&label.file) {
             Some(source) if !label.is_about_all() => {
@@ -52,8 +52,8 @@ impl Sources {
     }
 }
 
-/// A diagnostic as plain text of several lines: place and message, the line of the file with the place marked, what else is
-/// said of it, the object as ADAMS names it, what to do. Ends with a line end.
+/// Formats a diagnostic as plain text of several lines: position and message, the source line with a marker, further labels, the object as
+/// ADAMS names it, the help. The text ends with a line end.
 pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     let mut out = String::new();
     let mut put = |text: std::fmt::Arguments<'_>| {
@@ -97,8 +97,8 @@ pub fn located(diagnostic: &Diagnostic, sources: &Sources) -> String {
     out
 }
 
-/// The first line of a span (a window of it where the line is long), how many characters stand before the span in it, and how
-/// many characters of it the span covers. Bytes that are not UTF-8 are shown as Latin-1, tabs as blanks.
+/// Returns the first line of a span (or a window of a long line), the number of characters before the span, and the number of characters in
+/// it. Bytes that are not UTF-8 are shown as Latin-1, tabs as blanks.
 fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     const WINDOW: usize = 100;
     let bytes = source.bytes();
@@ -119,7 +119,7 @@ fn excerpt(source: &Source, span: Span) -> (String, usize, usize) {
     (format!("{before}{inside}{after}"), count, width)
 }
 
-/// Bytes as text of one line: what is not UTF-8 is read as Latin-1, control characters become blanks.
+/// Decodes bytes as one line of text: Latin-1 if they are not UTF-8, with control characters replaced by blanks.
 fn shown(bytes: &[u8]) -> String {
     let blank = |c: char| if c.is_control() { ' ' } else { c };
     match std::str::from_utf8(bytes) {

@@ -7,9 +7,10 @@ use admire_solver::system::{
 
 use super::columns::{Columns, Item};
 
-/// Reads one state of a system: forces, reactions, requests.
+/// Evaluates forces, reactions and requests at one state of a system.
 ///
-/// What has no value in a configuration (a force along a line of no length) is written as zero: result files hold numbers only.
+/// Quantities without a value in a configuration (a force along a line of zero length) are written as zero, because result files contain only
+/// numbers.
 pub(super) struct Measures<'s> {
     system: &'s System,
     parameters: &'s Parameters,
@@ -17,7 +18,7 @@ pub(super) struct Measures<'s> {
     scratch: &'s mut Scratch,
 }
 
-/// What exerts a force.
+/// Source of a force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Exerting {
     Element(ElementIx),
@@ -25,14 +26,14 @@ pub(super) enum Exerting {
 }
 
 impl<'s> Measures<'s> {
-    /// Looks at a state.
+    /// Evaluates the system at a state.
     pub(crate) fn new(
         system: &'s System,
         parameters: &'s Parameters,
         state: &'s State,
         scratch: &'s mut Scratch,
     ) -> Self {
-        // Functions without a value make the elements they drive zero.
+        // Elements driven by functions without a value are zero.
         let _ = system.look_leniently(parameters, state, scratch);
         Self {
             system,
@@ -42,7 +43,7 @@ impl<'s> Measures<'s> {
         }
     }
 
-    /// The state, looked at.
+    /// Returns the evaluated configuration.
     fn here(&mut self) -> Configuration<'_> {
         self.system.at(self.parameters, self.state, self.scratch)
     }
@@ -55,7 +56,7 @@ impl<'s> Measures<'s> {
         self.here().read_constraint(constraint)
     }
 
-    /// Force and torque in ground axes on a marker of an element or constraint: of J on that, else of I.
+    /// Returns force and torque in ground axes on a marker of an element or constraint: on J if the marker is J, otherwise on I.
     pub(super) fn load_on(&mut self, by: Exerting, marker: MarkerIx) -> Option<[f64; 6]> {
         let reading = match by {
             Exerting::Element(element) => self.element(element)?,
@@ -79,7 +80,7 @@ impl<'s> Measures<'s> {
         value.filter(|value| value.is_finite()).unwrap_or(0.0)
     }
 
-    /// x, from the first of the states on, then y = C x + D u.
+    /// Appends x, starting at index `first` of the states, and y = C x + D u.
     fn linear_states(
         &mut self,
         states: &LinearStates,
@@ -99,13 +100,14 @@ impl<'s> Measures<'s> {
         }
     }
 
-    /// Pose of a marker in ground.
+    /// Returns the pose of a marker in ground.
     fn marker(&self, model: &Model, marker: MarkerIx) -> Pose {
         let part = model.markers[marker.0].part;
         self.state.poses[part.0].compose(self.parameters.marker(marker))
     }
 
-    /// The eight components of a request as OUTPUT wants them; zero if it is switched off or has no value here.
+    /// Returns the eight components of a request, in the form that OUTPUT requests. They are zero if the request is switched off or has no
+    /// value.
     pub(crate) fn request(&mut self, model: &Model, index: usize) -> [f64; 8] {
         let request = &model.requests[index];
         if !request.header.active {
@@ -134,7 +136,7 @@ impl<'s> Measures<'s> {
     }
 }
 
-/// YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (guide/formats.md 4.4).
+/// Returns YAW, PITCH, ROLL of R = Rz(a) Ry(b) Rx(c): a, -b, c (guide/formats.md 4.4).
 fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
     [
         libm::atan2(R[(1, 0)], R[(0, 0)]),
@@ -144,7 +146,7 @@ fn yaw_pitch_roll(R: &Mat3) -> [f64; 3] {
 }
 
 impl Columns {
-    /// The values of the step `input`: the parts where the dataset puts them, everything else zero.
+    /// Computes the values of the step `input`: parts at their positions in the dataset, everything else zero.
     pub(crate) fn input(&self, initial: &State, values: &mut Vec<f64>) {
         values.clear();
         values.push(initial.time);
@@ -152,7 +154,7 @@ impl Columns {
         values.resize(self.catalogue.len(), 0.0);
     }
 
-    /// The values of a step.
+    /// Computes the values of a step.
     pub(crate) fn step(&self, model: &Model, measures: &mut Measures<'_>, values: &mut Vec<f64>) {
         let state = measures.state;
         values.clear();
@@ -185,7 +187,7 @@ impl Columns {
                 continue;
             }
             if rates.is_empty() {
-                // At rest.
+                // A state without rates is at rest.
                 values.resize(values.len() + count, 0.0);
                 continue;
             }
@@ -269,7 +271,7 @@ impl Columns {
                 if let Some(at) = *at {
                     measures.linear_states(&model.linear_states[at], *first, inputs, values);
                 }
-                // Whatever they are now, their columns are those they began with.
+                // The number of columns stays as at the start of the file, even if the states have changed.
                 values.resize(before + columns, 0.0);
             }
             Item::Friction(id) => {
@@ -293,7 +295,7 @@ impl Columns {
                 values.extend(pose.p.iter());
                 values.extend(psi_theta_phi(&pose.R));
             }
-            // Its force is not solved any more.
+            // The force of this marker no longer exists in the model.
             Item::FloatingMarker { on: None, .. } => values.extend([0.0; 6]),
         }
     }

@@ -16,31 +16,31 @@ use super::outputs::emptied;
 use super::record::Sink;
 use super::simulate::{OutputTimes, Phases};
 
-/// How long a run waits for another one that writes the same files.
+/// Longest wait for another run that writes the same files.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What a run says, on standard output and in the `.msg` file alike.
+/// Messages of a run, on standard output and in the `.msg` file.
 ///
-/// The `.msg` file gets its name from the first FILE/MODEL command; what was said before is kept for it. The lines that
-/// scripts look for are those of guide/formats.md 6.5. A message file that cannot be written does not stop a run.
+/// The `.msg` file is named by the first FILE/MODEL command; earlier messages are kept until then. The lines that scripts search for follow
+/// guide/formats.md 6.5. If the message file cannot be written, the run continues.
 pub(crate) struct Messages<'a> {
     console: Box<dyn Write + 'a>,
     file: Option<Sink>,
     path: Option<PathBuf>,
     pending: Vec<u8>,
-    /// Why the file could not be written to its end.
+    /// First error in writing the file.
     error: Option<String>,
-    /// Warnings and errors so far, if somebody wants them as data.
+    /// Warnings and errors so far, if they are recorded as data.
     told: Option<Vec<Diagnostic>>,
-    /// The message files that are this run's own, locked until it has written its last line.
+    /// Message files owned by this run, locked until its end.
     owned: Vec<(PathBuf, File)>,
 }
 
-/// So many warnings and errors are kept as data.
+/// Largest number of warnings and errors recorded as data.
 const MOST_TOLD: usize = 1000;
 
 impl<'a> Messages<'a> {
-    /// Messages that go to `console`, and to a file once it is opened. Says the banner.
+    /// Creates messages that go to `console`, and to a file once it is opened. Prints the banner.
     pub(crate) fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
         let mut messages = Self {
             console,
@@ -55,29 +55,29 @@ impl<'a> Messages<'a> {
         messages
     }
 
-    /// From here on keeps warnings and errors as data, too.
+    /// Starts recording warnings and errors as data.
     pub(super) fn record(&mut self) {
         self.told = Some(Vec::new());
     }
 
-    /// All that was said, and the warnings and errors among it, of messages that have no file.
+    /// Takes all text, and the recorded warnings and errors, of messages without a file.
     pub(super) fn take(&mut self) -> (Vec<u8>, Vec<Diagnostic>) {
         let said = std::mem::take(&mut self.pending);
         (said, self.told.take().unwrap_or_default())
     }
 
-    /// Makes the files of a prefix this run's own, by a lock on its message file. Another run that has them is waited for: it may be at
-    /// its last line. Where files cannot be locked, nothing is. Windows would hide a locked file from those who poll it.
+    /// Claims the files of a prefix for this run by a lock on its message file. If another run holds the lock, it is waited for. File systems
+    /// without locks are tolerated. On Windows there is no lock, because it would hide the file from programs that poll it.
     ///
     /// # Errors
-    /// `cannot-write` when the other run goes on for longer than ten seconds.
+    /// `cannot-write` when the other run holds the lock for more than ten seconds.
     pub(crate) fn own(&mut self, path: &Path) -> Result<(), Diagnostic> {
         if cfg!(windows) || self.owned.iter().any(|(own, _)| own == path) {
             return Ok(());
         }
         let mut options = File::options();
         let Ok(file) = options.write(true).create(true).truncate(false).open(path) else {
-            // Who opens it to write says why.
+            // The error is reported when the file is opened for writing.
             return Ok(());
         };
         let begin = Instant::now();
@@ -93,7 +93,7 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
-    /// Truncates `path` and writes what was said so far and what comes to it. The same path again goes on with the file.
+    /// Opens `path` as the message file: truncates it, and writes all earlier messages to it. The same path again keeps the open file.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -111,14 +111,14 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
-    /// True once a file has been opened.
+    /// Returns true once a file has been opened.
     pub(crate) fn is_open(&self) -> bool {
         self.file.is_some()
     }
 
-    /// Says text as it is.
+    /// Writes text to console and file.
     pub(crate) fn say(&mut self, text: &str) {
-        // Nobody may be listening: a closed pipe is not a failure of the run.
+        // A closed pipe on the console is not a failure of the run.
         let _ = self.console.write_all(printable(text).as_bytes());
         match &mut self.file {
             Some(file) => {
@@ -129,7 +129,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Puts what was said where others can read it.
+    /// Flushes console and file, so that other programs can read the messages.
     pub(crate) fn flush(&mut self) {
         let _ = self.console.flush();
         if let Some(file) = &mut self.file {
@@ -145,12 +145,12 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Why the file could not be written to its end, if that is so.
+    /// Returns the first error in writing the file, if any.
     pub(crate) fn unwritten(&self) -> Option<String> {
         self.error.clone()
     }
 
-    /// The very last line.
+    /// Writes the last line of the run.
     pub(crate) fn last(&mut self, text: &str) {
         self.say(&format!("{text}\n"));
         self.flush();
@@ -168,7 +168,7 @@ impl<'a> Messages<'a> {
             String::new(),
             format!("{:^75}", concat!("admire ", env!("CARGO_PKG_VERSION"))),
             format!("{:^75}", "statics and motion of ADAMS datasets"),
-            // Readers tell by this line whose form the messages have.
+            // Readers recognise the form of the messages by this line.
             format!(
                 "{:^75}",
                 "messages in the form of the A d a m s   C++   S o l v e r"
@@ -186,12 +186,12 @@ impl<'a> Messages<'a> {
         self.say(&text);
     }
 
-    /// A line of the command file, before what it does.
+    /// Echoes a command before its effects.
     pub(crate) fn command(&mut self, line: &str) {
         self.say(&format!(" command: {line}\n"));
     }
 
-    /// The title of a model that was read.
+    /// Writes the title of a model.
     pub(crate) fn title(&mut self, title: &str) {
         let rule = "-".repeat(79);
         let empty = format!("|{:77}|", "");
@@ -203,7 +203,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// A constraint whose markers are apart, in the words of ADAMS as far as they are known: those of points and planes are.
+    /// Writes a warning about a constraint whose markers are apart, in ADAMS' words for points and planes.
     pub(crate) fn apart(&mut self, apart: &Apart) {
         let (name, d) = (&apart.name, apart.distance);
         let text = match apart.counts {
@@ -229,7 +229,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// Constraint equations that say nothing new, named as ADAMS names them.
+    /// Writes the redundant constraint equations, named as in ADAMS.
     pub(crate) fn redundant(&mut self, time: f64, equations: &[String]) {
         let mut text = format!(
             "  Time T={}.\n  Degree-of-freedom analysis identified redundant constraints in the model:\n  {}\n",
@@ -242,7 +242,7 @@ impl<'a> Messages<'a> {
         self.say(&(text + "\n"));
     }
 
-    /// A diagnostic in its frame; a note without one.
+    /// Writes a diagnostic: warnings and errors in a frame, notes without.
     pub(crate) fn diagnostic(&mut self, diagnostic: &Diagnostic, sources: &Sources) {
         let text = located(diagnostic, sources);
         if let Some(told) = &mut self.told
@@ -257,7 +257,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// Text in a frame of its own: `WARNING` or `ERROR`.
+    /// Writes text in a frame of the kind `WARNING` or `ERROR`.
     pub(crate) fn frame(&mut self, kind: &str, text: &str) {
         self.say(&format!(
             "\n---- START: {kind} ----\n{}\n---- END: {kind} ----\n\n",
@@ -265,14 +265,14 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// The head of a lone static solution.
+    /// Writes the head of a single static solution.
     pub(crate) fn begin_static(&mut self) {
         self.say(
             "\n\n  Begin Static Solution\n\n\n STATICS: Original static solver will be used with the built-in linear solver.\n\n",
         );
     }
 
-    /// A converged static solution, and its balance evaluated anew.
+    /// Writes the end of a converged static solution, with its recomputed force balance.
     pub(crate) fn converged(&mut self, iterations: usize, imbalance: f64, balance: &str) {
         self.say(&format!(
             "  Static Solution converged in {iterations} iterations\n  Residual imbalance is less than {}\n{balance}\n  End Static \
@@ -281,7 +281,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// The head of a quasi-static (or kinematic) simulation, named by `what`.
+    /// Writes the head of a quasi-static or kinematic simulation, named by `what`.
     pub(crate) fn begin_simulation(&mut self, what: &str) {
         self.say(&format!(
             "\n\n  Begin Simulation\n\n  ****** Performing {what} Simulation ******\n\n   Simulation   Iterations   Residual\n   \
@@ -289,7 +289,7 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// One output step of such a simulation.
+    /// Writes one output step of a quasi-static simulation.
     pub(crate) fn simulation_step(&mut self, time: f64, iterations: usize, imbalance: f64) {
         self.say(&format!(
             "   {}  {iterations:>11}  {}\n",
@@ -298,12 +298,12 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// The head of a simulation over time.
+    /// Writes the head of a simulation over time.
     pub(crate) fn begin_motion(&mut self) {
         self.say("\n\n  Begin Simulation\n");
     }
 
-    /// The phases of initial conditions that a command asked for.
+    /// Writes the phases of initial conditions that a command requests.
     pub(super) fn initial_conditions(&mut self, phases: Phases) {
         let all = ["Displacement", "Velocity", "Acceleration"];
         let count = match phases {
@@ -318,8 +318,8 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// What a dynamic simulation says of itself, and the head of its table. `redundant` holds the time and the equations that are
-    /// deactivated; `determined` warns of a model without freedoms.
+    /// Writes the settings of a dynamic simulation and the head of its table. `redundant` holds the time and the deactivated equations;
+    /// `determined` warns of a model without degrees of freedom.
     pub(super) fn dynamic_head(
         &mut self,
         settings: &IntegratorSettings,
@@ -352,7 +352,7 @@ impl<'a> Messages<'a> {
         self.table_head();
     }
 
-    /// Arguments that are given and have no effect on the built-in methods.
+    /// Writes the arguments that have no effect on the built-in methods.
     pub(super) fn without_effect(&mut self, statement: &str, given: &[&str]) {
         if !given.is_empty() {
             let given = given.join(", ");
@@ -362,7 +362,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// What a kinematic simulation says of itself, and the head of its table.
+    /// Writes the settings of a kinematic simulation and the head of its table.
     pub(super) fn kinematic_head(
         &mut self,
         settings: &KinematicsSettings,
@@ -382,7 +382,7 @@ impl<'a> Messages<'a> {
         );
     }
 
-    /// A row of the table, if it is one that is shown.
+    /// Writes a row of the table, if it is due.
     pub(super) fn progress(&mut self, progress: &mut Progress, row: Row) {
         let Some(elapsed) = progress.shown() else {
             return;
@@ -398,16 +398,16 @@ impl<'a> Messages<'a> {
         ));
     }
 
-    /// The end of such a simulation.
+    /// Writes the end of a simulation.
     pub(crate) fn end_simulation(&mut self) {
         self.say("\n  End Simulation\n");
     }
 
-    /// The last lines of a run, as ADAMS prints them.
+    /// Writes the last lines of a run, as ADAMS prints them.
     pub(crate) fn finished(&mut self, elapsed: std::time::Duration) {
         let cpu = cpu_time::ProcessTime::try_now().map_or(elapsed, |now| now.as_duration());
         let (elapsed, cpu) = (elapsed.as_secs_f64(), cpu.as_secs_f64());
-        // A run of no time has no load.
+        // The load of a run without duration is undefined.
         let load = if elapsed > 0.0 {
             100.0 * cpu / elapsed
         } else {
@@ -420,7 +420,7 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// One row of the table of a simulation.
+/// One row of a simulation's table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub time: f64,
@@ -429,7 +429,7 @@ pub(super) struct Row {
     pub steps: usize,
 }
 
-/// Which rows of the table are shown: the start, every tenth part of the outputs, the last.
+/// Selection of the table rows to print: the start, every tenth of the outputs, the last.
 pub(super) struct Progress {
     every: usize,
     count: usize,
@@ -447,7 +447,7 @@ impl Progress {
         }
     }
 
-    /// The time since the start if this row is shown.
+    /// Returns the time since the start if this row is printed.
     pub(crate) fn shown(&mut self) -> Option<Duration> {
         let at = self.seen;
         self.seen += 1;
@@ -455,7 +455,7 @@ impl Progress {
     }
 }
 
-/// A constraint equation as ADAMS prints it: `Zi.Xj in model.crank_pin`.
+/// Formats a constraint equation as ADAMS prints it: `Zi.Xj in model.crank_pin`.
 pub(super) fn equation_as_adams(equation: &EquationName) -> String {
     let object = object_as_adams(&equation.object);
     match equation.what {
@@ -464,7 +464,7 @@ pub(super) fn equation_as_adams(equation: &EquationName) -> String {
     }
 }
 
-/// An object as ADAMS prints it: `model.crank_pin`. What has no view name is called `JOINT_2`.
+/// Formats an object as ADAMS prints it: `model.crank_pin`, or `model.JOINT_2` without a view name.
 pub(super) fn object_as_adams(object: &Name) -> String {
     match object.view.as_str() {
         "" => format!("model.{}_{}", object.kind, object.id),
@@ -472,7 +472,7 @@ pub(super) fn object_as_adams(object: &Name) -> String {
     }
 }
 
-/// Seconds with two decimals, from one minute m:ss, from one hour h:mm:ss.
+/// Formats seconds with two decimals, as m:ss from one minute, as h:mm:ss from one hour.
 fn clock(seconds: f64) -> String {
     let whole = seconds as u64;
     match whole {
@@ -482,7 +482,7 @@ fn clock(seconds: f64) -> String {
     }
 }
 
-/// A number as `%.{digits}E` prints it, with an exponent of at least two digits: `4.64042E-01`.
+/// Formats a number like `%.{digits}E`, with an exponent of at least two digits: `4.64042E-01`.
 pub fn exponent(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return value.to_string();
@@ -527,7 +527,7 @@ mod tests {
         assert_eq!(file, String::from_utf8(console).unwrap());
         assert!(file.contains("\n command: FILE/MODEL=run\n\n-----"));
         assert!(file.contains(&format!("|{:35}A title{:35}|\n", "", "")));
-        // guide/formats.md 6.5.
+        // Lines listed in guide/formats.md 6.5.
         assert!(file.contains("  Static Solution converged in 63 iterations\n  Residual imbalance is less than 4.64042E-01\n"));
     }
 }

@@ -1,20 +1,20 @@
-//! What a run tells of itself while it goes on.
+//! Progress of a running simulation.
 
-/// Where a simulation stands.
+/// Progress of a simulation at an output.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Moment {
-    /// The time of the output that was just written.
+    /// Time of the output just written.
     pub time: f64,
-    /// Where the simulation began.
+    /// Start time of the simulation.
     pub start: f64,
-    /// Where it ends.
+    /// End time of the simulation.
     pub end: f64,
-    /// The step of the integrator; the output step where nothing is integrated.
+    /// Current integration step; the output step if nothing is integrated.
     pub step: f64,
 }
 
 impl Moment {
-    /// The share of the simulation that is done, 0 to 1.
+    /// Returns the completed fraction of the simulation, 0 to 1.
     pub fn share(&self) -> f64 {
         let span = self.end - self.start;
         if span > 0.0 {
@@ -25,5 +25,5 @@ impl Moment {
     }
 }
 
-/// Told of every output; false asks the run to stop there.
+/// Callback at every output; the result false stops the run there.
 pub(super) type Watcher<'a> = Box<dyn FnMut(Moment) -> bool + 'a>;

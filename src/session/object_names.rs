@@ -4,17 +4,17 @@ use admire_syntax::diagnostic::Label;
 use admire_syntax::text::Span;
 use admire_syntax::{Dataset, Statement};
 
-/// The statements of a dataset that have a view name, and what ADAMS calls their objects: `model.hinge`, of markers
-/// `model.link.tip`. Messages of ADAMS begin with `model`, whatever the model is called.
+/// Statements of a dataset with view names, and ADAMS' names of their objects: `model.hinge`, and for markers `model.link.tip`. Messages of
+/// ADAMS always start with `model`, whatever the model's name.
 #[derive(Clone, Debug)]
 pub(super) struct ObjectNames {
     file: String,
-    /// In the order of the file.
+    /// Span and name of each statement, in the order of the file.
     statements: Vec<(Span, String)>,
 }
 
 impl ObjectNames {
-    /// The names of a dataset.
+    /// Collects the names of a dataset.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let source = dataset.source();
         let name = |statement: &Statement| statement.view_name.map(|span| source.text(span));
@@ -44,7 +44,7 @@ impl ObjectNames {
         }
     }
 
-    /// The object whose statement a label is in.
+    /// Returns the name of the object whose statement contains a label.
     pub(crate) fn at(&self, label: &Label) -> Option<&str> {
         if *label.file != *self.file || label.is_about_all() {
             return None;
@@ -58,7 +58,7 @@ impl ObjectNames {
     }
 }
 
-/// `model.hinge`, or `model.link.tip` of a marker on a part. A name with dots is a whole path of its own.
+/// Returns `model.hinge`, or `model.link.tip` for a marker on a part. A name with dots is already a complete path.
 pub(super) fn qualified(part: Option<&str>, name: &str) -> String {
     let bare = name.trim_start_matches('.');
     match part {

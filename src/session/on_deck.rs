@@ -1,7 +1,7 @@
 use admire_syntax::CommandFile;
 use admire_syntax::text::{Edit, Source, apply_edits};
 
-/// Commands with another model in the place of theirs, by its name; it is read first where they name none.
+/// Returns the commands with another model in place of each model they name. If they name none, a command that reads the model is put first.
 pub fn commands_for_other_model(name: &str, source: &Source) -> Source {
     let file = CommandFile::parse(source.clone()).value;
     let mut edits = Vec::new();

@@ -1,9 +1,9 @@
-//! Options of OUTPUT and RESULTS that ask for what is not written here.
+//! Options of OUTPUT and RESULTS that request output not written here.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Dataset, Statement};
 
-/// Options of OUTPUT, and what ADAMS would do.
+/// Options of OUTPUT with ADAMS' output for them.
 const OUTPUT: [(&str, &str); 11] = [
     ("GR521SAV", "a graphics file of an old kind"),
     ("ICSAVE", "a file of the states at every output step"),
@@ -21,10 +21,10 @@ const OUTPUT: [(&str, &str); 11] = [
 /// Options of RESULTS that shorten numbers.
 const DIGITS: [&str; 3] = ["ROUNDOFF", "SIGNIFICANTFIGURES", "ZEROTHRESHOLD"];
 
-/// A warning for each such option of a dataset.
+/// Returns a warning for each such option of a dataset.
 ///
-/// A results file is text or binary unless XRF is given, and the binary kind is the default (help page `fstate_results`). Neither
-/// layout is public beyond the displacements of parts, so XML is written in their place, and said.
+/// Without XRF a results file of ADAMS is text or, by default, binary (help page `fstate_results`). Only the displacements of parts are
+/// documented in these layouts, so XML is written instead, with a warning.
 pub(super) fn not_written(dataset: &Dataset) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut warn = |statement: &Statement, option: Option<&str>, what: &str, help: Option<&str>| {

@@ -19,44 +19,44 @@ use super::graphics::{Drawn, drawn};
 use super::measures::Measures;
 use super::record::{Record, Sink};
 
-/// Extensions of the files a run writes beside `.msg`.
+/// Extensions of the files that a run writes besides `.msg`.
 const EXTENSIONS: [&str; 4] = ["res", "req", "gra", "out"];
 
-/// So many values of requests are kept for the tables of `.out` before they are written.
+/// Number of request rows (rows times requests) kept for the tables of `.out` before they are written.
 const KEPT: usize = 1 << 17;
 
 /// The output files of one model.
 ///
-/// What an earlier run left under the same names is emptied when the model is read, so that a failed run never leaves the
-/// previous answer behind. Files are then written in place, flushed step by step.
+/// Files of an earlier run under the same names are emptied when the model is read, so that a failed run never leaves an old answer behind.
+/// The files are then written in place and flushed step by step.
 pub(super) struct Outputs {
     prefix: PathBuf,
-    /// Files of an earlier run that nothing was written to yet.
+    /// Files of an earlier run without new contents so far.
     unused: Vec<PathBuf>,
     begun: bool,
-    /// What is kept in memory, in place of files.
+    /// Outputs kept in memory instead of files.
     record: Option<Record>,
     results: Option<(Box<dyn ResultsWriter>, Columns)>,
     requests: Option<RequestWriter<Sink>>,
     graphics: Option<(GraphicsWriter<Sink>, Drawn)>,
-    /// Where the requests that the files began with are in the model, and their ids.
+    /// Ids of the requests at the start of the files, with their indices in the current model.
     requested: Vec<(u32, Option<usize>)>,
     tables: Option<Tables>,
     values: Vec<f64>,
-    /// Time and kind of the last step written, until something is redefined.
+    /// Time and kind of the last step written; `None` after a redefinition.
     pub last: Option<(f64, StepKind)>,
     /// Time and kind of the last step in `.req`.
     last_request: Option<(f64, StepKind)>,
-    /// A simulation had no answer: the results are not called successful.
+    /// True if a simulation had no solution; the results are then not marked successful.
     pub failed: bool,
 }
 
-/// The tables of `.out`, written request by request, so that their rows have to be kept.
+/// Tables of `.out`. They are written request by request, so their rows are kept.
 struct Tables {
     file: Sink,
     title: String,
     spelling: Tabular,
-    /// Each simulation has tables of its own.
+    /// True if each simulation has its own tables.
     separate: bool,
     requests: Vec<TabularRequest>,
     rows: Vec<(f64, Vec<[f64; 8]>)>,
@@ -66,7 +66,7 @@ impl Outputs {
     /// Empties the output files of this prefix.
     ///
     /// # Errors
-    /// When a file lies outside of the allowed folders or cannot be written.
+    /// When a file lies outside the allowed folders or cannot be written.
     pub(crate) fn prepare(prefix: PathBuf, policy: &FilePolicy) -> Result<Self, Diagnostic> {
         let mut unused = Vec::new();
         for extension in EXTENSIONS {
@@ -81,7 +81,7 @@ impl Outputs {
         Ok(Self::to(prefix, unused, None))
     }
 
-    /// Outputs that are kept in memory under the names that files would have.
+    /// Creates outputs in memory, under the names of the files.
     pub(crate) fn in_memory(prefix: PathBuf) -> Self {
         Self::to(prefix, Vec::new(), Some(Record::default()))
     }
@@ -104,27 +104,27 @@ impl Outputs {
         }
     }
 
-    /// What was kept in memory, taken out; nothing if files are written.
+    /// Takes the outputs kept in memory; `None` if files are written.
     pub(crate) fn take_record(&mut self) -> Option<Record> {
         self.record.take()
     }
 
-    /// True once a simulation was asked for: the columns of the files are those of a model.
+    /// Returns true once a simulation was requested, which fixes the columns of the files.
     pub(crate) fn have_begun(&self) -> bool {
         self.begun
     }
 
-    /// What the names of the files begin with.
+    /// Returns the prefix of the file names.
     pub(crate) fn prefix(&self) -> &Path {
         &self.prefix
     }
 
-    /// The path of the message file.
+    /// Returns the path of the message file.
     pub(crate) fn message_file(&self) -> PathBuf {
         with_extension(&self.prefix, "msg")
     }
 
-    /// Writes the head of each file that the model asks for, and the model as it was read. Does nothing the second time.
+    /// Writes the head of each file that the model requests, and the model as read. A second call has no effect.
     ///
     /// # Errors
     /// When a file cannot be written.
@@ -141,7 +141,7 @@ impl Outputs {
         let when = Timestamp::now();
         let all = model.requests.iter().enumerate();
         self.requested = all.map(|(at, r)| (r.header.id, Some(at))).collect();
-        // Who keeps results in memory wants them, whatever files the model asks for.
+        // Results in memory are kept whatever files the model requests.
         if model.results.present || self.record.is_some() {
             self.begin_results(model, system, when)?;
         }
@@ -172,7 +172,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// The model was compiled anew, after the files were begun or before.
+    /// Resolves the entities of the files in a newly compiled system.
     pub(crate) fn locate(&mut self, model: &Model, system: &System) {
         if let Some((_, columns)) = &mut self.results {
             columns.locate(model, system);
@@ -308,17 +308,17 @@ impl Outputs {
         Ok(())
     }
 
-    /// True if a simulation over time begins with a step: the one before is of another kind or time, or the model has changed since.
+    /// Returns true if a simulation over time must write its start: the last step is of another kind or time, or the model has changed since.
     pub(crate) fn begins_with(&self, time: f64, kind: StepKind) -> bool {
         self.last != Some((time, kind))
     }
 
-    /// A file next to the others of the run.
+    /// Returns the path of a file next to the other outputs.
     pub(crate) fn beside(&self, extension: &str) -> std::path::PathBuf {
         with_extension(&self.prefix, extension)
     }
 
-    /// Writes a file of its own beside the others.
+    /// Writes a separate file next to the other outputs.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -326,7 +326,7 @@ impl Outputs {
         self.write_file(&self.beside(extension), text)
     }
 
-    /// Writes a whole file, in memory under its name.
+    /// Writes a complete file, or keeps it in memory under its name.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -338,19 +338,19 @@ impl Outputs {
         write_text(path, text).map_err(|error| cannot_write(path, &error))
     }
 
-    /// Keeps modes beside results in memory; nothing where files are written.
+    /// Keeps modes with results in memory; without effect if files are written.
     pub(crate) fn keep_modes(&mut self, modes: impl Iterator<Item = Mode>) {
         if let Some(record) = &mut self.record {
             record.modes = modes.collect();
         }
     }
 
-    /// True if nothing is written to a disk.
+    /// Returns true if the outputs are kept in memory.
     pub(crate) fn is_in_memory(&self) -> bool {
         self.record.is_some()
     }
 
-    /// A simulation is over: unless OUTPUT/NOSEPARATOR, the next one begins tables of its own.
+    /// Ends a simulation: unless OUTPUT/NOSEPARATOR is given, the next one has its own tables.
     ///
     /// # Errors
     /// When a file cannot be written.
@@ -364,12 +364,12 @@ impl Outputs {
         }
     }
 
-    /// Closes the files of a run that came to its end.
+    /// Closes the files at the end of a run.
     ///
     /// # Errors
     /// When a file cannot be written.
     pub(crate) fn finish(&mut self) -> Result<(), Diagnostic> {
-        // How ADAMS calls the end of a run that failed is not known; readers look for `Successful`.
+        // ADAMS' status word of a failed run is unknown; readers look for `Successful`.
         let status = if self.failed { "Failed" } else { "Successful" };
         if let Some((results, _)) = self.results.take() {
             let path = with_extension(&self.prefix, "res");
@@ -393,7 +393,7 @@ impl Outputs {
 impl Drop for Outputs {
     fn drop(&mut self) {
         for path in &self.unused {
-            // It holds a line end; that it keeps it is no harm.
+            // The file holds one line end; if the truncation fails, that does no harm.
             let _ = File::create(path);
         }
     }
@@ -415,14 +415,14 @@ impl Tables {
     }
 }
 
-/// True if a simulation over time begins where an equilibrium was just written: its time is not repeated in `.req`. What follows an
-/// initial conditions analysis repeats it, as real files do (guide/formats.md 6.3).
+/// Returns true if a simulation over time starts where an equilibrium was just written; `.req` does not repeat its time. After an initial
+/// conditions analysis the time is repeated, as in real files (guide/formats.md 6.3).
 fn is_repeated(last: Option<(f64, StepKind)>, time: f64, kind: StepKind) -> bool {
     let same = last.is_some_and(|(at, before)| at == time && before.is_equilibrium());
     same && kind != StepKind::Static
 }
 
-/// What a request is called: its comment, or its name.
+/// Returns the title of a request: its comment, or otherwise its name.
 fn called(request: &Request) -> &str {
     if !request.comment.is_empty() {
         return &request.comment;
@@ -456,12 +456,12 @@ fn tabular(request: &Request, ypr: bool) -> TabularRequest {
     }
 }
 
-/// Opens a file to write text from its beginning; what it held is gone.
+/// Opens a text file for writing and discards its contents.
 ///
-/// On Windows lines end with CR LF, as in files that ADAMS wrote there (grammar/NOTES.md, "Files of a run on Windows").
+/// On Windows lines end with CR LF, as in files written by ADAMS there (grammar/NOTES.md, "Files of a run on Windows").
 ///
-/// One line end stays until the first write goes over it: some file systems take a file that was cut to nothing for one that is
-/// replaced, write it to the disk as soon as it is closed, and let the next run wait for the disk (ext4, `auto_da_alloc`).
+/// One line end remains until the first write overwrites it. Some file systems (ext4 with `auto_da_alloc`) treat a file truncated to zero as
+/// replaced, write it to disk as soon as it is closed, and delay the next run.
 pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
     let mut options = File::options();
     options.write(true).create(true).truncate(false);
@@ -474,13 +474,13 @@ pub(super) fn emptied(path: &Path) -> io::Result<LineEnds<File>> {
     Ok(LineEnds::of_system(file))
 }
 
-/// Writes a text file of a run.
+/// Writes a complete text file of a run.
 pub(super) fn write_text(path: &Path, text: &str) -> io::Result<()> {
     let file = patiently(|| File::create(path))?;
     LineEnds::of_system(file).write_all(text.as_bytes())
 }
 
-/// The prefix with a dot and an extension behind it: a prefix may hold dots of its own.
+/// Appends a dot and an extension to the prefix, which may contain dots itself.
 pub(super) fn with_extension(prefix: &Path, extension: &str) -> PathBuf {
     let mut path = prefix.as_os_str().to_owned();
     path.push(".");

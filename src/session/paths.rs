@@ -4,11 +4,11 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
 use super::windows_names;
 
-/// The file that a dataset, a command file or a command line names, looked up in `folders` in their order.
+/// Finds the file named by a dataset, a command file or a command line, in the given folders in turn.
 ///
-/// Quotes and blanks around the name are dropped, backslashes separate folders, `.{extension}` is added where it is missing
-/// (guide/formats.md 5.1). Devices of Windows are refused there. What only differs in upper and lower case is found with a warning, and so is the base name of a path
-/// of another computer (a drive letter, or a folder that is not here).
+/// Quotes and blanks around the name are dropped, backslashes separate folders, and `.{extension}` is added if missing (guide/formats.md 5.1).
+/// On Windows device names are refused. A name that differs only in case is accepted with a warning. A path of another computer (with a drive
+/// letter, or in a missing folder) is replaced by a local file of the same base name, also with a warning.
 pub fn find_file(
     written: &str,
     extension: &str,
@@ -23,7 +23,7 @@ pub fn find_file(
     }
     let spelled = native_spelling(written);
     let mut candidates = with_extension(&spelled, extension);
-    // Windows drops dots at the end of a name.
+    // Windows drops trailing dots of names.
     let undotted = windows_names::undotted(&spelled.to_string_lossy());
     if !undotted.is_empty() && Path::new(&undotted) != spelled {
         candidates.extend(with_extension(Path::new(&undotted), extension));
@@ -60,7 +60,7 @@ pub fn find_file(
     Checked::clean(None)
 }
 
-/// What to say of a file that is found although upper and lower case differ.
+/// Returns the warning about a file whose name differs in case.
 pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     Diagnostic::warning(
         Code::FileNameCase,
@@ -69,7 +69,7 @@ pub(crate) fn told_of_case(written: &str, found: &Path) -> Diagnostic {
     .help("some computers tell upper from lower case in file names")
 }
 
-/// The one file of the same name that is here, with a warning; several are refused.
+/// Returns the single local file with the same base name, with a warning. Several candidates are refused.
 fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
     let whole = |path: &PathBuf| dunce::canonicalize(path).unwrap_or_else(|_| path.clone());
     let mut found: Vec<PathBuf> = here.iter().map(|path| whole(path)).collect();
@@ -111,8 +111,8 @@ fn in_place_of(written: &str, here: &[&PathBuf]) -> Checked<Option<PathBuf>> {
     }
 }
 
-/// A file name as this computer spells it: no quotes around it; on Windows backslashes and no dots at the end of a name, elsewhere
-/// `/` for `\` and no drive letter.
+/// Converts a file name to the native form: without quotes. On Windows with backslashes and without trailing dots, elsewhere with `/` for `\`
+/// and without a drive letter.
 pub(crate) fn native_spelling(written: &str) -> PathBuf {
     PathBuf::from(if cfg!(windows) {
         windows_names::of_windows(written)
@@ -121,7 +121,7 @@ pub(crate) fn native_spelling(written: &str) -> PathBuf {
     })
 }
 
-/// The name with and without the extension, the likelier spelling first.
+/// Returns the name with and without the extension, the more likely form first.
 fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
     let mut longer = name.as_os_str().to_owned();
     longer.push(".");
@@ -134,7 +134,7 @@ fn with_extension(name: &Path, extension: &str) -> Vec<PathBuf> {
     }
 }
 
-/// The file with this path but for upper and lower case, if there is one.
+/// Returns the file whose path matches up to upper and lower case, if there is one.
 pub(crate) fn ignoring_case(path: &Path) -> Option<PathBuf> {
     let mut found = PathBuf::new();
     for component in path.components() {
@@ -200,7 +200,7 @@ mod tests {
         let found = find(r"\\server\share\runs\other.adm");
         assert_eq!(found.value, Some(folder.path().join("other.adm")));
         assert_eq!(codes(&found), [Code::ForeignPath]);
-        // Mixed separators, several in a row, and the dots that Windows drops.
+        // Mixed separators, repeated separators, and trailing dots that Windows drops.
         for written in [
             r"Sub Folder/\Model.adm",
             r".\Sub Folder\Model.",

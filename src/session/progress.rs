@@ -1,4 +1,4 @@
-//! What a run tells of itself while it goes on, and how it is asked to stop.
+//! Progress reports of a running session, and its interruption.
 
 use super::ending::Stop;
 use super::moment::Moment;
@@ -6,17 +6,18 @@ use super::run_state::Session;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl<'a> Session<'a> {
-    /// Tells of every output of a simulation over time. When the answer is false the run ends there, its files whole up to that output.
+    /// Sets a callback for every output of a simulation over time. If it returns false, the run ends there, with complete files up to that
+    /// output.
     #[must_use]
     pub fn watched(mut self, watcher: impl FnMut(Moment) -> bool + 'a) -> Self {
         self.watcher = Some(Box::new(watcher));
         self
     }
 
-    /// Tells of an output.
+    /// Reports an output to the watcher.
     ///
     /// # Errors
-    /// [`Stop::Interrupted`] if the run is to stop.
+    /// [`Stop::Interrupted`] if the watcher stops the run.
     pub(super) fn tell(&mut self, moment: Moment) -> Result<(), Stop> {
         let goes_on = self.watcher.as_mut().is_none_or(|watcher| watcher(moment));
         if goes_on {

@@ -1,4 +1,4 @@
-//! What a run keeps in memory in place of files.
+//! Outputs that a run keeps in memory instead of files.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -14,43 +14,43 @@ use admire_syntax::text::LineEnds;
 
 use super::located::Sources;
 
-/// Text that is still being written, shared by its writer and the record.
+/// Text under construction, shared by its writer and the record.
 type Text = Arc<Mutex<Vec<u8>>>;
 
-/// The outputs of a run that wrote no files.
+/// Outputs of a run without files.
 #[derive(Debug, Default)]
 pub struct Record {
-    /// The results of the last model that has any, whether or not it asks for a file of them.
+    /// Results of the last model with any, whether or not it requests a results file.
     pub results: Option<ResultsTable>,
-    /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    /// Modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
     pub modes: Vec<Mode>,
-    /// What was left of the forces on a part at worst when they were summed anew, in all equilibria.
+    /// Largest residual of the recomputed force balance on a part, over all equilibria.
     pub balance: Balance,
-    /// What the message file would hold.
+    /// Contents of the message file.
     pub messages: Vec<u8>,
-    /// Warnings and errors in the order they were told.
+    /// Warnings and errors in the order reported.
     pub diagnostics: Vec<Diagnostic>,
-    /// The files they point into.
+    /// Files that the diagnostics refer to.
     pub sources: Sources,
     texts: BTreeMap<String, Text>,
 }
 
 impl Record {
-    /// Where the file of an extension is written.
+    /// Returns the destination for the file with an extension.
     pub(super) fn sink(&mut self, extension: &str) -> Sink {
         let text = Text::default();
         self.texts.insert(extension.to_string(), text.clone());
         Sink::Memory(text)
     }
 
-    /// Keeps a whole file under its name.
+    /// Keeps a complete file under its name.
     pub(super) fn add(&mut self, path: &Path, text: &str) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let text = Arc::new(Mutex::new(text.as_bytes().to_vec()));
         self.texts.insert(name.into_owned(), text);
     }
 
-    /// The other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
+    /// Returns the other files by extension (`req`, `gra`, `out`), those of LINEAR by name.
     pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
         let bytes = |text: &Text| text.lock().unwrap_or_else(PoisonError::into_inner).clone();
         self.texts
@@ -60,7 +60,7 @@ impl Record {
     }
 }
 
-/// Where an output file goes: to the disk or into memory.
+/// Destination of an output file: disk or memory.
 #[derive(Debug)]
 pub(super) enum Sink {
     File(BufWriter<LineEnds<File>>),

@@ -1,5 +1,5 @@
-//! The commands that a message file records, as a command file: what was asked of ADAMS from outside, as in a co-simulation, can be asked
-//! again without it.
+//! Extraction of the commands recorded in a message file as a command file. A run that was controlled from outside, as in a co-simulation, can
+//! then be repeated without the controlling program.
 
 use admire_results::{Analysis, MessageFile};
 use admire_syntax::text::{Source, Span};
@@ -7,29 +7,29 @@ use admire_syntax::text::{Source, Span};
 /// A command file that repeats a recorded run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct RecordedCommands {
-    /// The text of the command file.
+    /// Text of the command file.
     pub text: String,
-    /// Simulations in it, LINEAR included and initial conditions not.
+    /// Number of simulations in it, including LINEAR but not initial conditions.
     pub simulations: usize,
-    /// SIMULATE commands among them that the file does not echo: they are rebuilt from what it says of the simulations.
+    /// Number of SIMULATE commands that the file does not echo and that are rebuilt from its report of the simulations.
     pub rebuilt: usize,
 }
 
-/// The commands of a message file (`.msg`) in their order; `None` if it records none.
+/// Extracts the commands of a message file (`.msg`) in their order; `None` if it records none.
 ///
-/// A line ` command: ...` is one line of commands; lines that are continued with `&` stay so. `FILE/COMMAND=...`, whose lines follow, is left
-/// out. Where no FILE/MODEL is recorded, as in co-simulations, `model` is read first.
+/// A line ` command: ...` is one line of commands; continuation with `&` is preserved. `FILE/COMMAND=...` is omitted, because the lines of
+/// that file follow. If no FILE/MODEL is recorded, as in co-simulations, a command that reads `model` is put first.
 ///
-/// In a co-simulation the simulations between two exchanges are not echoed: each is a block `Begin Simulation` with no command before
-/// it. Its SIMULATE command ends at the last time of its table and has as many steps as the table shows behind the first. Where an
-/// input was set several times (predictor, corrector) the last one acts.
+/// In a co-simulation the simulations between two exchanges are not echoed. Each is a block `Begin Simulation` without a command before it.
+/// The rebuilt SIMULATE command ends at the last time of the block's table, and has one step fewer than the table has rows. If an input was
+/// set several times (predictor, corrector), the last setting applies.
 pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedCommands> {
     let text = messages.text(Span::new(0, messages.bytes().len()));
     let analyses = MessageFile::parse(messages).analyses;
     let mut analyses = analyses.iter().peekable();
     let mut out = Vec::new();
     let (mut echoed, mut rebuilt) = (0, 0);
-    // Simulations of the last command line that have not begun yet.
+    // Number of simulations of the last command line that have not started yet.
     let (mut waiting, mut continues) = (0, false);
     let mut now = f64::NEG_INFINITY;
     for (at, line) in text.lines().enumerate() {
@@ -64,7 +64,7 @@ pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedComma
     if out.iter().all(|line| line.starts_with('!')) {
         return None;
     }
-    // The first line of a command file names a dataset; left empty it names none.
+    // The first line of a command file names a dataset; an empty line names none.
     let mut text = String::from("\n");
     if !out.iter().any(|line| compact(line).starts_with("file/mod")) {
         text.push_str(&format!("file/model={model}\n"));
@@ -83,8 +83,8 @@ pub fn recorded_commands(messages: &Source, model: &str) -> Option<RecordedComma
     })
 }
 
-/// The command that makes a simulation; `None` of initial conditions, which are part of what follows, and of one that does not get
-/// beyond `now` in the digits that are shown.
+/// Returns the command for a simulation. `None` for initial conditions, which belong to the following simulation, and for a simulation that
+/// does not pass `now` in the printed digits.
 fn simulate(analysis: &Analysis, now: f64) -> Option<String> {
     let word = match analysis.kind.to_ascii_lowercase().as_str() {
         "static" if analysis.times.is_none() => return Some("simulate/static".to_string()),
@@ -98,7 +98,7 @@ fn simulate(analysis: &Analysis, now: f64) -> Option<String> {
     (end > start.max(now)).then(|| format!("simulate/{word}, end={end}, steps={steps}"))
 }
 
-/// Small letters without blanks.
+/// Converts to lower case and removes blanks.
 fn compact(line: &str) -> String {
     line.to_ascii_lowercase().replace(' ', "")
 }
@@ -111,7 +111,7 @@ fn is_command_file(command: &str) -> bool {
     is(command, "file/com")
 }
 
-/// True for SIMULATE commands that begin a simulation.
+/// Returns true for SIMULATE commands that start a simulation.
 fn simulates(command: &str) -> bool {
     let command = compact(command);
     let of_initial = command
@@ -128,7 +128,7 @@ mod tests {
         recorded_commands(&Source::new("a.msg", messages.as_bytes()), model)
     }
 
-    /// A block as ADAMS 2014 writes it.
+    /// Returns a block as ADAMS 2014 writes it.
     fn block(start: &str, end: &str) -> String {
         format!(
             "\n\n  Begin Simulation\n\n  ****** Performing Dynamic Simulation using Gstiff I3 Integrator ******\n   The integrator is GSTIFF\n\n   \
@@ -183,7 +183,7 @@ mod tests {
         );
         assert_eq!(found.simulations, 1);
         assert_eq!(recorded("nothing\n command: \n", "b"), None);
-        // Initial conditions alone simulate nothing.
+        // Initial conditions alone are no simulation.
         let alone = recorded(" command: simulate/initial_conditions\n", "b").unwrap();
         assert_eq!(alone.simulations, 0);
     }

@@ -15,11 +15,11 @@ use super::paths::{find_file, native_spelling};
 use super::record::Record;
 use super::run_state::{Flow, Locate, Place, Session};
 
-/// Command files that read command files, one inside of the other.
+/// Largest nesting depth of command files.
 const DEEPEST: usize = 16;
 
 impl<'a> Session<'a> {
-    /// Ends a launch that was refused: its message file has the last lines of any run.
+    /// Ends a refused launch; its message file gets the final lines of any run.
     pub(crate) fn refuse(self, stem: &str) {
         let start = std::time::Instant::now();
         self.named(stem).finish(Err(Stop::File), start);
@@ -32,7 +32,7 @@ impl<'a> Session<'a> {
         };
         let path = self.directory.join(format!("{stem}.msg"));
         if self.policy.check(&path).is_ok() {
-            // Without it the console has it all.
+            // If the file cannot be opened, the console still has all messages.
             let _ = self.messages.open(&path);
         }
     }
@@ -45,15 +45,15 @@ impl<'a> Session<'a> {
         self.finish(flow, start)
     }
 
-    /// Executes commands that are not in a file: those of standard input.
+    /// Executes commands that are not in a file, such as those of standard input.
     pub fn run_commands(mut self, commands: &Source) -> Ending {
         let start = std::time::Instant::now();
         let flow = self.execute(commands, 0);
         self.finish(flow, start)
     }
 
-    /// Executes commands on a dataset that was read before, whatever model they name, and keeps in memory what else would be files. The
-    /// dataset is read by its name: files it names are looked up beside that.
+    /// Executes commands on a dataset read before, whatever model they name, and keeps all outputs in memory. Files that the dataset names are
+    /// looked up in the folder of its name.
     pub fn run_on(
         mut self,
         deck: &'a Checked<Dataset>,
@@ -102,7 +102,7 @@ impl<'a> Session<'a> {
             self.unwritten.get_or_insert(error);
         }
         if let Some(why) = &self.unwritten {
-            // Whoever looks at the end only, as scripts do, must not take empty files for a run without results.
+            // A script that reads only the last line must not take empty files for a run without results.
             self.messages
                 .last(&format!("The run is not complete: {why}"));
         }
@@ -115,7 +115,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Writes the last lines of output files, and keeps what went into memory.
+    /// Closes the output files, or stores the outputs kept in memory.
     fn close_outputs(&mut self, mut outputs: Outputs) -> Flow {
         let results = outputs.beside("res");
         if let Err(diagnostic) = outputs.finish() {
@@ -129,8 +129,8 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Ends the output files of the model and begins others under a new name (OUTPUT_PREFIX of FILE and RELOAD). The name that they
-    /// have changes nothing.
+    /// Closes the output files of the model and opens files under a new name (OUTPUT_PREFIX of FILE and RELOAD). The current name changes
+    /// nothing.
     pub(super) fn rename_outputs(&mut self, prefix: &str, place: Option<Place<'_>>) -> Flow {
         let Some(loaded) = &self.loaded else {
             return Ok(());
@@ -148,7 +148,7 @@ impl<'a> Session<'a> {
         self.close_outputs(old)
     }
 
-    /// Looks a file up; says what is said of it, and why it cannot be read.
+    /// Finds and reads a file. Reports warnings about its name, and the reason if it cannot be read.
     fn read(
         &mut self,
         written: &str,
@@ -217,12 +217,12 @@ impl<'a> Session<'a> {
                 .as_deref()
                 .and_then(Path::parent)
         {
-            // The one that the command line names; those that command files name open no folder.
+            // Only the command file of the command line opens its folder; command files named in it do not.
             self.policy.allow(folder);
         }
         let (source, path) = self.read(written, "acf", place)?;
         if is_dataset(&path.to_string_lossy()) {
-            // Its title would be taken for the name of a model, and its second line for that of the output files.
+            // Its title would be taken for a model name, and its second line for the prefix of the output files.
             let dataset = Diagnostic::error(
                 Code::CannotRead,
                 format!("`{}` is a dataset, not a command file", path.display()),
@@ -238,7 +238,7 @@ impl<'a> Session<'a> {
         self.execute(&source, depth)
     }
 
-    /// Executes commands line by line, each echoed before what it does.
+    /// Executes commands line by line, with each line echoed first.
     fn execute(&mut self, source: &Source, depth: usize) -> Flow {
         self.execute_file(&CommandFile::parse(source.clone()), depth)
     }
@@ -265,7 +265,7 @@ impl<'a> Session<'a> {
         for line in file.lines() {
             let text = source.text(line.echo);
             self.messages.command(&text);
-            // The last word on a command line of `mdi`; some scripts write it into the file too.
+            // `exit` is the last word on a command line of `mdi`; some scripts also write it into the command file.
             if ["exit", "quit"]
                 .iter()
                 .any(|word| text.trim().eq_ignore_ascii_case(word))
@@ -280,7 +280,7 @@ impl<'a> Session<'a> {
                 if let Some(command) = commands.iter().find(|command| is_in(command, &complaint))
                     && is_output_only(command.kind())
                 {
-                    // What only prints changes no answer, whatever is wrong with it.
+                    // Errors in commands that only print change no answer.
                     complaint.severity = complaint.severity.min(Severity::Warning);
                 }
                 self.complain(&complaint);
@@ -378,7 +378,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Reads a model: empties the output files of its prefix first.
+    /// Reads a model, after emptying the output files of its prefix.
     fn model_file(
         &mut self,
         written: &str,
@@ -432,7 +432,7 @@ impl<'a> Session<'a> {
         Ok(outputs)
     }
 
-    /// The path that the names of output files begin with.
+    /// Returns the path prefix of the output files.
     fn prefix_of(&self, written: &str, prefix: Option<&str>) -> PathBuf {
         self.directory.join(match prefix.map(str::trim) {
             Some(prefix) if !prefix.is_empty() => native_spelling(prefix),
@@ -440,7 +440,7 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Resolves a dataset.
+    /// Resolves a dataset and loads the model.
     pub(super) fn load(&mut self, deck: &Checked<Dataset>, outputs: Outputs) -> Flow {
         let loaded = Loaded::read(deck, outputs, &self.policy, &self.ignored);
         let mut errors = 0;
@@ -483,7 +483,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// The base name of a model: what its output files are called unless a prefix is given.
+/// Returns the base name of a model, which is the default prefix of its output files.
 fn default_prefix(model: &str) -> PathBuf {
     let path = native_spelling(model);
     let is_adm = path

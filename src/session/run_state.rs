@@ -16,38 +16,38 @@ use super::moment::Watcher;
 use super::record::Record;
 use super::saved::Kept;
 
-/// Executes commands against a model and writes what ADAMS would write.
+/// Executes commands on a model and writes the output files that ADAMS would write.
 pub struct Session<'a> {
     pub(super) messages: Messages<'a>,
     pub(super) sources: Sources,
     pub(super) directory: PathBuf,
-    /// Folders to look files up in: the working directory, then those of the command files.
+    /// Folders in which files are looked up: the working directory, then those of the command files.
     pub(super) folders: Vec<PathBuf>,
     pub(super) policy: FilePolicy,
     pub(super) loaded: Option<Loaded>,
     pub(super) kept: Kept,
     pub(super) stop_on_failure: bool,
-    /// What may be left out of the models.
+    /// Statements that may be left out of the models.
     pub(super) ignored: Vec<Ignore>,
-    /// Why the first file could not be written, for the last line.
+    /// Error of the first file that could not be written, for the last line.
     pub(super) unwritten: Option<String>,
     pub(super) ending: Ending,
-    /// The stem of the message file of a run that reads no model.
+    /// Stem of the message file of a run that reads no model.
     pub(super) stem: Option<String>,
     pub(super) watcher: Option<Watcher<'a>>,
-    /// The dataset that stands in for any the commands name; its outputs stay in memory.
+    /// Dataset that replaces any dataset named by the commands; its outputs stay in memory.
     pub(super) given: Option<&'a Checked<Dataset>>,
-    /// What is kept in memory of the last model.
+    /// Outputs in memory of the last model.
     pub(super) record: Option<Record>,
-    /// What the equilibria so far left over at worst.
+    /// Largest residual of the force balance in all equilibria so far.
     pub(super) worst_balance: Balance,
 }
 
-/// What executing a command leads to; `Err` ends the run.
+/// Result of executing a command; `Err` ends the run.
 pub(super) type Flow = Result<(), Stop>;
 
 impl<'a> Session<'a> {
-    /// A session in a working directory (empty for that of the process), whose messages go to `console` too.
+    /// Creates a session in a working directory (empty for that of the process). Its messages also go to `console`.
     pub fn new(console: Box<dyn Write + 'a>, directory: &Path) -> Self {
         Self {
             messages: Messages::new(console, directory),
@@ -75,7 +75,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Lets the run read nothing outside of the folders it may write; `more` folders are among them.
+    /// Restricts reading to the folders that may be written; `more` are added to them.
     #[must_use]
     pub fn confined(mut self, more: &[PathBuf]) -> Self {
         for folder in more {
@@ -85,21 +85,21 @@ impl<'a> Session<'a> {
         self
     }
 
-    /// Leaves statements out of the models that are not solved; each is said where it would have acted.
+    /// Leaves the given statements, which are not solved, out of the models. Each is reported where it would have acted.
     #[must_use]
     pub fn ignoring(mut self, ignored: Vec<Ignore>) -> Self {
         self.ignored = ignored;
         self
     }
 
-    /// Gives the message file a stem for runs that read no model: whoever waits for its last lines finds them.
+    /// Sets the stem of the message file of runs that read no model, so that programs waiting for its last lines find it.
     #[must_use]
     pub(crate) fn named(mut self, stem: &str) -> Self {
         self.stem = Some(stem.to_string());
         self
     }
 
-    /// Says a complaint that came up before any command.
+    /// Reports a diagnostic.
     pub(crate) fn complain(&mut self, diagnostic: &Diagnostic) {
         self.messages.diagnostic(diagnostic, &self.sources);
     }
@@ -116,7 +116,7 @@ impl<'a> Session<'a> {
         )
     }
 
-    /// Says why a command is not executed; the run goes on.
+    /// Reports why a command is not executed; the run continues.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn misunderstood(
         &mut self,
@@ -128,7 +128,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Says that a command is left out; the run goes on, and its results are not called successful.
+    /// Reports that a command is left out. The run continues, but its results are not marked successful.
     #[allow(clippy::unnecessary_wraps)] // Every command ends in a Flow.
     pub(super) fn refused(&mut self, diagnostic: Diagnostic, place: Option<Place<'_>>) -> Flow {
         self.complain(&place.label(diagnostic));
@@ -139,7 +139,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Counts a simulation without an answer, and ends the run if PREFERENCES says so.
+    /// Counts a simulation without a solution, and ends the run if PREFERENCES requires it.
     pub(super) fn simulation_failed(&mut self) -> Flow {
         self.ending.failed += 1;
         if let Some(loaded) = &mut self.loaded {
@@ -155,7 +155,7 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Says that an output file cannot be written, and ends the run.
+    /// Reports that an output file cannot be written, and ends the run.
     pub(super) fn unwritable(&mut self, diagnostic: &Diagnostic) -> Flow {
         self.complain(diagnostic);
         self.unwritten.get_or_insert(diagnostic.message.clone());
@@ -163,14 +163,14 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Where in a command file something was asked for.
+/// Position in a command file that a diagnostic refers to.
 #[derive(Clone, Copy)]
 pub(super) struct Place<'s> {
     pub source: &'s Source,
     pub span: Span,
 }
 
-/// Puts a place to a diagnostic that has none.
+/// Adds a position to diagnostics that have none.
 pub(super) trait Locate {
     fn label(&self, diagnostic: Diagnostic) -> Diagnostic;
 }

@@ -9,70 +9,70 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
 
-/// The beginning of a file that SAVE writes, before the number of its form.
+/// Start of a file written by SAVE, before the number of its format.
 const MAGIC: &str = "admire saved state ";
-/// Its form. Files of form 1 hold no model.
+/// Format number. Files of format 1 contain no model.
 const FORM: &str = "2";
 
-/// What SAVE keeps and RELOAD goes back to: the model with its redefinitions, and where it stands.
+/// A saved state for SAVE and RELOAD: the model with its redefinitions, and its state.
 #[derive(Clone, Debug)]
 pub(super) struct Saved {
-    /// Absent where states alone were saved.
+    /// The model; `None` if only states were saved.
     pub model: Option<Kind>,
-    /// Where it stands; absent before the first simulation.
+    /// The state; `None` before the first simulation.
     pub state: Option<Placed>,
 }
 
-/// A model that was saved.
+/// A saved model.
 #[derive(Clone, Debug)]
 pub(super) enum Kind {
-    /// In this run, with the statements it stands for.
+    /// A model of this run with its statements.
     Resolved(Box<(Model, Definitions)>),
-    /// In a file.
+    /// A model read from a file.
     Written(Written),
 }
 
-/// A model as a file holds it.
+/// A model as stored in a file.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Written {
-    /// The path of the dataset it was read from: its outputs are named after it, and files are looked up beside it.
+    /// Path of its dataset, after which its outputs are named and next to which files are looked up.
     pub name: String,
-    /// The dataset.
+    /// Contents of the dataset.
     pub dataset: Vec<u8>,
-    /// What commands have redefined, one a line.
+    /// Commands that redefined it, one per line.
     pub commands: Vec<u8>,
 }
 
-/// What the SAVE commands of one run kept.
+/// States saved by the SAVE commands of one run.
 #[derive(Default)]
 pub(super) struct Kept {
-    /// With the model, by file.
+    /// Saved states with their models, by file.
     pub files: BTreeMap<PathBuf, Saved>,
-    /// States alone, by the name of their buffer; they end with the run (`com_reload`).
+    /// States alone, by the name of their buffer; they last until the end of the run (`com_reload`).
     pub buffers: BTreeMap<String, Saved>,
 }
 
-/// A state without what only the solver needs.
+/// A state without data that only the solver needs.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Placed {
     time: f64,
     poses: Vec<Pose>,
     variables: Vec<f64>,
     states: Vec<f64>,
-    /// Of a motion; empty at rest.
+    /// Velocities of a motion; empty at rest.
     velocities: Vec<Rates>,
     /// MOTIONs that prescribe a rate.
     driven: Vec<Driven>,
-    /// Where angles are counted from.
+    /// Reference values for counting the full turns of angles.
     turns: Vec<f64>,
-    /// SENVAL.
+    /// Values of SENVAL.
     sensors: Vec<f64>,
-    /// Frictions of joints.
+    /// Stiction states of the joint frictions.
     grips: Vec<StictionState>,
 }
 
 impl Saved {
-    /// What there is to keep.
+    /// Saves a model with its statements and its current state.
     pub(crate) fn of(model: &Model, definitions: &Definitions, state: Option<&State>) -> Self {
         Self {
             model: Some(Kind::Resolved(Box::new((
@@ -93,7 +93,7 @@ impl Saved {
         }
     }
 
-    /// Where the model stands, without the model.
+    /// Returns the state alone, without the model.
     pub(crate) fn states(self) -> Self {
         Self {
             model: None,
@@ -101,10 +101,10 @@ impl Saved {
         }
     }
 
-    /// Writes all of it. A file that is there already is replaced only if SAVE wrote it.
+    /// Writes the saved state to a file. An existing file is replaced only if SAVE wrote it.
     ///
     /// # Errors
-    /// When it is another file or cannot be written.
+    /// When the file is of another kind or cannot be written.
     pub(crate) fn write(&self, path: &Path) -> Result<(), Diagnostic> {
         let cannot = |why: &str| {
             Diagnostic::error(
@@ -165,7 +165,7 @@ impl Saved {
         std::fs::write(path, bytes).map_err(|error| cannot(&error.to_string()))
     }
 
-    /// Reads a file that SAVE wrote.
+    /// Reads a file written by SAVE.
     ///
     /// # Errors
     /// When it cannot be read or is damaged.
@@ -178,7 +178,7 @@ impl Saved {
         };
         let there = std::fs::metadata(path).map_err(|error| cannot(&error.to_string()))?;
         if !there.is_file() || there.len() > LARGEST {
-            // A device never ends.
+            // A device could be read without end.
             return Err(cannot("it is no saved state of this program"));
         }
         let bytes = std::fs::read(path).map_err(|error| cannot(&error.to_string()))?;
@@ -265,7 +265,7 @@ impl Saved {
     }
 }
 
-/// Takes a line off what is left of a file; `None` if there is none, or if it is no text.
+/// Takes the next line off the remaining bytes; `None` if there is none, or if it is not UTF-8.
 fn next_line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
     let end = rest.iter().position(|b| *b == b'\n')?;
     let line = std::str::from_utf8(&rest[..end]).ok()?;
@@ -274,10 +274,10 @@ fn next_line<'a>(rest: &mut &'a [u8]) -> Option<&'a str> {
 }
 
 impl Placed {
-    /// Places a model.
+    /// Transfers the saved state to a state of the model.
     ///
     /// # Errors
-    /// When it is the state of another model.
+    /// When it belongs to another model.
     pub(crate) fn put_into(self, state: &mut State) -> Result<(), Diagnostic> {
         if self.poses.len() != state.poses.len() {
             return Err(Diagnostic::error(

@@ -1,4 +1,4 @@
-//! SAVE and RELOAD.
+//! The commands SAVE and RELOAD.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
@@ -65,7 +65,7 @@ impl Session<'_> {
             Err(diagnostic) => return self.misunderstood(diagnostic, place),
         };
         if of_states {
-            // The model stays as it is now.
+            // The model stays as it is.
             saved = saved.states();
         }
         let prefix = command.text("OUTPUT_PREFIX", source);
@@ -97,7 +97,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// What a RELOAD command names.
+    /// Returns the saved state that a RELOAD command names.
     fn saved(&self, command: &Statement, source: &Source) -> Result<Saved, Diagnostic> {
         if let Some(name) = command.text("BUFFER", source) {
             return self.kept.buffers.get(&*name).cloned().ok_or_else(|| {
@@ -124,8 +124,8 @@ impl Session<'_> {
         Saved::read(&path)
     }
 
-    /// Puts the model of a file in the place of that of this run, which there may be none of. False, and nothing is changed, if the output
-    /// files have begun for another one.
+    /// Replaces the model of this run, if any, by the model of a file. Returns false and changes nothing if the output files already contain
+    /// another model.
     fn take_in(
         &mut self,
         written: &Written,
@@ -169,7 +169,8 @@ impl Session<'_> {
     }
 }
 
-/// What stands behind the name of a file and is no argument belongs to the name as it is read; the names of ADAMS have no commas.
+/// Returns an error about a comma in a file name. ADAMS' file names contain no commas; unknown text after the name has been read as part of
+/// it.
 fn with_a_comma(command: &str, name: &str) -> Option<Diagnostic> {
     let (_, rest) = name.split_once(',')?;
     let message = format!(

@@ -1,4 +1,4 @@
-//! SENSORs: what is watched at every output step.
+//! SENSORs at the output steps of static simulations, and the actions of sensors.
 
 use std::fmt::Write as _;
 
@@ -7,27 +7,27 @@ use super::message::exponent;
 use admire_solver::model::{Model, Sensor};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
-/// What the sensors that fired at an output step ask for.
+/// Actions of the sensors that fired.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(super) struct Sensed {
-    /// What is said of them.
+    /// Text about them for the messages.
     pub said: String,
     /// HALT: the whole run ends.
     pub halts: bool,
     /// RETURN: this simulation ends.
     pub returns: bool,
-    /// DT: the time between output steps from here on.
+    /// DT: the time between output steps from now on.
     pub dt: Option<f64>,
     /// STEPSIZE: the next integration step.
     pub stepsize: Option<f64>,
-    /// PRINT: an output step.
+    /// PRINT: an additional output step.
     pub prints: bool,
 }
 
 impl Loaded {
-    /// Looks at every active sensor at the state that was just written. One that fires keeps its EVALUATE for SENVAL.
+    /// Evaluates every active sensor at the state just written. A sensor that fires stores its EVALUATE for SENVAL.
     ///
-    /// RESTART and STEPSIZE concern integrators; what PRINT asks for is written at every output step anyway.
+    /// RESTART and STEPSIZE concern integrators only, and PRINT has no effect because every output step is written.
     pub(crate) fn sense(&mut self) -> Sensed {
         self.compiled();
         let Self {
@@ -49,7 +49,7 @@ impl Loaded {
 }
 
 impl Sensed {
-    /// A sensor that becomes active in a motion, in the words of ADAMS.
+    /// Adds a sensor that becomes active during a motion, in ADAMS' words.
     pub(crate) fn activate(&mut self, sensor: &Sensor, time: f64, value: f64, evaluated: bool) {
         let digits = |value: f64| exponent(value, 6).to_lowercase();
         _ = writeln!(
@@ -91,7 +91,7 @@ impl Sensed {
         self.stepsize = sensor.stepsize.or(self.stepsize);
     }
 
-    /// What the sensors of a model say of a state; those that fire keep their value in it.
+    /// Evaluates the sensors of a model at a state. Those that fire store their value in it.
     pub(crate) fn at(
         model: &Model,
         system: &System,
@@ -104,7 +104,7 @@ impl Sensed {
             return sensed;
         }
         let mut scratch = Scratch::new(system);
-        // A function without a value fires nothing.
+        // Functions without a value fire no sensor.
         let _ = system.at(parameters, state, &mut scratch).look();
         for (index, sensor) in model.sensors.iter().enumerate() {
             if !sensor.header.active {

@@ -3,10 +3,10 @@ use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// More output steps than this of one SIMULATE command are refused: a command file may not fill the disk by a typing error.
+/// Largest number of output steps of one SIMULATE command, so that a typing error cannot fill the disk.
 const MOST_STEPS: f64 = 100_000.0;
 
-/// What a SIMULATE command asks for.
+/// Analysis that a SIMULATE command requests.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Analysis {
     /// One equilibrium at the current time.
@@ -19,22 +19,22 @@ pub(super) enum Analysis {
     Dynamic(OutputTimes),
     /// Kinematic without degrees of freedom, otherwise dynamic.
     Transient(OutputTimes),
-    /// Assembly alone, as far as the word goes.
+    /// Initial conditions only, up to this phase.
     InitialConditions(Phases),
 }
 
-/// How far initial conditions are worked out.
+/// Phase up to which initial conditions are requested.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Phases {
-    /// Positions.
+    /// Positions only.
     Displacement,
-    /// And velocities.
+    /// Positions and velocities.
     Velocity,
-    /// And accelerations and forces.
+    /// Positions, velocities, accelerations and forces.
     All,
 }
 
-/// Which simulation over time a command asks for.
+/// Kind of simulation over time that a command requests.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum RequestedAnalysis {
     Kinematic,
@@ -43,21 +43,21 @@ pub(super) enum RequestedAnalysis {
     Transient,
 }
 
-/// The times at which a simulation writes its output: the start, then `count` more up to the end.
+/// Output times of a simulation: the start, then `count` more up to the end.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) struct OutputTimes {
-    /// The current time.
+    /// Start time, which is the current time.
     pub start: f64,
-    /// The last output.
+    /// Time of the last output.
     pub end: f64,
-    /// How many outputs after the start.
+    /// Number of outputs after the start.
     pub count: usize,
-    /// Time between outputs if given by DTOUT; the last one may be shorter.
+    /// Time between outputs, if given by DTOUT; the last interval may be shorter.
     pub interval: Option<f64>,
 }
 
 impl OutputTimes {
-    /// The time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
+    /// Returns the time of output k, from 1 to `count`: `t0 + k (end - t0) / count`, or `t0 + k DTOUT` (guide/formats.md 5.3).
     pub(crate) fn at(&self, k: usize) -> f64 {
         if k >= self.count {
             return self.end;
@@ -70,7 +70,7 @@ impl OutputTimes {
 }
 
 impl OutputTimes {
-    /// Where a simulation stands at an output.
+    /// Returns the progress of the simulation at an output.
     pub(crate) fn moment(&self, time: f64, step: f64) -> Moment {
         Moment {
             time,
@@ -80,9 +80,9 @@ impl OutputTimes {
         }
     }
 
-    /// Outputs every `dt` from `now` to the same end; `None` if they are too many.
+    /// Returns outputs every `dt` from `now` to the same end; `None` if they are too many.
     pub(crate) fn every(&self, dt: f64, now: f64) -> Option<Self> {
-        // An interval that divides the span but for round-off divides it.
+        // The tolerance covers round-off if the interval divides the span exactly.
         let count = ((self.end - now) / dt - 1e-9).ceil().max(1.0);
         (count <= MOST_STEPS).then_some(Self {
             start: now,
@@ -94,10 +94,10 @@ impl OutputTimes {
 }
 
 impl Analysis {
-    /// Reads a SIMULATE command given at time `now`.
+    /// Parses a SIMULATE command given at time `now`.
     ///
     /// # Errors
-    /// A diagnostic at the argument that cannot be followed.
+    /// A diagnostic at the argument that is wrong.
     pub(crate) fn of(command: &Statement, source: &Source, now: f64) -> Result<Self, Diagnostic> {
         let times = || output_times(command, source, now);
         let timed = ["END", "DURATION", "STEPS", "DTOUT"]
@@ -146,7 +146,7 @@ impl Analysis {
     }
 }
 
-/// A sensor asks for more outputs than are made.
+/// Returns the diagnostic for a sensor whose DT would give too many outputs.
 pub(super) fn too_many(dt: f64) -> Diagnostic {
     Diagnostic::error(
         Code::LimitExceeded,
@@ -205,7 +205,7 @@ fn output_times(command: &Statement, source: &Source, now: f64) -> Result<Output
             if !(interval > 0.0 && interval.is_finite()) {
                 return wrong(span, format!("an output every {interval} never comes"));
             }
-            // An interval that divides the span but for round-off divides it.
+            // The tolerance covers round-off if the interval divides the span exactly.
             let count = ((end - now) / interval - 1e-9).ceil().max(1.0);
             (count, Some(interval), span)
         }

@@ -16,14 +16,14 @@ use super::run_state::{Flow, Place, Session};
 use super::sensing::Sensed;
 use super::simulate::{Analysis, OutputTimes, RequestedAnalysis, too_many};
 
-/// MODE in functions (guide/formats.md 3.1).
+/// Values of MODE in functions (guide/formats.md 3.1).
 const MODE_STATIC: i32 = 5;
 const MODE_QUASI_STATIC: i32 = 6;
 
-/// A time step that fails is halved at most so often.
+/// Largest number of times that a failed time step is halved.
 const HALVINGS: i32 = 8;
 
-/// Lines of the iteration table that are shown of a failed solution.
+/// Number of iterations printed for a failed solution.
 const SHOWN: usize = 12;
 
 impl Session<'_> {
@@ -54,7 +54,7 @@ impl Session<'_> {
         let mut complaints = compiled.diagnostics;
         complaints.extend(compiled.value.warnings.iter().cloned());
         complaints.extend(errors.iter().cloned());
-        // What is still in statics moves in motion.
+        // Warnings about elements inactive in statics do not apply to motion.
         let statics = command.has("STATICS") || command.text("TYPE", source).is_some();
         let of_statics = [Code::InactiveInStatics, Code::NotSolvedInStatics];
         complaints.retain(|told| statics || !of_statics.contains(&told.code));
@@ -119,8 +119,8 @@ impl Session<'_> {
         }
     }
 
-    /// Equilibria at the output times: the start first, unless a sequence before just wrote it (guide/formats.md 6.1: the joint time of
-    /// two sequences is not repeated, that of a lone static solution has a block of its own).
+    /// Solves equilibria at the output times. The start comes first, unless a sequence before has just written it. The joint time of two
+    /// sequences is not repeated; a single static solution has a block of its own (guide/formats.md 6.1).
     fn sequence(&mut self, mut times: OutputTimes, kind: StepKind, place: Place<'_>) -> Flow {
         self.messages.begin_simulation("Quasi-Static");
         let fresh = self.model().outputs.begins_with(times.start, kind);
@@ -174,7 +174,7 @@ impl Session<'_> {
         if halted { Err(Stop::Finished) } else { Ok(()) }
     }
 
-    /// A balance as a line of the message file.
+    /// Formats a force balance as a line of the message file.
     fn balance_line(&mut self, balance: &Balance) -> String {
         let units = self.model().model.units;
         let left = |left: &Left, dimension: Dimension| {
@@ -197,7 +197,7 @@ impl Session<'_> {
         format!("  Forces summed again leave at most {}\n", told.join(", "))
     }
 
-    /// Says that forces summed again do not cancel as the solution says.
+    /// Warns if the recomputed force balance exceeds IMBALANCE and round-off.
     fn warn_if_unbalanced(&mut self, balance: &Balance) {
         let imbalance = Settings::from(&self.model().model.equilibrium).imbalance;
         if balance.holds(imbalance) {
@@ -211,7 +211,7 @@ impl Session<'_> {
         self.messages.frame("WARNING", &text);
     }
 
-    /// Looks at the sensors and says which fired.
+    /// Evaluates the sensors and reports which fired.
     pub(super) fn sense(&mut self) -> Sensed {
         let sensed = self.model().sense();
         if !sensed.said.is_empty() {
@@ -240,7 +240,7 @@ impl Session<'_> {
         }
     }
 
-    /// What a solution found out about the model, said when it changes.
+    /// Reports findings of a solution about the model when they change.
     fn remarks(&mut self, report: &Report) {
         let loaded = self.model();
         let time = loaded.time();
@@ -265,8 +265,8 @@ impl Session<'_> {
         }
     }
 
-    /// Warns of parts that went far in one static solution, each once. Where MOTIONs drive the model from one time to the next, parts go
-    /// as far as these say.
+    /// Warns of parts that moved far in one static solution, once per part. If MOTIONs drive the model from one time to the next, large
+    /// displacements are expected and not reported.
     fn warn_if_far(&mut self, report: &Report, time_before: f64) {
         let loaded = self.model();
         let (time, units) = (loaded.time(), loaded.model.units);
@@ -288,7 +288,7 @@ impl Session<'_> {
         }
     }
 
-    /// Says that the equilibrium does not last, and which motion leads away from it, when that changes.
+    /// Warns of an unstable equilibrium and the motion that leads away from it, when it changes.
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
         let time = loaded.time();
@@ -307,7 +307,7 @@ impl Session<'_> {
         let part = softest.part(system);
         let motion = softest.described(system, parameters, state);
         let motion = motion.unwrap_or_else(|| "the parts leave it".to_string());
-        // Of two motions that are as soft, now one is the softest and now the other: each is said once until the model is stable again.
+        // If two motions are equally soft, they may alternate as the softest one. Each is reported once until the model is stable again.
         if !softest.is_unstable() || loaded.said_unstable.contains(&part) {
             return;
         }
@@ -319,7 +319,7 @@ impl Session<'_> {
         self.messages.frame("WARNING", &text);
     }
 
-    /// Says why there is no equilibrium, at the command that asked for it.
+    /// Reports the reason for a missing equilibrium at the command that requested it.
     fn no_equilibrium(&mut self, error: &Failure, place: Place<'_>) {
         let mut causes: Vec<String> = Vec::new();
         if let SolveError::NotConverged {
@@ -358,14 +358,14 @@ impl Session<'_> {
     }
 }
 
-/// A solution that failed, and at which time.
+/// A failed solution, with its time.
 pub(super) struct Failure {
     pub time: f64,
     pub reason: SolveError,
 }
 
 impl Loaded {
-    /// Finds the equilibrium at a time (the current one if none is given). The state stays as it was where there is none.
+    /// Finds the equilibrium at a time, or at the current time. On failure the state is unchanged.
     fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
         let settings = Settings::from(&self.model.equilibrium);
         let Compiled {
@@ -384,14 +384,14 @@ impl Loaded {
         solver
             .solve(system, parameters, state, &settings)
             .map_err(|reason| {
-                // The solver has put everything else back.
+                // The solver has restored everything else.
                 let time = state.time;
                 (state.time, state.mode) = (time_before, mode_before);
                 Failure { time, reason }
             })
     }
 
-    /// Goes to a time from equilibrium to equilibrium; what fails in one step is tried in smaller ones.
+    /// Advances to a time from equilibrium to equilibrium. A failed step is repeated with a smaller one.
     fn advance(&mut self, target: f64, mode: i32) -> Result<Report, Failure> {
         let start = self.time();
         let least = (target - start) * 0.5_f64.powi(HALVINGS);
@@ -423,7 +423,7 @@ impl Loaded {
         }
     }
 
-    /// Writes the heads of the output files, which are there even if no equilibrium is found.
+    /// Writes the heads of the output files, even if no equilibrium is found later.
     fn begin_outputs(&mut self) -> Result<(), Diagnostic> {
         self.compiled();
         let Some(compiled) = &self.compiled else {
@@ -449,7 +449,7 @@ impl Loaded {
         outputs.step(kind, model, &mut measures)
     }
 
-    /// What is written, where to, and the compiled model it is computed with.
+    /// Returns the model, its output files, and its compiled form.
     fn writing(&mut self) -> Option<(&Model, &mut Outputs, &mut Compiled)> {
         self.compiled();
         Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))

@@ -1,4 +1,4 @@
-//! Where a motion begins: initial conditions, of joints too, and sensors that are at their value already.
+//! Start of a motion: initial conditions including those of joints, and sensors that already fire.
 
 use super::loaded::{Beginning, Compiled, Loaded};
 use super::run_state::Session;
@@ -11,12 +11,12 @@ use admire_solver::system::{EquationName, Parameters, Scratch, State, System, na
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// MODE in functions (guide/formats.md 3.1).
+/// Value of MODE in functions (guide/formats.md 3.1).
 const MODE_INITIAL: i32 = 3;
 
 impl Session<'_> {
-    /// Finds the initial conditions unless they are known, and lets the sensors act that are at their value there. What these ask for is
-    /// followed once the motion has begun.
+    /// Computes the initial conditions unless they are known, and fires the sensors at their value there. Their actions follow once the motion
+    /// has started.
     pub(super) fn begin_sensed(
         &mut self,
         step: f64,
@@ -37,13 +37,13 @@ impl Session<'_> {
         let sensed = SensorWatch::new(&model, system, parameters).fire_at_start(state);
         let changed = state.sensors != before;
         if changed {
-            // SENVAL has another value: accelerations and forces follow.
+            // The new SENVAL changes accelerations and forces.
             self.model().begin(step, true)?;
         }
         Ok((redundant, sensed))
     }
 
-    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations.
+    /// Computes the initial conditions unless they are known, or in any case with `anew`. Returns the redundant equations.
     pub(super) fn begin(
         &mut self,
         step: f64,
@@ -60,13 +60,13 @@ impl Session<'_> {
 }
 
 impl Loaded {
-    /// True if something has found where the model stands: an equilibrium, or initial conditions.
+    /// Returns true if the current state is an equilibrium or satisfies the initial conditions.
     pub(super) fn stands(&mut self) -> bool {
         let known = self.compiled().value.beginning == Beginning::Known;
         known || self.outputs.last.is_some()
     }
 
-    /// Initial conditions of joints that do not count because a MOTION drives the same freedom.
+    /// Returns warnings about joint initial conditions that are ignored because a MOTION drives the same degree of freedom.
     fn overridden_starts(&mut self) -> Vec<Diagnostic> {
         match self.compiled().value.beginning {
             Beginning::Dataset => joint_starts(&self.model).1,
@@ -74,8 +74,8 @@ impl Loaded {
         }
     }
 
-    /// Joint initial conditions (IC, ICTRAN, ICROT): a state of the model with the joints held there, in place and in rate. `None` if there
-    /// are none.
+    /// Returns a state in which the joints with initial conditions (IC, ICTRAN, ICROT) are held at their initial displacements and rates.
+    /// `None` if there are none.
     fn joint_start(&self, state: &State, step: f64) -> Result<Option<State>, MotionError> {
         let model = &self.model;
         let (held, _) = joint_starts(model);
@@ -83,7 +83,7 @@ impl Loaded {
             return Ok(None);
         }
         let mut found = state.clone();
-        // First all of them in place, then those with a rate at that rate.
+        // All joints are held in displacement first, then those with an initial rate at that rate.
         for rated in [false, true] {
             let mut held_model = model.clone();
             for start in &held {
@@ -120,8 +120,8 @@ impl Loaded {
         Ok(Some(found))
     }
 
-    /// Finds the initial conditions unless they are known; `anew` in any case. Gives the redundant equations. Tells nothing: see
-    /// [`Session::begin`].
+    /// Computes the initial conditions unless they are known, or in any case with `anew`. Returns the redundant equations. Reports nothing;
+    /// see [`Session::begin`].
     pub(super) fn begin(
         &mut self,
         step: f64,
@@ -160,7 +160,7 @@ impl Loaded {
         let mode = std::mem::replace(&mut state.mode, MODE_INITIAL);
         let mut memory = Consistent::new(system);
         if kept == Kept::Nothing {
-            // Statics has held what is driven by a rate, whatever time has passed.
+            // A static solution has held the rate-driven joints, however much time has passed.
             for driven in &mut state.driven {
                 if !driven.time.is_nan() {
                     driven.time = state.time;
@@ -177,7 +177,7 @@ impl Loaded {
     }
 }
 
-/// The names of the redundant equations of what is switched on.
+/// Returns the names of the active constraint equations that are redundant.
 fn redundant(system: &admire_solver::system::System, state: &State) -> Vec<EquationName> {
     let all = state.redundant.iter().enumerate();
     all.filter(|(k, out)| **out && system.equation_is_active(*k))
@@ -185,7 +185,7 @@ fn redundant(system: &admire_solver::system::System, state: &State) -> Vec<Equat
         .collect()
 }
 
-/// What is driven by a rate begins where the parts are.
+/// Restarts the rate-driven MOTIONs at the current poses.
 fn drives_begin_here(system: &System, parameters: &Parameters, state: &mut State) {
     for driven in &mut state.driven {
         driven.time = f64::NAN;
@@ -193,7 +193,7 @@ fn drives_begin_here(system: &System, parameters: &Parameters, state: &mut State
     system.begin_drives(parameters, state, &mut Scratch::new(system));
 }
 
-/// What a joint begins with along or about its axis.
+/// Initial condition of a joint along or about its axis.
 struct JointStart<'m> {
     joint: &'m Joint,
     axis: MotionAxis,
@@ -202,7 +202,7 @@ struct JointStart<'m> {
 }
 
 impl JointStart<'_> {
-    /// The MOTIONs that drive the same freedom.
+    /// Returns the indices of the MOTIONs that drive the same degree of freedom.
     fn drivers(&self, model: &Model) -> Vec<usize> {
         let all = model.motions.iter().enumerate();
         let same = |motion: &Motion| {
@@ -215,7 +215,7 @@ impl JointStart<'_> {
             .collect()
     }
 
-    /// A motion that holds it there at a time.
+    /// Returns a MOTION that imposes the initial condition around a given time.
     fn as_motion(&self, time: f64) -> Option<Motion> {
         let joint = self.joint;
         let rate = self.rate.unwrap_or(0.0);
@@ -239,8 +239,8 @@ impl JointStart<'_> {
     }
 }
 
-/// The initial conditions of joints that count, and complaints about those that do not. Where a MOTION drives the same freedom, what it
-/// says counts; what it leaves open, the place where a rate begins, is the joint's.
+/// Returns the joint initial conditions that apply, and warnings about those that do not. If a MOTION drives the same degree of freedom, the
+/// MOTION takes precedence. A MOTION that prescribes only a rate leaves the initial displacement to the joint.
 fn joint_starts(model: &Model) -> (Vec<JointStart<'_>>, Vec<Diagnostic>) {
     let (mut starts, mut complaints) = (Vec::new(), Vec::new());
     for joint in model.joints.iter().filter(|joint| joint.header.active) {

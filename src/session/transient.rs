@@ -14,18 +14,18 @@ use admire_solver::motion::{Consistent, Integrator, MotionError, Settings};
 use admire_solver::system::{EquationName, State};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// MODE in functions (guide/formats.md 3.1).
+/// Values of MODE in functions (guide/formats.md 3.1).
 const MODE_KINEMATIC: i32 = 1;
 const MODE_DYNAMIC: i32 = 4;
 
-/// More steps of the integrator than this to one end are refused: they would take hours, and a step far below the last digit of time
-/// does not end at all.
+/// Largest number of integration steps to the end time at the largest step size (HMAX). More would take hours, and steps below the resolution
+/// of time would never end.
 const MOST_INNER_STEPS: f64 = 1e9;
-/// As many steps between two outputs are told of, with what makes them short.
+/// Number of steps between two outputs after which the reason for the short steps is reported.
 const MANY_STEPS: usize = 20_000;
 
 impl Session<'_> {
-    /// SIMULATE/INITIAL_CONDITIONS: assembles, and writes the step.
+    /// Executes SIMULATE/INITIAL_CONDITIONS: assembles the model and writes the step.
     pub(super) fn initial_conditions(&mut self, phases: Phases, place: Place<'_>) -> Flow {
         if let Some(flow) = self.refuse_motion(place) {
             return flow;
@@ -47,7 +47,7 @@ impl Session<'_> {
         }
     }
 
-    /// What acts in motion and is not solved.
+    /// Refuses a simulation if elements that act in motion are not solved.
     pub(super) fn refuse_motion(&mut self, place: Place<'_>) -> Option<Flow> {
         let missing = self
             .model()
@@ -67,7 +67,7 @@ impl Session<'_> {
         Some(self.refused(refusal, Some(place)))
     }
 
-    /// SIMULATE/KINEMATIC, DYNAMIC, TRANSIENT.
+    /// Executes SIMULATE/KINEMATIC, DYNAMIC and TRANSIENT.
     pub(super) fn motion(
         &mut self,
         times: OutputTimes,
@@ -89,7 +89,7 @@ impl Session<'_> {
         };
         let Compiled { system, state, .. } = self.model().compiled().value;
         let undetermined = motion::check_determined(system, state);
-        // States have rates of their own: they are integrated even where the parts cannot move by themselves.
+        // Dynamic states have rates of their own and are integrated even if the parts have no degrees of freedom.
         let fixed = undetermined.is_ok() && state.states.is_empty();
         let kind = match (asked, undetermined) {
             (RequestedAnalysis::Kinematic, Err(error)) => {
@@ -102,7 +102,7 @@ impl Session<'_> {
             (_, _) => StepKind::Dynamic,
         };
         if kind == StepKind::Kinematic {
-            // The start is one of its steps, unless it was just written.
+            // The start is one of the steps, unless it was just written.
             if self.model().outputs.begins_with(times.start, kind) {
                 self.write_step(kind)?;
             }
@@ -155,7 +155,7 @@ impl Session<'_> {
         }
     }
 
-    /// Positions at the output times. `None` after a failure; else whether a sensor halts the run.
+    /// Computes the positions at the output times. Returns `None` after a failure, otherwise whether a sensor halts the run.
     fn kinematic_steps(
         &mut self,
         mut times: OutputTimes,
@@ -223,7 +223,7 @@ impl Session<'_> {
             let sensed = watch.fire(state, event);
             let due = !event || motion::has_arrived(state.time, time, largest);
             if !due {
-                // What is left of the interval to the output follows the event.
+                // The rest of the interval to the output follows the event.
                 k -= 1;
             }
             if due || sensed.prints {
@@ -259,7 +259,7 @@ impl Session<'_> {
         ended
     }
 
-    /// Motion to the output times.
+    /// Integrates the motion to the output times. Returns `None` after a failure, otherwise whether a sensor halts the run.
     fn dynamic_steps(
         &mut self,
         mut times: OutputTimes,
@@ -331,7 +331,7 @@ impl Session<'_> {
             integrator.set_sensors(&last.sensors);
             let due = !event || motion::has_arrived(last.time, time, longest);
             if !due {
-                // What is left of the interval to the output follows the event.
+                // The rest of the interval to the output follows the event.
                 k -= 1;
             }
             if due || sensed.prints {
@@ -380,7 +380,7 @@ impl Session<'_> {
         ended
     }
 
-    /// Says what the sensors found; what one asks for follows.
+    /// Reports the sensors that fired and carries out their actions.
     fn follow(
         &mut self,
         sensed: &Sensed,
@@ -405,7 +405,7 @@ impl Session<'_> {
         Ok(After::On)
     }
 
-    /// The time and the equations that are deactivated, if they were not told before.
+    /// Returns the time and the deactivated equations, if they have not been reported before.
     fn new_redundant(&mut self, redundant: &[EquationName]) -> Option<(f64, Vec<String>)> {
         let loaded = self.model();
         let time = loaded.time();
@@ -421,7 +421,7 @@ impl Session<'_> {
         }
     }
 
-    /// Says what the steps follow where many of them lead to no output.
+    /// Reports the reason for short steps, if many of them have led to no output.
     fn tell_slow(&mut self, integrator: &Integrator<'_>, since: f64) {
         let (step, why) = (integrator.step(), integrator.governed_by());
         self.messages.say(&format!(
@@ -443,7 +443,7 @@ impl Session<'_> {
     }
 }
 
-/// Steps on to a time, or to the event of a sensor before it: true. `done` looks at every step.
+/// Integrates to a time, or to an earlier sensor event; returns true for an event. `done` is called after every step.
 fn reach(
     integrator: &mut Integrator<'_>,
     watch: &mut SensorWatch<'_>,
@@ -460,16 +460,16 @@ fn reach(
     Ok(false)
 }
 
-/// What follows the sensors.
+/// Continuation after the sensors.
 enum After {
     On,
-    /// By a sensor; whether it halts the run.
+    /// A sensor ended the simulation; true if it halts the run.
     Ended(bool),
     Failed,
 }
 
 impl After {
-    /// Whether a sensor halts the run; `None` where none ended the simulation.
+    /// Returns whether a sensor halts the run; `None` if no sensor ended the simulation.
     fn halted(self) -> Option<bool> {
         match self {
             Self::Ended(halts) => Some(halts),

@@ -1,4 +1,4 @@
-//! A run that reads its dataset from memory and keeps columns of its results there: what thousands of variants need.
+//! A run with its dataset and selected result columns in memory, for thousands of variants.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -14,37 +14,36 @@ use super::ending::Ending;
 use super::files::folder_of;
 use super::run_state::Session;
 
-/// What a run in memory begins with.
+/// Input of a run in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialInput<'t> {
-    /// Takes the place of every dataset that the commands name. Files it names are looked up from the folder of its name.
+    /// Dataset that replaces every dataset named by the commands. Files it names are looked up in the folder of its name.
     pub deck: &'t Source,
     /// The command file.
     pub commands: &'t Source,
-    /// The columns that are kept, by their ids in the catalogue of the run.
+    /// Ids of the result columns to keep, in the catalogue of the run.
     pub columns: &'t [usize],
-    /// What may be left out of the model.
+    /// Statements that may be left out of the model.
     pub ignored: &'t [Ignore],
 }
 
-/// What came of a run in memory.
+/// Output of a run in memory.
 #[derive(Clone, Debug)]
 pub struct InMemoryRun {
-    /// How it ended.
+    /// How the run ended.
     pub ending: Ending,
-    /// All columns the run has; `None` if no simulation began.
+    /// All result columns of the run; `None` if no simulation started.
     pub catalogue: Option<Catalogue>,
-    /// Time and the values of the kept columns of every step, without that of the dataset itself (`input`). A column that the run does
-    /// not have is NaN.
+    /// Time and kept values of every step, without the step `input` of the dataset itself. A column that the run does not have is NaN.
     pub steps: Vec<(f64, Vec<f64>)>,
-    /// The modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
+    /// Modes of the last LINEAR/EIGENSOL, one of each pair, in the order of `.modes.json`.
     pub modes: Vec<Mode>,
-    /// The first error.
+    /// Message of the first error.
     pub error: Option<String>,
 }
 
 impl InMemoryRun {
-    /// Runs the commands. Nothing is written: SAVE keeps its state for RELOAD of the same run.
+    /// Runs the commands. No file is written: SAVE keeps its state for RELOAD in the same run.
     pub fn run(input: TrialInput<'_>) -> Self {
         let folder = Path::new(input.commands.name())
             .parent()

@@ -1,26 +1,26 @@
-//! SENSORs during a motion: the time at which they fire is found.
+//! SENSORs during a motion: location of the time at which they fire.
 
 use super::sensing::Sensed;
 use admire_solver::model::{Model, SensorCompare};
 use admire_solver::motion::{Consistent, Integrator, MotionError, Watched};
 use admire_solver::system::{Parameters, Scratch, State, System};
 
-/// The sensors of a model and which of them are active.
+/// The sensors of a model, and which of them are active.
 pub(super) struct SensorWatch<'a> {
     model: &'a Model,
     system: &'a System,
     parameters: &'a Parameters,
     scratch: Scratch,
-    /// Function less VALUE where was looked last.
+    /// Function minus VALUE of each sensor at the last evaluated state.
     seen: Vec<f64>,
-    /// The side from which each comes to its value.
+    /// Direction in which each sensor may reach its value: 1 rising, -1 falling, 0 not at all.
     armed: Vec<f64>,
-    /// Sensors that have fired and are still beyond.
+    /// Sensors that have fired and are still beyond their value.
     active: Vec<bool>,
-    /// One that ends the simulation was at its value when it began: it ends after the first step.
+    /// True if a sensor that ends the simulation fired at its start. The simulation then ends after the first step.
     due: bool,
-    /// Brings states within a step onto their constraints where accelerations or forces of constraints are watched, which the polynomial
-    /// of a step does not have as exactly as its end; and how far apart functions are looked at for that.
+    /// Projection of states within a step onto their constraints, with the time difference for second derivatives. It is needed if sensors
+    /// read accelerations or constraint forces, for which the dense output is less accurate than the end of a step.
     reconciling: Option<(Consistent, f64)>,
 }
 
@@ -39,7 +39,7 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// The same where a motion begins, after [`Watch::fire_at_start`].
+    /// Sets the active sensors at the start of a motion, after [`SensorWatch::fire_at_start`].
     pub(crate) fn go_on_from(&mut self, state: &State) {
         if !self.is_idle() {
             self.active = {
@@ -50,14 +50,14 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// Sensors that end a simulation, among those that are active: they are not any longer. True if there are any.
+    /// Deactivates the active sensors that end a simulation. Returns true if there were any.
     fn take_stops(&mut self) -> bool {
         let sensors = self.model.sensors.iter().zip(&mut self.active);
         let stops = sensors.filter(|(sensor, active)| sensor.stops && **active);
         stops.map(|(_, active)| *active = false).count() > 0
     }
 
-    /// Which sensors are at their value or beyond.
+    /// Returns which sensors are at or beyond their value.
     fn firing(&self, values: &[f64]) -> Vec<bool> {
         let sensors = self.model.sensors.iter().zip(values);
         sensors
@@ -65,7 +65,7 @@ impl<'a> SensorWatch<'a> {
             .collect()
     }
 
-    /// States within a step are to be brought onto their constraints before they are looked at, if what is watched asks for it.
+    /// Enables the projection of states within a step, if an active sensor requires it.
     pub(crate) fn reconcile(&mut self, step: f64) {
         let sensors = self.model.sensors.iter().enumerate();
         let mut active = sensors.filter(|(_, sensor)| sensor.header.active);
@@ -74,12 +74,12 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// True if there is nothing to watch.
+    /// Returns true if no sensor is active in the model.
     pub(crate) fn is_idle(&self) -> bool {
         self.model.sensors.iter().all(|s| !s.header.active)
     }
 
-    /// Function less VALUE of every sensor; what is off or has no value is NaN.
+    /// Returns function minus VALUE of every sensor; NaN if it is switched off or has no value.
     fn values(&mut self, state: &State) -> Vec<f64> {
         let mut all = vec![f64::NAN; self.model.sensors.len()];
         let (system, parameters) = (self.system, self.parameters);
@@ -111,10 +111,10 @@ impl<'a> SensorWatch<'a> {
         all
     }
 
-    /// Looks at the step that was just done. If a sensor fires inside of it, the integrator is brought to that time: true.
+    /// Examines the last step. If a sensor fires within it, the integrator is brought to that time and the result is true.
     ///
     /// # Errors
-    /// [`MotionError`] where the shorter step is not found.
+    /// [`MotionError`] when the shortened step fails.
     pub(crate) fn look(&mut self, integrator: &mut Integrator<'_>) -> Result<bool, MotionError> {
         if self.is_idle() {
             return Ok(false);
@@ -133,7 +133,7 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// On which side of its value each sensor may fire from here on: 1 where it rises to it, -1 where it falls, 0 where it cannot.
+    /// Sets the direction in which each sensor may fire: 1 rising, -1 falling, 0 not at all.
     fn arm(&mut self) {
         for (k, sensor) in self.model.sensors.iter().enumerate() {
             let here = self.seen[k];
@@ -148,8 +148,8 @@ impl<'a> SensorWatch<'a> {
         }
     }
 
-    /// What the sensors ask for at a state: those that became active fire. If it stands where a passage was found, the nearest to its value
-    /// does in any case.
+    /// Fires the sensors that have become active at a state and returns their actions. At a located event the sensor nearest to its value
+    /// fires in any case.
     pub(crate) fn fire(&mut self, state: &mut State, passage: bool) -> Sensed {
         if self.is_idle() {
             return Sensed::default();
@@ -167,8 +167,8 @@ impl<'a> SensorWatch<'a> {
         self.act(state, &values, firing)
     }
 
-    /// What the sensors ask for that are at their value before a motion has begun. Those that end it wait for its first step, as real
-    /// ADAMS has them.
+    /// Fires the sensors at their value before a motion starts and returns their actions. Sensors that end the motion wait for its first step,
+    /// as in real ADAMS.
     pub(crate) fn fire_at_start(&mut self, state: &mut State) -> Sensed {
         let values = self.values(state);
         let mut firing = self.firing(&values);
@@ -178,7 +178,7 @@ impl<'a> SensorWatch<'a> {
         self.act(state, &values, firing)
     }
 
-    /// Lets those fire that were not active.
+    /// Fires the sensors that were not active before.
     fn act(&mut self, state: &mut State, values: &[f64], firing: Vec<bool>) -> Sensed {
         let mut sensed = Sensed::default();
         for (k, sensor) in self.model.sensors.iter().enumerate() {
@@ -209,12 +209,12 @@ impl Watched for SensorWatch<'_> {
         let beyond = self.seen.iter().zip(&self.armed).map(|(value, side)| {
             match value * side {
                 _ if *side == 0.0 => f64::NEG_INFINITY,
-                // A sensor fires at its very value.
+                // A sensor fires exactly at its value.
                 0.0 => f64::MIN_POSITIVE,
                 beyond => beyond,
             }
         });
-        // What has no value is no number, which the maximum leaves out.
+        // Values that are NaN are ignored by the maximum.
         beyond.fold(f64::NEG_INFINITY, f64::max)
     }
 

@@ -1,22 +1,23 @@
-//! The rules Windows has for file names: how a name is spelled there and elsewhere, and which names are no files.
+//! Windows' rules for file names: their form there and elsewhere, and names that are no files.
 //!
-//! Text only, so that they are the same on every system; see "Naming Files, Paths, and Namespaces" of the Windows documentation.
+//! The functions work on text only, so they give the same results on every system. See "Naming Files, Paths, and Namespaces" in the Windows
+//! documentation.
 
-/// A name as Windows has it: no quotes around it, `\` between folders, no dots and blanks at the end of a folder or file.
+/// Returns a name in Windows' form: without quotes, with `\` between folders, without trailing dots and blanks of folders and files.
 pub(super) fn of_windows(written: &str) -> String {
     undotted(&unquoted(written).replace('/', r"\"))
 }
 
-/// A name as Unix has it: no quotes around it, `/` between folders, no drive letter. A share (`\\server\share`) stays a path that is
-/// not here.
+/// Returns a name in Unix form: without quotes, with `/` between folders, without a drive letter. A share (`\\server\share`) stays a path that
+/// does not exist locally.
 pub(super) fn of_unix(written: &str) -> String {
     let slashed = unquoted(written).replace('\\', "/");
     without_drive(slashed.strip_prefix("//?/").unwrap_or(&slashed)).to_string()
 }
 
-/// The name without the dots and blanks that Windows drops at the end of each of its parts.
+/// Returns the name without the trailing dots and blanks that Windows drops from each component.
 pub(super) fn undotted(name: &str) -> String {
-    // `\\?\` says that the rest is meant as it stands.
+    // After `\\?\` Windows takes the rest literally.
     if name.starts_with(r"\\?\") {
         return name.to_string();
     }
@@ -33,11 +34,11 @@ pub(super) fn undotted(name: &str) -> String {
         .collect()
 }
 
-/// Fails for names that Windows takes for something else than a file of that name: devices (`NUL`, `AUX.adm`), and what is written
-/// behind a colon. Elsewhere every name is one.
+/// Checks that Windows treats a name as a file of that name, and not as a device (`NUL`, `AUX.adm`) or a part after a colon. On other systems
+/// every name is valid.
 ///
 /// # Errors
-/// Why it names no file.
+/// The reason why it names no file.
 pub fn check_name(name: &str) -> Result<(), String> {
     match no_file(name) {
         Some(why) if cfg!(windows) => Err(why),
@@ -45,7 +46,7 @@ pub fn check_name(name: &str) -> Result<(), String> {
     }
 }
 
-/// Why Windows has no file of this name.
+/// Returns the reason why Windows has no file of this name.
 fn no_file(name: &str) -> Option<String> {
     let slashed = unquoted(name).replace('\\', "/");
     if slashed.starts_with("//./") {
@@ -66,7 +67,7 @@ fn no_file(name: &str) -> Option<String> {
     None
 }
 
-/// `CON`, `COM1` and so on; a superscript digit counts as a digit.
+/// Returns true for `CON`, `COM1` and so on; a superscript digit counts as a digit.
 fn is_device(base: &str) -> bool {
     let upper = base.to_uppercase();
     if ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"].contains(&upper.as_str()) {
@@ -81,7 +82,7 @@ fn is_device(base: &str) -> bool {
     port("COM").or_else(|| port("LPT")) == Some(true)
 }
 
-/// Without blanks, quotes and zero bytes.
+/// Removes surrounding blanks and quotes, and zero bytes.
 fn unquoted(written: &str) -> String {
     written
         .trim()
@@ -124,7 +125,7 @@ mod tests {
                 "//server/share/model",
             ),
             (r"\\?\C:\runs\model", r"\\?\C:\runs\model", "/runs/model"),
-            // Dots and blanks at the end do not count on Windows; elsewhere they are part of the name.
+            // Trailing dots and blanks are ignored on Windows; elsewhere they are part of the name.
             (r"runs. \model..", r"runs\model", "runs. /model.."),
             (r"\\?\C:\model.", r"\\?\C:\model.", "/model."),
             ("", "", ""),

@@ -1,7 +1,6 @@
-//! Bad data, found before any fit and named: units, swapped, missing, collinear and inconsistent marks, copied cases.
+//! Checks for bad data that run before any fit: wrong units; swapped, missing, collinear and inconsistent marks; copied cases.
 //!
-//! What can safely be worked around is, with a warning. Outliers and drifts that a rigid part cannot show are not looked for
-//! here: that is diagnosis.
+//! A fault that can be worked around safely is corrected with a warning. Outliers and drifts that keep a part rigid are left to the diagnosis.
 
 use super::measurement::{Grouped, Measurement};
 use super::orientation::{
@@ -14,8 +13,8 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{Model, PartKind};
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 
-/// Length units people mix up: name of the wrong unit and how many deck units are in one of it, for decks in millimetres; for
-/// other decks only the factor is named.
+/// Common mistakes of the length unit: the factor from the wrong unit to the deck's unit, and the name of the wrong unit. The names assume a
+/// deck in millimetres.
 const FACTORS: &[(f64, &str)] = &[
     (1000.0, "metres"),
     (10.0, "centimetres"),
@@ -25,18 +24,18 @@ const FACTORS: &[(f64, &str)] = &[
     (0.1, "tenths of the deck's unit"),
 ];
 
-/// Readings in a wrong unit put a part at least so many times as far from its place in the deck.
+/// Factor by which a part must come closer to its place in the deck before a wrong unit is assumed.
 const NEARER: f64 = 3.0;
 
-/// A mark layout this narrow still gives a pose, but a poor one.
+/// Width of a mark layout, as a fraction of its length, below which the pose is poorly determined.
 const POOR_SPREAD: f64 = 0.05;
 
-/// Below this probability marks are said not to fit a rigid body.
+/// Probability of the chi-square test below which marks do not fit a rigid body.
 const INCONSISTENT: f64 = 1e-6;
 
 impl Measurement {
-    /// Resolves a study's files against its model and runs the checks of `check`: what can safely be worked around
-    /// is, with a warning; errors mean that no fit should be trusted.
+    /// Resolves a study's files against its model and runs the checks of `check`. Faults that can be worked around safely are corrected with a
+    /// warning. After an error no fit should be trusted.
     pub fn resolve(study: &Study, model: &Model) -> Checked<Self> {
         let mut out = Vec::new();
         let mut value = resolve::measurement(study, model, &mut out);
@@ -48,7 +47,7 @@ impl Measurement {
     }
 }
 
-/// Runs every check and mends what can safely be mended.
+/// Runs every check and corrects what can be corrected safely.
 pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mut Vec<Diagnostic>) {
     if let Some(marks) = &study.marks {
         units(to, marks, model, out);
@@ -72,7 +71,7 @@ pub(super) fn check(to: &mut Measurement, study: &Study, model: &Model, out: &mu
     }
 }
 
-/// The factor of a known unit mistake near `scale`, if the scale is not one.
+/// Returns the known unit mistake whose factor is close to 1 / `scale`, with its name.
 fn unit_factor(scale: f64) -> Option<(f64, &'static str)> {
     FACTORS
         .iter()
@@ -80,7 +79,7 @@ fn unit_factor(scale: f64) -> Option<(f64, &'static str)> {
         .find(|(factor, _)| libm::log(scale * factor).abs() < 0.1)
 }
 
-/// The median of ratios of measured to on-part distances between marks of one part in one case.
+/// Returns the median ratio of measured to on-part distances between the marks of one part in one case.
 fn scale(on_part: &[Vec3], measured: &[Vec3]) -> Option<f64> {
     let mut ratios = Vec::new();
     for a in 0..on_part.len() {
@@ -101,7 +100,7 @@ fn median(values: &mut [f64]) -> Option<f64> {
 
 fn units(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Diagnostic>) {
     on_part_units(to, marks, model, out);
-    // What remains is in the measured file: everywhere, in whole cases, or for single parts of a case.
+    // A remaining mistake is in the measured file: in all of it, in whole cases, or in single parts of a case.
     let mut wrong: Vec<(usize, usize, f64, &'static str)> = Vec::new();
     let mut looked_at = 0;
     for case in 0..to.cases.len() {
@@ -148,8 +147,8 @@ fn units(to: &mut Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<D
     grouped.finish(out);
 }
 
-/// Compares the marks listed on a part with the size of that part in the deck and, where both sessions are in the same wrong
-/// unit, with where the part is in the deck.
+/// Corrects the unit of marks listed on a part. The size of the part in the deck reveals a wrong unit; if both sessions use the same wrong
+/// unit, the place of the part in the deck reveals it.
 fn on_part_units(
     to: &mut Measurement,
     marks: &MarkFiles,
@@ -171,8 +170,8 @@ fn on_part_units(
         if size <= 0.0 || deck_size <= 0.0 {
             continue;
         }
-        // Marks may sit closer together than the markers of the part, so only a gross mismatch counts, and the readings must
-        // agree with it: either they contradict the listed marks by the same factor, or both put the part elsewhere than the deck.
+        // Marks may lie closer together than the markers of the part, so only a gross mismatch counts. The readings must confirm it: they
+        // contradict the listed marks by the same factor, or both files place the part far from its position in the deck.
         let ratio = size / deck_size;
         let mut scales: Vec<f64> = (0..to.cases.len())
             .filter_map(|case| {
@@ -218,8 +217,8 @@ fn on_part_units(
     grouped.finish(out);
 }
 
-/// How far a part's marks lie from where the deck has the part, by the median over the cases, if all coordinates are to be multiplied
-/// by `factor`.
+/// Returns the median distance over the cases between a part's measured marks and its position in the deck, with all coordinates multiplied by
+/// `factor`.
 fn distance(to: &Measurement, part: usize, pose: &Pose, factor: f64) -> f64 {
     let mean = |points: &[Vec3]| points.iter().sum::<Vec3>() * factor / points.len() as f64;
     let of_case = |case: usize| {
@@ -264,7 +263,7 @@ fn layouts(to: &Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Takes the noise from the marks themselves where the study does not give it. Fits that stand out are left out of the estimate.
+/// Estimates the noise from the marks if the study does not state it. Fits with unusually large residuals are excluded from the estimate.
 fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     if !to.sigma_estimated {
         return;
@@ -292,7 +291,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     } else {
         to.sigma = 0.05;
         if marks.measured.rows().is_empty() {
-            // Nothing is measured yet, which is said elsewhere.
+            // The lack of readings is reported elsewhere.
             return;
         }
         out.push(
@@ -310,7 +309,7 @@ fn noise(to: &mut Measurement, marks: &MarkFiles, out: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Sd of a coordinate of one fit against both sessions' noise, and whether it is past belief.
+/// Returns true if the residuals of a fit are too large for this variance of a coordinate.
 fn inconsistent(fit: &Orientation, variance: f64) -> bool {
     let squares: f64 = fit.residuals.iter().map(Vec3::norm_squared).sum();
     fit.dof > 0 && chi_square_p_value(squares / variance, fit.dof) < INCONSISTENT
@@ -403,7 +402,7 @@ fn rms(residuals: &[Vec3]) -> f64 {
     (squares / (3 * residuals.len().max(1)) as f64).sqrt()
 }
 
-/// The order of the readings that makes the marks fit a rigid part, if there is one.
+/// Returns the order of the readings in which the marks fit a rigid part, if there is one.
 fn permutation(
     on_part: &[Vec3],
     measured: &[Vec3],
@@ -508,7 +507,7 @@ fn missing(to: &Measurement, marks: &MarkFiles, model: &Model, out: &mut Vec<Dia
     }
 }
 
-/// `case 7`, `cases 7, 8, 9`, `13 cases`.
+/// Formats labels as `case 7`, `cases 7, 8, 9` or `13 cases`.
 fn listed(labels: &[&str]) -> String {
     match labels.len() {
         1 => format!("case {}", labels[0]),
@@ -517,7 +516,7 @@ fn listed(labels: &[&str]) -> String {
     }
 }
 
-/// Readings of two cases that agree to the last digit are copies: noise never repeats itself.
+/// Drops copied cases: noise never repeats, so readings of two cases that agree to the last digit are copies.
 fn copied(to: &mut Measurement, study: &Study, out: &mut Vec<Diagnostic>) {
     let Some(marks) = &study.marks else { return };
     for second in 1..to.cases.len() {

@@ -2,22 +2,22 @@
 
 use admire_solver::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
 
-/// How equations 5 and 6 are read.
+/// Reading of equations 5 and 6.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum DeflectionForm {
-    /// As printed: the last row of 5 shows a13 where a31 stands, so that 6 takes a13 from there; one-quadrant arctangents. The y
-    /// rotation comes out with the wrong sign. Only to show what the misprint does.
+    /// As printed. The last row of equation 5 has a13 in the place of a31, so equation 6 takes a13 from there and the y rotation has the wrong
+    /// sign. The arctangents cover only -pi/2 to pi/2. This form only demonstrates the misprint.
     Printed,
-    /// The last row of 5 is a31 a32 a33 and arctangents know their quadrant: exactly ADAMS' AX, AY, AZ, the angles of the BUSHING
-    /// law.
+    /// Corrected. The last row of equation 5 is a31 a32 a33 and the arctangents cover all four quadrants. The angles are exactly ADAMS' AX,
+    /// AY, AZ, the angles of the BUSHING law.
     #[default]
     Corrected,
 }
 
-/// `[delta_Tx, delta_Ty, delta_Tz, delta_Rx, delta_Ry, delta_Rz]`: I marker from J marker in J axes, rotations in radians.
+/// Returns `[delta_Tx, delta_Ty, delta_Tz, delta_Rx, delta_Ry, delta_Rz]`: the displacement of I from J in J axes, rotations in radians.
 ///
-/// Equation 4 with part 1 carrying I and part 2 carrying J: `D = B2^-1 A2^-1 A1 B1`. `part_i`, `part_j` are part frames in ground
-/// (A1, A2), `marker_i`, `marker_j` markers in their part frames (B1, B2).
+/// Equation 4 with part 1 carrying I and part 2 carrying J: `D = B2^-1 A2^-1 A1 B1`. `part_i` and `part_j` are part frames in ground (A1, A2),
+/// `marker_i` and `marker_j` markers in their part frames (B1, B2).
 pub fn deflection(
     part_i: &Pose,
     marker_i: &Pose,
@@ -34,7 +34,7 @@ pub fn deflection(
     Vec6::new(d.x, d.y, d.z, a.x, a.y, a.z)
 }
 
-/// The relative motion of a marker pair whose parts are at these poses, angles in (-pi, pi].
+/// Returns the relative motion of a marker pair whose parts are at these poses, with angles in (-pi, pi].
 pub(crate) fn relative_motion(
     part_i: &Pose,
     marker_i: &Pose,
@@ -67,7 +67,7 @@ mod tests {
         let part_i = pose([10.0, -20.0, 5.0], [0.3, 0.1, -0.4]);
         let part_j = pose([-7.0, 3.0, 30.0], [-0.2, 0.6, 0.9]);
         let marker_j = pose([40.0, 50.0, 60.0], [1.0, -0.3, 0.2]);
-        // I is placed so that it sits at a known small displacement from J.
+        // I is placed at a known small displacement from J.
         let delta = pose([0.3, -0.2, 0.1], [0.02, -0.03, 0.05]);
         let i = part_j.compose(&marker_j).compose(&delta);
         let marker_i = part_i.inverse().compose(&i);

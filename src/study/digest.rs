@@ -1,6 +1,7 @@
 use sha2::{Digest, Sha256};
 
-/// SHA-256 over the bytes of several files, each with its length before it, in hexadecimal: the same digest means the same bytes.
+/// Returns the SHA-256 of several files in hexadecimal. The length of each file precedes its bytes, so equal digests mean equal bytes in every
+/// file.
 pub fn digest<'a>(files: impl IntoIterator<Item = &'a [u8]>) -> String {
     let mut hash = Sha256::new();
     for bytes in files {

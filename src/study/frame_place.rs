@@ -1,27 +1,27 @@
-//! How marks sit from where a model has them, all alike: they are told in another frame.
+//! Offset between the frame of the measurement and the frame of a model, estimated from a common motion of all marks.
 
 use super::orientation::absolute_orientation;
 use admire_solver::mechanics::{Vec3, log};
 
-/// A frame is another one if marks are off all alike: what is left when it is moved is no more than this part of what they are off. Start
-/// values that are a hundred times off leave more.
+/// Upper limit of the ratio of mark deviations after and before the rigid motion, for a measurement in another frame. Initial stiffnesses that
+/// are wrong by a factor of 100 give a larger ratio.
 const ALIKE: f64 = 0.6;
-/// A frame may be so many metres and degrees off: tolerances take that up.
+/// Largest offset of a measuring frame that the tolerances still absorb, in metres and degrees.
 const NEAR: (f64, f64) = (0.004, 0.5);
 
-/// The motion that brings marks from where a model has them to where they were read, best in the sum of squares.
+/// The rigid motion that brings marks from their places in a model to their readings, by least squares.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FramePlace {
-    /// Of the centre of the marks, in the deck's length unit and ground axes.
+    /// Displacement of the centre of the marks, in the deck's length unit and ground axes.
     pub shift: Vec3,
-    /// The angle of the turn.
+    /// Rotation angle of the motion, in degrees.
     pub degrees: f64,
-    /// What the motion leaves, part of what they are off (rms).
+    /// Ratio of the rms deviation after the motion to that before it.
     pub left: f64,
 }
 
 impl FramePlace {
-    /// Of the same marks as a model has them and as they were read; `None` where they do not tell.
+    /// Fits the motion to the same marks as a model places them and as they were read. Returns `None` if they do not determine it.
     pub fn of(model: &[Vec3], read: &[Vec3]) -> Option<Self> {
         let found = absolute_orientation(model, read, 1.0).ok()?;
         let off = model.iter().zip(read).map(|(a, b)| (a - b).norm_squared());
@@ -35,12 +35,12 @@ impl FramePlace {
         })
     }
 
-    /// True if it goes further than so many metres or degrees; `length` is the deck's unit in metres.
+    /// Returns true if the motion exceeds this distance in metres or this angle in degrees; `length` is the deck's length unit in metres.
     pub fn is_beyond(&self, (metres, degrees): (f64, f64), length: f64) -> bool {
         self.shift.norm() * length > metres || self.degrees > degrees
     }
 
-    /// True if the frame is another one than the deck's; `length` is the deck's unit in metres.
+    /// Returns true if the readings are in another frame than the deck's; `length` is the deck's length unit in metres.
     pub fn is_another(&self, length: f64) -> bool {
         self.left <= ALIKE && self.is_beyond(NEAR, length)
     }

@@ -1,10 +1,9 @@
 //! Curves of a kinematics and compliance rig as readings: toe, camber, steer, caster, travel, base and track of a wheel.
 //!
-//! Each is a function of markers that are put on the wheel carrier: one in the wheel centre, one a unit along the spin axis `o`
-//! (outboard) and one a unit rearward at the design position. With `f` forward, `r` to the right and z up:
-//! toe `atan(o.f / |o.r|)`, camber `-asin(o.z)`, steer `-atan(o.f / o.r)`, caster `-atan(e.z / -e.f)` of the rearward marker; travel,
-//! base and track are displacements of the centre since design, upward, rearward and to the right. Source: guide page `kc`,
-//! section "Geometry".
+//! Each curve is a function of three auxiliary markers on the wheel carrier: at the wheel centre, one unit from it along the spin axis `o`
+//! (outboard), and one unit rearward at the design position (`e`). With `f` forward, `r` to the right and z up: toe `atan(o.f / |o.r|)`,
+//! camber `-asin(o.z)`, steer `-atan(o.f / o.r)`, caster `-atan(e.z / -e.f)`. Travel, base and track are displacements of the wheel centre
+//! from design, upward, rearward and to the right. Source: guide page `kc`, section "Geometry".
 
 use super::section::{Section, SpannedText};
 use super::settings::SpinAxis;
@@ -14,22 +13,22 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Header, Marker, MarkerIx, Model, Orientation};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// A curve.
+/// Quantity of a kinematics and compliance curve.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Curve {
-    /// Positive for toe-in.
+    /// Toe angle, positive for toe-in.
     Toe,
-    /// Positive with the top outboard.
+    /// Camber angle, positive with the top of the wheel outboard.
     Camber,
-    /// Positive to the right.
+    /// Steer angle, positive to the right.
     Steer,
     /// Change of caster since design: pitch of the carrier, positive with the top rearward.
     Caster,
-    /// Upward.
+    /// Displacement of the wheel centre, positive upward.
     Travel,
-    /// Rearward.
+    /// Displacement of the wheel centre, positive rearward.
     Base,
-    /// To the right.
+    /// Displacement of the wheel centre, positive to the right.
     Track,
 }
 
@@ -44,7 +43,7 @@ impl Curve {
         ("track", Self::Track),
     ];
 
-    /// Words by which laboratories call its column: English, German, French.
+    /// Returns the usual column names of the curve in English, German and French.
     const fn called(self) -> &'static [&'static str] {
         match self {
             Self::Toe => &["toe", "spur", "vorspur", "spurwinkel", "pincement"],
@@ -79,18 +78,18 @@ impl Curve {
         }
     }
 
-    /// The curve of this word.
+    /// Returns the curve with this keyword of `study.toml`.
     pub(super) fn named(word: &str) -> Option<Self> {
         let own = Self::ALL.iter().find(|(own, _)| *own == word);
         own.map(|(_, curve)| *curve)
     }
 
-    /// The words of all curves.
+    /// Returns the keywords of all curves.
     pub(super) fn words() -> Vec<&'static str> {
         Self::ALL.iter().map(|(word, _)| *word).collect()
     }
 
-    /// What its sign says.
+    /// Returns a description of the curve's sign convention.
     pub(crate) const fn told(self) -> &'static str {
         match self {
             Self::Toe => "positive for toe-in",
@@ -103,16 +102,16 @@ impl Curve {
         }
     }
 
-    /// True for an angle, false for a displacement.
+    /// Returns true for an angle, false for a displacement.
     pub(crate) const fn is_angle(self) -> bool {
         matches!(self, Self::Toe | Self::Camber | Self::Steer | Self::Caster)
     }
 }
 
-/// The way the vehicle drives, along an axis of ground.
+/// Driving direction of the vehicle, along an axis of ground.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Forward {
-    /// 0 or 1: x or y of ground.
+    /// Axis of ground: 0 for x, 1 for y.
     axis: usize,
     positive: bool,
 }
@@ -122,45 +121,45 @@ impl Forward {
         Vec3::ith(self.axis, if self.positive { 1.0 } else { -1.0 })
     }
 
-    /// To the right of one who sits facing forward.
+    /// Returns the unit vector to the right, as seen facing forward.
     fn right(self) -> Vec3 {
         self.vector().cross(&Vec3::z())
     }
 }
 
-/// One curve of `[kc.curves]`.
+/// Settings of one curve in `[kc.curves]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct CurveSettings {
-    /// Its name among the readings.
+    /// Name of the curve among the readings.
     pub name: SpannedText,
-    /// What it shows.
+    /// Quantity of the curve.
     pub curve: Curve,
-    /// Its column if it is not named like the curve.
+    /// Column in the file, if its name differs from the curve's.
     pub column: Option<SpannedText>,
-    /// Its unit if the header does not say it.
+    /// Unit, if the header does not state it.
     pub unit: Option<SpannedText>,
-    /// The rig counts the other way round.
+    /// True if the rig uses the opposite sign.
     pub reversed: bool,
-    /// Sd of one reading in this unit; from repeats or the fit if it is not given.
+    /// Standard deviation of one reading in this unit. If it is not given, it is estimated from repeats or from the fit.
     pub sigma: Option<f64>,
-    /// The wheel if it is another than that of `[kc]`.
+    /// Marker of the wheel, if it differs from the one of `[kc]`.
     pub marker: Option<SpannedText>,
-    /// The case whose value is subtracted, if it is another than that of `[kc]`.
+    /// Case whose value is subtracted, if it differs from the one of `[kc]`.
     pub relative_to: Option<SpannedText>,
 }
 
-/// `[kc]` without its table.
+/// Settings of `[kc]` without the readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct KcSettings {
-    /// The marker in the wheel centre, on the carrier.
+    /// Marker at the wheel centre, on the carrier.
     pub marker: SpannedText,
-    /// Its spin axis.
+    /// Spin axis of this marker.
     pub axis: SpinAxis,
-    /// The way the vehicle drives.
+    /// Driving direction of the vehicle.
     pub forward: Forward,
-    /// The case at which the rig's displays stand at zero.
+    /// Case at which the rig's displays read zero.
     pub relative_to: Option<SpannedText>,
-    /// Curves.
+    /// Curves of the file.
     pub curves: Vec<CurveSettings>,
 }
 
@@ -213,18 +212,18 @@ impl KcSettings {
     }
 }
 
-/// A marker that a function needs and the deck has not.
+/// An auxiliary marker that a function needs and the deck does not contain.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Helper {
-    /// Its id, which is none of the deck's.
+    /// Id of the marker, not used in the deck.
     pub id: u32,
-    /// The marker on whose part it sits.
+    /// Id of a marker on the same part, which gives the part and the orientation.
     pub beside: u32,
-    /// Its place in the frame of the part.
+    /// Position in the frame of the part.
     pub place: Vec3,
 }
 
-/// Adds markers to a model.
+/// Adds auxiliary markers to a model.
 pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Item = &'a Helper>) {
     for helper in helpers {
         let (None, Some(beside)) = (model.marker(helper.id), model.marker(helper.beside)) else {
@@ -248,19 +247,19 @@ pub(crate) fn with_helpers<'a>(model: &mut Model, helpers: impl IntoIterator<Ite
     }
 }
 
-/// The markers of a wheel: centre, spin axis, rearward.
+/// Auxiliary markers of a wheel: at the centre, along the spin axis, rearward.
 #[derive(Clone, Debug)]
 pub(super) struct Gauge {
     helpers: [Helper; 3],
     /// Wheel centre at design, in ground.
     centre: Vec3,
     forward: Forward,
-    /// +1 if the spin axis points to the right.
+    /// +1 if the spin axis points to the right, -1 otherwise.
     side: f64,
 }
 
 impl Gauge {
-    /// At a wheel marker; `None` where the deck does not place it.
+    /// Places the auxiliary markers at a wheel marker, or returns `None` if the deck does not determine its position.
     pub(crate) fn new(
         model: &Model,
         marker: MarkerIx,
@@ -272,7 +271,7 @@ impl Gauge {
         let part = &model.parts[wheel.part.0];
         let spin = SpinDirection::at_design(&pose, axis);
         let most = model.markers.iter().map(|m| m.header.id).max().unwrap_or(0);
-        // The markers of a wheel have ids of their own, whatever a fit adds to the deck.
+        // Ids derived from the wheel marker's id do not depend on what a fit adds to the deck.
         let first = most.max(1_000_000).saturating_add(10 * wheel.header.id);
         let to_part = |direction: Vec3| wheel.qp + part.pose.R.transpose() * direction;
         let helper = |k: u32, place: Vec3| Helper {
@@ -296,7 +295,7 @@ impl Gauge {
         &self.helpers
     }
 
-    /// The curve as a function: degrees, or the deck's length unit.
+    /// Returns the ADAMS function of the curve, in degrees or in the deck's length unit.
     pub(crate) fn function(&self, curve: Curve) -> String {
         let [centre, spin, rear] = self.helpers.each_ref().map(|helper| helper.id);
         let signed = |sign: f64, text: String| {
@@ -306,7 +305,7 @@ impl Gauge {
                 text
             }
         };
-        // A component of the way from the centre to a marker along an axis of ground, with a sign.
+        // Signed component along an axis of ground of the vector from the centre to a marker.
         let along = |to: u32, way: &Vec3| {
             let axis = way.iamax();
             signed(
@@ -345,7 +344,7 @@ impl Gauge {
     }
 }
 
-/// The column of a curve: as the study names it, or the one whose name, unit and spelling apart, is that of the curve.
+/// Returns the column of a curve: the one the study names, or the only column whose name matches the curve's apart from unit and spelling.
 pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
     if let Some(column) = &settings.column {
         return table.column(&column.text);
@@ -371,14 +370,14 @@ pub(super) fn column(table: &Table, settings: &CurveSettings) -> Option<usize> {
         })
 }
 
-/// True for a name with a word of its own: `Wheel travel [mm]` has `travel`.
+/// Returns true if a column name contains this word: `Wheel travel [mm]` contains `travel`.
 fn has_word(header: &str, word: &str) -> bool {
     let name = name_and_unit(header).0.to_lowercase();
     name.split(|c: char| !c.is_alphanumeric())
         .any(|own| own == word)
 }
 
-/// The unit that stands in a column's name, and the name without it: `Toe [deg]`, `Toe (min)`, `Toe / mm`, `toe_deg`.
+/// Splits a column name into the plain name and the unit: `Toe [deg]`, `Toe (min)`, `Toe / mm`, `toe_deg`.
 pub(super) fn name_and_unit(header: &str) -> (&str, Option<&str>) {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -398,7 +397,7 @@ pub(super) fn name_and_unit(header: &str) -> (&str, Option<&str>) {
     (header, None)
 }
 
-/// What a number in this unit is in degrees or in millimetres.
+/// Returns the factor from this unit to degrees or to millimetres.
 pub(super) fn factor(unit: &str, angle: bool) -> Option<f64> {
     let unit = unit.trim().to_lowercase();
     let of_angle = match unit.as_str() {

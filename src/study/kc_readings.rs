@@ -1,4 +1,4 @@
-//! The file of a kinematics and compliance rig: columns found by name and unit, rows that repeat a case, channels with their noise.
+//! Readings of a kinematics and compliance rig: columns found by name and unit, repeated rows of a case, channels with their noise.
 
 use super::kc_curves::{CurveSettings, Gauge, KcSettings, column, factor, name_and_unit};
 use super::measurement::Grouped;
@@ -11,10 +11,10 @@ use super::wheel_readings::marker_of;
 use admire_solver::model::Model;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Repeats are trusted with the noise of a channel from so many degrees of freedom on.
+/// Degrees of freedom that repeats must have before they determine the noise of a channel.
 const ENOUGH: usize = 4;
 
-/// A curve, its column, and what one unit there is in the channel's.
+/// Column of a channel in the file, with the factor from its unit to the channel's unit.
 struct Source {
     channel: usize,
     column: usize,
@@ -49,7 +49,7 @@ pub(super) fn kc_readings(
         table.only(column, out);
     }
     if to.cases.is_empty() {
-        // What is wrong with the load cases is told already.
+        // Faults of the load cases have been reported already.
         return;
     }
     if label.is_none() && table.rows().len() != to.cases.len() && !table.rows().is_empty() {
@@ -99,7 +99,7 @@ pub(super) fn kc_readings(
             continue;
         }
         if dof >= ENOUGH && squares > 0.0 {
-            // Of the mean of the repeats.
+            // Standard deviation of the mean of the repeats.
             channel.sigma = (squares / (dof * most) as f64).sqrt();
             channel.sigma_estimated = false;
         } else {
@@ -115,7 +115,7 @@ pub(super) fn kc_readings(
     grouped.finish(out);
 }
 
-/// One channel; where its column cannot be used it is one all the same, for a rig that may make it.
+/// Adds the channel of one curve. If its column is unusable, the channel is added without readings, because a virtual rig may produce them.
 fn channel(
     study: &Study,
     model: &Model,
@@ -234,7 +234,7 @@ fn channel(
     })
 }
 
-/// The case at which a curve stands at zero.
+/// Returns the case at which a curve is zero.
 fn zero(
     study: &Study,
     label: &SpannedText,

@@ -1,4 +1,4 @@
-//! The beginning of a `kc.toml`: the wheels of a deck and its own loads on them, for the K&C tests.
+//! Template of a `kc.toml`: the wheels of a deck and its own loads on them, for the K&C tests.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Function, MarkerIx, Model, PartIx, VectorForceKind};
 use admire_syntax::expression::Node;
 
-/// Words that parts and markers at a wheel carry in their names: English, German, French, Italian, Spanish.
+/// Words in names of parts and markers at a wheel: English, German, French, Italian, Spanish.
 pub(super) const WHEEL_WORDS: [&str; 22] = [
     "wheel",
     "hub",
@@ -32,10 +32,10 @@ pub(super) const WHEEL_WORDS: [&str; 22] = [
     "rueda",
 ];
 
-/// Words of a centre.
+/// Words for "centre" in names of markers.
 pub(super) const CENTRE_WORDS: [&str; 3] = ["cent", "mitte", "zentrum"];
 
-/// The value of a FUNCTION that is only a number: nothing but a load case would drive it.
+/// Returns the value of a FUNCTION that consists of a number only. Such a FUNCTION is a load that the load cases may drive.
 pub(super) fn number(function: &Function) -> Option<f64> {
     let Function::Expression(expression) = function else {
         return None;
@@ -51,18 +51,19 @@ pub(super) fn number(function: &Function) -> Option<f64> {
     }
 }
 
-/// True for a FUNCTION that is only a number.
+/// Returns true for a FUNCTION that consists of a number only.
 pub(super) fn is_number(function: &Function) -> bool {
     number(function).is_some()
 }
 
-/// Words of the left and of the right side in names: English, German, French.
+/// Words for the left and the right side in names: English, German, French.
 const SIDES: [&[&str]; 2] = [
     &["left", "links", "gauche"],
     &["right", "rechts", "droite", "droit"],
 ];
 
-/// True if the names around a wheel say that its side is another than in the axes of Adams/Car, X rearward and Y right: as in ISO 8855.
+/// Returns true if the side in the names around a wheel contradicts the axes of Adams/Car (X rearward, Y right). The axes then probably follow
+/// ISO 8855.
 pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
     let part = &model.parts[part_of(model, wheel).0];
     let names = [
@@ -82,11 +83,11 @@ pub(super) fn looks_like_iso(model: &Model, wheel: MarkerIx) -> bool {
             _ => None,
         }
     });
-    // On the left of the vehicle y is negative in the axes of Adams/Car.
+    // The left side of the vehicle has negative y in the axes of Adams/Car.
     said.is_some_and(|side| side * place(model, wheel).y > 0.0)
 }
 
-/// A marker at design, in ground axes.
+/// Returns the design position of a marker in ground axes.
 fn place(model: &Model, at: MarkerIx) -> Vec3 {
     let marker = &model.markers[at.0];
     model.parts[marker.part.0].pose.point(&marker.qp)
@@ -96,9 +97,9 @@ fn part_of(model: &Model, at: MarkerIx) -> PartIx {
     model.markers[at.0].part
 }
 
-/// The marker where the mirror image of a wheel centre in the plane y = 0 would be, on another part named like a wheel's.
+/// Returns the marker at the mirror image of a wheel centre in the plane y = 0, on another part named like a wheel's.
 fn other_wheel(model: &Model, wheel: MarkerIx) -> Option<MarkerIx> {
-    /// Of the distance from the middle of the vehicle.
+    /// Tolerance of the position, as a fraction of the distance from the middle plane of the vehicle.
     const NEAR: f64 = 0.02;
     let here = place(model, wheel);
     let image = Vec3::new(here.x, -here.y, here.z);
@@ -115,7 +116,7 @@ fn other_wheel(model: &Model, wheel: MarkerIx) -> Option<MarkerIx> {
     (apart(&nearest) < NEAR * here.y.abs()).then_some(nearest)
 }
 
-/// The axis of a marker that points most across the vehicle, y.
+/// Returns the axis of a marker that is closest to the lateral direction y.
 pub(super) fn spin_axis(model: &Model, at: MarkerIx) -> &'static str {
     let marker = &model.markers[at.0];
     let turned = model.parts[marker.part.0].pose.R * marker.R;
@@ -124,7 +125,7 @@ pub(super) fn spin_axis(model: &Model, at: MarkerIx) -> &'static str {
     ["x", "y", "z"][best.unwrap_or(1)]
 }
 
-/// Loads with a number for a function on the parts of the wheels: what the rig replaces.
+/// Returns the loads on the wheels' parts that have a number as their function. The rig replaces these loads.
 fn own_loads(model: &Model, wheels: &[MarkerIx]) -> Vec<String> {
     let on = |at: MarkerIx| {
         wheels
@@ -151,7 +152,7 @@ fn own_loads(model: &Model, wheels: &[MarkerIx]) -> Vec<String> {
     found
 }
 
-/// A commented `kc.toml`.
+/// Returns a commented `kc.toml` for this wheel and, if the deck has it, the opposite one.
 pub(super) fn kc_toml(model: &Model, wheel: MarkerIx) -> String {
     let other = other_wheel(model, wheel);
     let wheels: Vec<MarkerIx> = std::iter::once(wheel).chain(other).collect();

@@ -1,24 +1,24 @@
-//! Temporary files of runs that were killed.
+//! Temporary files left behind by killed processes.
 
 use std::path::Path;
 use std::time::Duration;
 
-/// What temporary files are called, before the id of their process.
+/// Prefix of the names of temporary files, before the process id.
 const PREFIX: &str = ".admire-";
-/// Where processes cannot be looked up, a temporary file of this age is nobody's.
+/// Age from which a temporary file counts as abandoned where processes cannot be looked up.
 const OLD: Duration = Duration::from_secs(24 * 3600);
 
-/// The beginning of the names of this process' temporary files.
+/// Returns the prefix of the names of this process' temporary files.
 pub fn prefix() -> String {
     format!("{PREFIX}{}-", std::process::id())
 }
 
-/// True for the name of a temporary file of some process of ours.
+/// Returns true for the name of a temporary file of any `admire` process.
 pub fn is_ours(name: &str) -> bool {
     name.starts_with(PREFIX)
 }
 
-/// Removes temporary files whose process is gone from a folder.
+/// Removes from a folder the temporary files of processes that have ended.
 pub fn remove(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return;
@@ -40,13 +40,13 @@ pub fn remove(folder: &Path) {
         };
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
         if gone && is_file {
-            // Whoever is quicker has removed it.
+            // Another process may have removed the file in the meantime.
             let _ = std::fs::remove_file(entry.path());
         }
     }
 }
 
-/// True where living processes are listed. A disk of Windows may have a folder of this name, too.
+/// Returns true if `/proc` lists the running processes. A Windows drive may contain a folder of this name, too.
 fn can_look_up() -> bool {
     cfg!(unix) && Path::new("/proc/self").exists()
 }

@@ -1,18 +1,18 @@
-//! Study folders: a deck, load cases and what was measured.
+//! Study folders: a deck, load cases and measurements.
 //!
-//! [`Study`] is `study.toml` with its tables, [`settings`] its sections with their defaults. A [`Measurement`] holds the readings with names
-//! resolved in the model: marks on parts, the wheel, scalar sensors, curves and numbers taken from them. [`orientation`] finds where a part is
-//! from its marks, [`deflection`](mod@deflection) the deflection of a bushing. [`solver`] makes the backend of a study, [`permission`] decides
-//! which programs it may start. Inference from the readings is the subject of `admire-identify`.
+//! [`Study`] is `study.toml` with its tables, and [`settings`] holds its sections with their defaults. A [`Measurement`] holds the readings
+//! with names resolved in the model: marks on parts, the wheel, scalar sensors, curves and numbers taken from curves. [`orientation`] computes
+//! the pose of a part from its marks, [`deflection`](mod@deflection) the deflection of a bushing. [`solver`] creates the backend of a study,
+//! and [`permission`] decides which programs it may start. Inference from the readings is in `admire-identify`.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// The documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
 mod check;
 mod constant;
 pub mod deflection;
-/// A digest of files.
+/// SHA-256 digest of files.
 pub mod digest;
 mod frame_place;
 mod kc_curves;
@@ -30,7 +30,7 @@ pub mod resolve;
 mod rigidity;
 mod rows;
 mod schema;
-/// Sections of a TOML file: keys that are asked for, and complaints about all others.
+/// Sections of a TOML file with typed queries, and diagnostics for keys that no query uses.
 pub mod section;
 mod sensors;
 /// Sections of `study.toml` with their defaults.

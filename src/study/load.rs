@@ -1,4 +1,4 @@
-//! Load cases of a study as a programme a backend can run.
+//! Load cases of a study as a load programme for a backend.
 
 use super::measurement::Measurement;
 use super::section::did_you_mean;
@@ -7,9 +7,9 @@ use admire_session::backend::{Load, LoadCase, LoadProgramme};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::{Address, Dataset};
 
-/// Resolves what each column drives, and pairs it with the cases of the measurement.
+/// Resolves the target of each load column and pairs the loads with the cases of the measurement.
 ///
-/// A column that drives nothing in the deck is an error. Columns named `_deg` are degrees; the programme is in radians.
+/// A column without a target in the deck is an error. Columns named `_deg` are in degrees; the programme is in radians.
 pub fn programme(
     study: &Study,
     dataset: &Dataset,
@@ -58,7 +58,7 @@ pub fn programme(
     }
 }
 
-/// What a load of this deck may be.
+/// Returns a hint about what a load of this deck may drive.
 fn suggestion(text: &str, dataset: &Dataset) -> String {
     let driven: Vec<String> = dataset
         .statements()

@@ -11,105 +11,106 @@ use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::text::Span;
 use admire_syntax::units::Dimension;
 
-/// A mark made on a part, as the first CMM session measured it.
+/// A mark on a part, as measured in the first CMM session.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PartMark {
-    /// Its label in both files.
+    /// Label of the mark in both files.
     pub label: String,
-    /// In the part's own frame.
+    /// Position in the part's own frame.
     pub p: Vec3,
 }
 
 /// A part that carries marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MarkedPart {
-    /// Which part.
+    /// Index of the part in the model.
     pub part: PartIx,
-    /// Its id.
+    /// Id of the part.
     pub id: u32,
-    /// Its view name.
+    /// View name of the part.
     pub name: String,
-    /// Its marks in the order of the file.
+    /// Marks in the order of the file.
     pub marks: Vec<PartMark>,
 }
 
-/// One mark read in one load case.
+/// Reading of one mark in one load case.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MarkReading {
     /// Index into [`Measurement::parts`].
     pub part: usize,
     /// Index into [`MarkedPart::marks`].
     pub mark: usize,
-    /// In ground.
+    /// Measured position in ground.
     pub x: Vec3,
-    /// The row of the file.
+    /// Row of the file.
     pub place: Span,
 }
 
-/// One load case and what was read in it.
+/// One load case and its readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Case {
-    /// Its label.
+    /// Label of the case.
     pub label: String,
-    /// The loads, in the order of the study's columns.
+    /// Loads in the order of the study's columns.
     pub loads: Vec<f64>,
-    /// Marks, sorted by part and mark.
+    /// Readings of marks, sorted by part and mark.
     pub marks: Vec<MarkReading>,
-    /// The wheel.
+    /// Reading of the wheel.
     pub wheel: Option<WheelReading>,
-    /// One value per channel; `None` where it is missing.
+    /// One value per channel; `None` if it is missing.
     pub channels: Vec<Option<f64>>,
-    /// No fit sees it; it is still applied in its order.
+    /// True if the case is held out of all fits. It is still applied in its order.
     pub held_out: bool,
-    /// Its row of the load cases.
+    /// Row in the file of load cases.
     pub place: Span,
 }
 
 /// The wheel of a study.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Wheel {
-    /// The marker on the wheel carrier.
+    /// Marker on the wheel carrier.
     pub marker: MarkerIx,
-    /// Its spin axis.
+    /// Spin axis of the wheel.
     pub spin: SpinDirection,
-    /// Sd of a coordinate.
+    /// Standard deviation of a coordinate.
     pub sigma_position: f64,
-    /// Sd of camber and steer, degrees.
+    /// Standard deviation of camber and steer, in degrees.
     pub sigma_angle_deg: f64,
 }
 
 /// A scalar sensor.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Channel {
-    /// Its name.
+    /// Name of the channel.
     pub name: String,
-    /// Its column, and what one unit there is in units of the channel.
+    /// Column in the file, and the factor from its unit to the channel's unit.
     pub column: (String, f64),
-    /// The text of an ADAMS function of the deck.
+    /// Text of an ADAMS function of the deck.
     pub function: String,
-    /// Markers of this function that the deck has not.
+    /// Auxiliary markers of this function that the deck does not contain.
     pub helpers: Vec<Helper>,
-    /// Sd of one reading. Where it is not stated, a tenth of the readings' rms until it is estimated from what a fit leaves.
+    /// Standard deviation of one reading. If the study does not state it, it starts at a tenth of the readings' rms until a fit's residuals
+    /// give an estimate.
     pub sigma: f64,
     /// True if the study does not state `sigma`.
     pub sigma_estimated: bool,
-    /// Its unit, for reports.
+    /// Unit of the values, for reports.
     pub unit: Option<String>,
-    /// The case whose value is subtracted.
+    /// Case whose value is subtracted.
     pub relative_to: Option<Reference>,
-    /// What is taken from its values in several cases, if that is what was read; the reading stands in the last of them.
+    /// Summary over several cases, if the reading is a number taken from a curve. The reading is stored in the last of these cases.
     pub summary: Option<Summary>,
-    /// No fit sees it.
+    /// True if the channel is held out of all fits.
     pub held_out: bool,
 }
 
 impl Channel {
-    /// True if it is read in each case.
+    /// Returns true if the channel is read in each case.
     pub fn is_read_by_case(&self) -> bool {
         self.summary.is_none() && !self.column.0.is_empty()
     }
 
-    /// Its unit as it stands behind a number: a blank before it, nothing where the study states none.
+    /// Returns the unit to follow a number: with a leading blank, or empty if the study states none.
     pub fn behind(&self) -> String {
         self.unit
             .as_ref()
@@ -117,17 +118,17 @@ impl Channel {
     }
 }
 
-/// What a reading counts from.
+/// Zero reference of a reading.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reference {
-    /// The value in this case.
+    /// Value in this case.
     Case(usize),
-    /// The value in the case before, as a gauge shows that is set to zero before each load.
+    /// Value in the preceding case, as on a gauge that is set to zero before each load.
     Previous,
 }
 
 impl Channel {
-    /// Index of the case whose value is subtracted in a case.
+    /// Returns the index of the case whose value is subtracted in a given case.
     pub fn reference(&self, case: usize) -> Option<usize> {
         match self.relative_to? {
             Reference::Case(zero) => Some(zero),
@@ -136,27 +137,27 @@ impl Channel {
     }
 }
 
-/// What was measured, with every name resolved against the deck's model.
+/// All readings of a study, with every name resolved against the deck's model.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Measurement {
     /// Load cases in the order of application.
     pub cases: Vec<Case>,
     /// Parts that carry marks.
     pub parts: Vec<MarkedPart>,
-    /// Sd of one measured mark coordinate; zero if the readings are exact.
+    /// Standard deviation of one measured mark coordinate; zero if the readings are exact.
     pub sigma: f64,
     /// True if `sigma` was estimated from the marks themselves.
     pub sigma_estimated: bool,
-    /// Sd of one coordinate of the first session, constant over cases.
+    /// Standard deviation of one coordinate of the first session, constant over cases.
     pub sigma_on_parts: f64,
-    /// The wheel.
+    /// The wheel and its noise.
     pub wheel: Option<Wheel>,
     /// Scalar sensors.
     pub channels: Vec<Channel>,
 }
 
 impl Measurement {
-    /// The pose of a marked part in a case, from its marks.
+    /// Computes the pose of a marked part in a case from its marks.
     ///
     /// # Errors
     /// Too few or collinear marks.
@@ -165,7 +166,7 @@ impl Measurement {
         absolute_orientation(&on_part, &measured, self.sigma)
     }
 
-    /// The marks of a part in a case: in the part frame and as measured.
+    /// Returns the positions of a part's marks in a case: in the part frame, and as measured in ground.
     pub fn pairs(&self, case: usize, part: usize) -> (Vec<Vec3>, Vec<Vec3>) {
         self.cases[case]
             .marks
@@ -175,7 +176,7 @@ impl Measurement {
             .unzip()
     }
 
-    /// The measured pose of every part of the model in a case: ground is where it is, a part without a pose is `None`.
+    /// Returns the measured pose of every part of the model in a case. Ground has the identity; a part without a pose is `None`.
     pub fn poses(&self, case: usize, model: &Model) -> Vec<Option<Orientation>> {
         let mut poses: Vec<Option<Orientation>> = vec![None; model.parts.len()];
         if let Some(ground) = model.ground() {
@@ -196,12 +197,12 @@ impl Measurement {
         poses
     }
 
-    /// The cases a fit may see.
+    /// Returns the indices of the cases that a fit may use.
     pub fn fitted_cases(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.cases.len()).filter(|&case| !self.cases[case].held_out)
     }
 
-    /// Whether a fit that does not see these cases sees the reading of a channel that stands in `case`.
+    /// Returns true if a fit restricted to the cases accepted by `is_seen` uses the reading of a channel stored in `case`.
     pub fn sees_channel(
         &self,
         channel: usize,
@@ -216,13 +217,13 @@ impl Measurement {
         !info.held_out && of.iter().all(|case| is_seen(*case))
     }
 
-    /// Index of the case with this label.
+    /// Returns the index of the case with this label.
     pub fn case(&self, label: &str) -> Option<usize> {
         self.cases.iter().position(|case| case.label == label)
     }
 }
 
-/// The wheel of a study, resolved.
+/// Resolves the wheel settings of a study against the model.
 pub(super) fn wheel(settings: &WheelSettings, marker: MarkerIx, model: &Model) -> Wheel {
     let frame = &model.markers[marker.0];
     let part = &model.parts[frame.part.0].pose;
@@ -238,18 +239,18 @@ pub(super) fn wheel(settings: &WheelSettings, marker: MarkerIx, model: &Model) -
     }
 }
 
-/// Complaints are grouped by what they say, so that a fault of a whole file is said once.
+/// Diagnostics grouped by a key, so that a fault of a whole file is reported once.
 #[derive(Default)]
 pub(super) struct Grouped(BTreeMap<String, (Diagnostic, usize)>);
 
 impl Grouped {
-    /// Adds one occurrence; the first one is shown, the others counted.
+    /// Adds one occurrence. The first of a group is reported, the others are counted.
     pub(crate) fn add(&mut self, key: String, diagnostic: impl FnOnce() -> Diagnostic) {
         let entry = self.0.entry(key).or_insert_with(|| (diagnostic(), 0));
         entry.1 += 1;
     }
 
-    /// Hands over what was found.
+    /// Appends the collected diagnostics to `out`.
     pub(crate) fn finish(self, out: &mut Vec<Diagnostic>) {
         for (mut diagnostic, count) in self.0.into_values() {
             if count > 1 {

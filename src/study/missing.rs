@@ -1,10 +1,10 @@
-//! What a study still lacks before anything can be computed from it.
+//! Inputs that a study still lacks before anything can be computed from it.
 
 use super::study::Study;
 use super::table::Table;
 use admire_syntax::Dataset;
 
-/// What to fill in, in order, one sentence each; empty when every table of the study holds rows.
+/// Returns the steps to complete the study, in order, one sentence each. Empty if every table of the study has rows.
 pub fn missing(study: &Study) -> Vec<String> {
     let mut steps = Vec::new();
     let toml = study.source.name();
@@ -53,7 +53,7 @@ pub fn missing(study: &Study) -> Vec<String> {
             "{toml}: nothing is measured; give [marks], [kc], a measured [wheel] or [readings]"
         ));
     }
-    // A diagnosis needs no numbers to identify; who fills in a study may want some.
+    // A diagnosis needs no parameters to identify, so this step is mentioned only beside others.
     if !steps.is_empty() && study.identify.stiffnesses.is_empty() && !has_bushings(study) {
         steps.push(format!(
             "{toml}: the deck has no BUSHING; name the numbers to identify in `identify.stiffnesses`"

@@ -1,4 +1,4 @@
-//! Seeded measuring noise.
+//! Seeded random numbers for measurement noise.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::{StandardNormal, StudentT};
@@ -6,14 +6,14 @@ use rand_pcg::Pcg64;
 
 use admire_solver::mechanics::Vec3;
 
-/// A stream of normal numbers: the same seed and purpose give the same numbers on every machine.
+/// A stream of random numbers. The same seed and purpose give the same numbers on every machine.
 #[derive(Clone, Debug)]
 pub struct Noise(Pcg64);
 
 impl Noise {
-    /// The stream of one purpose: what is drawn for one purpose never moves the numbers of another.
+    /// Starts the stream of one purpose. Draws for one purpose do not change the numbers of another.
     pub fn new(seed: u64, purpose: &str) -> Self {
-        // FNV-1a of the purpose keeps the streams apart.
+        // The FNV-1a hash of the purpose separates the streams.
         let stream = purpose
             .bytes()
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
@@ -22,22 +22,23 @@ impl Noise {
         Self(Pcg64::seed_from_u64(seed ^ stream))
     }
 
-    /// A standard normal number.
+    /// Draws a standard normal number.
     pub fn normal(&mut self) -> f64 {
         self.0.sample(StandardNormal)
     }
 
-    /// A number between `-most` and `most`, all alike likely.
+    /// Draws a number uniformly distributed between `-most` and `most`.
     pub fn within(&mut self, most: f64) -> f64 {
         most * self.0.random_range(-1.0..=1.0)
     }
 
-    /// A whole number from zero to below `count`.
+    /// Draws a whole number uniformly from 0 to `count - 1`.
     pub fn below(&mut self, count: usize) -> usize {
         self.0.random_range(0..count)
     }
 
-    /// Three independent numbers: a Student t of the given degrees of freedom, scaled; normal if these are infinite.
+    /// Draws three independent Student t numbers with `tails` degrees of freedom, multiplied by `scale`. With infinite degrees of freedom they
+    /// are normal.
     pub fn heavy(&mut self, tails: f64, scale: f64) -> Vec3 {
         match StudentT::new(tails) {
             Ok(law) if tails.is_finite() => Vec3::from_fn(|_, _| self.0.sample(law)) * scale,
@@ -45,7 +46,7 @@ impl Noise {
         }
     }
 
-    /// Three independent normal numbers of the given sd.
+    /// Draws three independent normal numbers with this standard deviation.
     pub fn vector(&mut self, sigma: f64) -> Vec3 {
         Vec3::new(self.normal(), self.normal(), self.normal()) * sigma
     }

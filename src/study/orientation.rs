@@ -6,18 +6,17 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_solver::mechanics::{Mat3, Mat6, Pose, Vec3, skew};
 
-/// A layout of marks is refused when its lateral spread is below this fraction of its length: the rotation about the line of the
-/// marks would be noise.
+/// Ratio of lateral spread to length below which a layout of marks is rejected, because the rotation about their common line would be noise.
 pub(crate) const LEAST_SPREAD: f64 = 5e-3;
 
-/// The pose of a part and how well it is known.
+/// The pose of a part with its covariance.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Orientation {
-    /// The part frame in ground.
+    /// Part frame in ground.
     pub pose: Pose,
-    /// Covariance of (translation of the part's origin, rotation vector `a` with `R <- exp(a) R`), both in ground axes.
+    /// Covariance of the translation of the part's origin and of the rotation vector `a` with `R <- exp(a) R`, both in ground axes.
     pub covariance: Mat6,
-    /// Measured minus fitted, in ground axes, in the order of the marks.
+    /// Residuals, measured minus fitted, in ground axes, in the order of the marks.
     pub residuals: Vec<Vec3>,
     /// Sum of squared residuals over sigma squared; `None` without a sigma.
     pub chi_square: Option<f64>,
@@ -27,20 +26,20 @@ pub struct Orientation {
     pub p_value: Option<f64>,
 }
 
-/// Why a pose cannot be had from these marks.
+/// Reason why the marks do not determine a pose.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum OrientationError {
     /// Fewer than three marks.
     #[error("{0} marks, at least three are needed")]
     TooFew(usize),
-    /// All marks on one line, or nearly.
+    /// All marks lie on one line, or nearly so.
     #[error(
         "the marks lie on one line: {lateral:.3} wide over {length:.3} long (rms), so the rotation about it cannot be seen"
     )]
     Collinear {
         /// Rms extent across the line of the marks.
         lateral: f64,
-        /// Rms extent along it.
+        /// Rms extent along this line.
         length: f64,
     },
     /// A coordinate is not finite, or its square is not.
@@ -48,10 +47,10 @@ pub enum OrientationError {
     NotFinite,
 }
 
-/// The decomposition of three rows takes less than ten.
+/// Iteration limit of the singular value decomposition; a 3 x 3 matrix takes fewer than ten.
 const SVD_STEPS: usize = 1_000;
 
-/// Rms extents of points about their mean along their principal axes, the largest first.
+/// Returns the rms extents of points about their mean along their principal axes, largest first.
 pub(crate) fn extents(points: &[Vec3]) -> [f64; 3] {
     let n = points.len().max(1) as f64;
     let mean = points.iter().sum::<Vec3>() / n;
@@ -69,14 +68,14 @@ pub(crate) fn extents(points: &[Vec3]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }
 
-/// Minimises `sum |A p_m - x_m|^2` over rigid motions A by the singular value decomposition of the cross-covariance (Arun;
-/// Eggert et al.; reflections excluded as Umeyama does).
+/// Minimises `sum |A p_m - x_m|^2` over rigid motions A by the singular value decomposition of the cross-covariance (Arun; Eggert et al.;
+/// reflections excluded after Umeyama).
 ///
-/// `on_part` are the marks in the part frame, `measured` the same marks in ground, both in the same length unit. `sigma` is the sd
-/// of one measured coordinate; with `sigma` zero the covariance is zero and the fit is not tested.
+/// `on_part` are the marks in the part frame and `measured` the same marks in ground, both in the same length unit. `sigma` is the standard
+/// deviation of one measured coordinate. With a `sigma` of zero the covariance is zero and the fit is not tested.
 ///
 /// # Errors
-/// Fewer than three marks, marks on a line, coordinates that are not finite.
+/// Fewer than three marks, marks on a line, or coordinates that are not finite.
 pub fn absolute_orientation(
     on_part: &[Vec3],
     measured: &[Vec3],
@@ -114,7 +113,7 @@ pub fn absolute_orientation(
     };
     let u = svd.u.expect("asked for");
     let v_t = svd.v_t.expect("asked for");
-    // The last axis is turned where the best orthogonal matrix is a reflection; singular values come sorted.
+    // If the best orthogonal matrix is a reflection, the last axis is reversed; singular values are sorted in descending order.
     let turn = Vec3::new(1.0, 1.0, (u * v_t).determinant().signum());
     let R = u * Mat3::from_diagonal(&turn) * v_t;
     let pose = Pose {
@@ -142,7 +141,7 @@ pub fn absolute_orientation(
     })
 }
 
-/// Information matrix of the pose for marks of unit noise: `sum J^T J` with `dx = dp - skew(R p_m) a`.
+/// Returns the information matrix of the pose for marks of unit noise: `sum J^T J` with `dx = dp - skew(R p_m) a`.
 pub fn information(pose: &Pose, on_part: &[Vec3]) -> Mat6 {
     let mut information = Mat6::zeros();
     for p in on_part {
@@ -156,7 +155,7 @@ pub fn information(pose: &Pose, on_part: &[Vec3]) -> Mat6 {
     information
 }
 
-/// Probability that a chi-square variable with `dof` degrees of freedom exceeds `value`; 1 without degrees of freedom.
+/// Returns the probability that a chi-square variable with `dof` degrees of freedom exceeds `value`; 1 without degrees of freedom.
 pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
     if dof == 0 || !value.is_finite() {
         return if value.is_finite() { 1.0 } else { 0.0 };
@@ -164,21 +163,21 @@ pub fn chi_square_p_value(value: f64, dof: usize) -> f64 {
     ChiSquared::new(dof as f64).map_or(1.0, |distribution| distribution.sf(value))
 }
 
-/// Noise of both CMM sessions, estimated from how the marks of parts fit rigid bodies.
+/// Noise of both CMM sessions, estimated from the misfit of marks to rigid bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct NoiseEstimate {
-    /// Sd of one coordinate measured on the rig.
+    /// Standard deviation of one coordinate measured on the rig.
     pub sigma: f64,
-    /// Degrees of freedom behind it.
+    /// Degrees of freedom of this estimate.
     pub dof: usize,
-    /// Sd of one coordinate measured on the part, constant over cases.
+    /// Standard deviation of one coordinate measured on the part, constant over cases.
     pub sigma_on_parts: f64,
 }
 
-/// Splits residuals of one or several parts into what varies over the cases (the second session) and what does not (the first).
+/// Splits the residuals of parts into a component that varies over the cases (second session) and a constant one (first session).
 ///
-/// `parts[part][case]` is the fit of all its marks; parts whose marks differ between cases must be given separately. `None` if
-/// there are no degrees of freedom.
+/// `parts[part][case]` is the fit of all marks of a part. Fits with different sets of marks must be passed as separate parts. Returns `None`
+/// without degrees of freedom.
 pub fn estimate_noise(parts: &[Vec<Orientation>]) -> Option<NoiseEstimate> {
     let (mut varying, mut varying_dof) = (0.0, 0);
     let (mut constant, mut constant_dof) = (0.0, 0.0);
@@ -214,7 +213,7 @@ pub fn estimate_noise(parts: &[Vec<Orientation>]) -> Option<NoiseEstimate> {
                 .sum::<f64>();
         }
         varying_dof += (cases - 1) * first.dof;
-        // The mean residual holds the first session's error and 1 / cases of the second's variance.
+        // The variance of the mean residual is that of the first session plus 1 / cases of the second's.
         constant_dof += first.dof as f64;
     }
     if varying_dof == 0 {
@@ -270,7 +269,7 @@ mod tests {
 
     #[test]
     fn covariance_agrees_with_repeated_measurements() {
-        // 20,000 repetitions: the relative sd of a variance is 1 percent, so 5 percent is five of them.
+        // With 20,000 repetitions the relative standard deviation of a variance is 1 percent, so 5 percent is five standard deviations.
         let (sigma, runs) = (0.05, 20_000);
         let mut noise = Noise::new(1, "orientation test");
         let exact: Vec<Vec3> = marks().iter().map(|p| pose().point(p)).collect();

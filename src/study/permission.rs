@@ -1,8 +1,8 @@
-//! Which programs a study or a sweep may start.
+//! Permission of a study or a sweep to start programs.
 //!
-//! A study can name any program, and a study may come from anybody. A program is started only where the user has allowed it once (a hash of
-//! the command is remembered in the configuration of the user), or where the study was begun by `admire new` of the same user. ADAMS' own
-//! command line (`mdi` of the PATH, or the one of this installation) is the user's program and needs no permission.
+//! A study can name any program, and a study may come from anybody. A program is started only if the user has allowed it before, or if the
+//! same user created the study with `admire new`. Permissions are stored as hashes of commands and folders in the user's configuration. ADAMS'
+//! own command line (`mdi` from the PATH, or the one of this installation) needs no permission.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -13,11 +13,12 @@ use crate::settings::BackendChoice;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 
-/// Where permissions are remembered, below the folder for settings of programs: a line each, a hash and what it stands for.
+/// File of permissions, relative to the user's configuration folder. Each line holds a hash and the command or folder that it stands for.
 const FILE: &str = "admire/allowed";
 
-/// ADAMS' command line, and its words.
+/// Name of ADAMS' command line.
 const SOLVER: &str = "mdi";
+/// Arguments of ADAMS' command line that only run the command file.
 const ARGUMENTS: [&str; 8] = [
     "-c",
     "ru-standard",
@@ -32,21 +33,21 @@ const ARGUMENTS: [&str; 8] = [
 /// A program that a study or a sweep names.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct NamedProgram {
-    /// The file that names it.
+    /// File that names the program.
     file: PathBuf,
     /// Program and arguments.
     words: Vec<String>,
 }
 
 impl NamedProgram {
-    /// The program that a study starts for every equilibrium; `None` if it starts none, or ADAMS' own.
+    /// Returns the program that a study starts for every equilibrium. `None` if the study starts no program, or ADAMS' own.
     pub fn of_study(study: &Study) -> Option<Self> {
         let starts = study.solver.backend == BackendChoice::Command;
         let file = study.folder.join("study.toml");
         starts.then(|| Self::named_in(&file, &study.solver.command))?
     }
 
-    /// The program that a file names; `None` if it is ADAMS' own.
+    /// Returns the program that a file names, or `None` for ADAMS' own.
     pub fn named_in(file: &Path, words: &[String]) -> Option<Self> {
         let words = beside(&folder_of(file), words);
         (!is_solver(&words)).then(|| Self {
@@ -55,7 +56,7 @@ impl NamedProgram {
         })
     }
 
-    /// True if it may be started: the user has allowed it, or has begun the study.
+    /// Returns true if the user has allowed the program or has created the study.
     pub fn is_allowed(&self) -> bool {
         let known = remembered();
         let is_known = |hash: &str| known.lines().any(|line| line.starts_with(hash));
@@ -63,15 +64,15 @@ impl NamedProgram {
         is_known(&self.hash()) || own.is_ok_and(|folder| is_known(&hash_of_folder(&folder)))
     }
 
-    /// Remembers that the user allows it.
+    /// Stores the user's permission for the program.
     ///
     /// # Errors
-    /// When the configuration of the user cannot be written.
+    /// When the user's configuration cannot be written.
     pub fn allow(&self) -> io::Result<()> {
         remember(&self.hash(), &self.shown())
     }
 
-    /// Why it is not started; `help` says how it is allowed.
+    /// Returns the diagnostic for a program without permission; `help` explains how to allow it.
     pub fn refusal(&self, help: &str) -> Diagnostic {
         let message = format!(
             "{} names a program that was not allowed yet: {}",
@@ -81,7 +82,7 @@ impl NamedProgram {
         Diagnostic::error(Code::RunsProgram, message).help(help.to_string())
     }
 
-    /// What is asked of a person.
+    /// Returns the question for permission, with the command in full.
     pub fn question(&self) -> String {
         format!(
             "{} names a program that is started for every run:\n  {}\nstart it, now and later? [no] ",
@@ -90,7 +91,7 @@ impl NamedProgram {
         )
     }
 
-    /// The command as a line; words with blanks have quotes.
+    /// Formats the command as one line; words with blanks are quoted.
     fn shown(&self) -> String {
         let quoted = |word: &String| {
             if word.contains(char::is_whitespace) {
@@ -103,7 +104,7 @@ impl NamedProgram {
         words.join(" ")
     }
 
-    /// Hash of the command, and of every file among its words that came with the study.
+    /// Returns a hash of the command and of every file named in it that came with the study.
     fn hash(&self) -> String {
         let folder = folder_of(&self.file).canonicalize().ok();
         let own = |word: &String| {
@@ -121,8 +122,8 @@ impl NamedProgram {
     }
 }
 
-/// True for ADAMS' command line: `mdi`, wherever the PATH finds it, or the one beside this program, and words that only say to execute the
-/// command file of the run.
+/// Returns true for ADAMS' command line: `mdi` from the PATH or beside this program, with arguments that only execute the command file of the
+/// run.
 fn is_solver(words: &[String]) -> bool {
     let Some((program, arguments)) = words.split_first() else {
         return false;
@@ -136,7 +137,7 @@ fn is_solver(words: &[String]) -> bool {
     arguments.iter().all(known) && (program == SOLVER || beside().unwrap_or(false))
 }
 
-/// A command with its program as it is called from anywhere: one with a path lies beside the file that names it.
+/// Returns a command that works from any working directory: a program given with a path is relative to the folder of the file that names it.
 pub fn beside(folder: &Path, words: &[String]) -> Vec<String> {
     let mut words = words.to_vec();
     if let Some(program) = words.first_mut()
@@ -149,10 +150,10 @@ pub fn beside(folder: &Path, words: &[String]) -> Vec<String> {
     words
 }
 
-/// Remembers that the user has begun the study in a folder.
+/// Stores that the user has created the study in a folder.
 ///
 /// # Errors
-/// When there is no such folder, or the configuration of the user cannot be written.
+/// When the folder does not exist, or the user's configuration cannot be written.
 pub fn trust_study(folder: &Path) -> io::Result<()> {
     let folder = folder.canonicalize()?;
     remember(&hash_of_folder(&folder), &folder.display().to_string())
@@ -163,7 +164,7 @@ fn hash_of_folder(folder: &Path) -> String {
     hash(&[b"study".to_vec(), name.to_vec()])
 }
 
-/// A hash that tells the parts apart.
+/// Returns a hash that depends on the boundaries between the parts.
 fn hash(parts: &[Vec<u8>]) -> String {
     digest(parts.iter().map(Vec::as_slice))
 }
@@ -175,7 +176,7 @@ fn folder_of(file: &Path) -> PathBuf {
     }
 }
 
-/// The file of permissions, in the folder that the system has for settings of a user.
+/// Returns the path of the permissions file, in the system's folder for user settings.
 fn file() -> Option<PathBuf> {
     let folder = |name: &str| {
         std::env::var_os(name)
@@ -212,7 +213,7 @@ fn remember(hash: &str, what: &str) -> io::Result<()> {
     }
     let mut options = std::fs::File::options();
     let what = what.replace(char::is_control, " ");
-    // One write: lines of two processes do not mix.
+    // A single write keeps the lines of two processes apart.
     let line = format!("{hash}  {what}\n");
     options
         .create(true)

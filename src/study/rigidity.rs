@@ -2,23 +2,23 @@ use super::measurement::Measurement;
 use super::orientation::{absolute_orientation, extents};
 use admire_solver::mechanics::Vec3;
 
-/// No part of a suspension bends by so much of the extent of its marks.
+/// Upper limit of a suspension part's deformation, as a fraction of the extent of its marks.
 const BENT: f64 = 0.05;
-/// A misfit within so many of its noise is none.
+/// Multiple of the noise up to which a misfit is not significant.
 const NOISE: f64 = 10.0;
 
-/// A part whose marks cannot all be on it: they fit no rigid part, by far more than any part bends.
+/// A part whose marks cannot all be on it: their misfit to a rigid body far exceeds the deformation of any part.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ForeignMarks {
     /// Index of the marked part.
     pub part: usize,
-    /// Indices of the load cases, more than one; a single case may hold a single wrong reading.
+    /// Indices of the load cases, more than one; a single case may contain a single wrong reading.
     pub cases: Vec<usize>,
-    /// Largest rms of a coordinate that is left by the best rigid motion, in the deck's length unit.
+    /// Largest rms of a coordinate's residual after the best rigid motion, in the deck's length unit.
     pub rms: f64,
 }
 
-/// Every part whose marks belong elsewhere in several cases. No model of any kind of axle explains such readings.
+/// Returns every part whose marks belong elsewhere in several cases. No model of an axle explains such readings.
 pub fn foreign_marks(measurement: &Measurement) -> Vec<ForeignMarks> {
     let of = |part: usize| {
         let mut cases = Vec::new();

@@ -1,11 +1,11 @@
-//! Rows of the tables of a study: which case they belong to, and the point they hold.
+//! Rows of the tables of a study: their case and their point.
 
 use super::measurement::{Grouped, Measurement};
 use super::table::{Cell, Table};
 use admire_solver::mechanics::Vec3;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// The label of a row: its cell, or its number where the file has no column for it.
+/// Returns the label of a row: its cell, or the row's number if the file has no column for the label.
 pub(super) fn label_of(
     table: &Table,
     row: &[Cell],
@@ -21,7 +21,7 @@ pub(super) fn label_of(
     }
 }
 
-/// The case of a row, unless the load cases do not have it.
+/// Returns the case of a row, or reports that the load cases do not contain it.
 pub(super) fn case_of(
     cell: &Cell,
     table: &Table,
@@ -29,7 +29,7 @@ pub(super) fn case_of(
     grouped: &mut Grouped,
 ) -> Option<usize> {
     let found = to.case(&cell.text);
-    // Without any load case that has been said already.
+    // A file without any load case has been reported already.
     if found.is_none() && !to.cases.is_empty() {
         grouped.add(format!("case {}", cell.text), || {
             let message = format!(

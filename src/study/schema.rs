@@ -1,4 +1,4 @@
-//! The JSON Schema of `study.toml`: the keys are those the reader asks for, their descriptions those of the guide.
+//! The JSON Schema of `study.toml`: its keys are those the reader queries, its descriptions those of the guide.
 
 use serde_json::{Map, Value, json};
 
@@ -6,7 +6,7 @@ use super::section::{Key, ValueType};
 use super::study::study_keys;
 use admire_guide::glossary;
 
-/// The JSON Schema (draft 7) of `study.toml`, for editors.
+/// Returns the JSON Schema (draft 7) of `study.toml`, for editors.
 pub fn schema() -> Value {
     let mut root = table();
     for key in study_keys() {
@@ -27,7 +27,7 @@ fn table() -> Value {
     json!({ "type": "object", "properties": {}, "additionalProperties": false })
 }
 
-/// Puts a key at its place below the root; a key with two kinds of values takes either.
+/// Inserts a key at its place below the root. A key with two kinds of values accepts either.
 fn insert(root: &mut Value, key: &Key) {
     let mut at = root;
     let pieces: Vec<&str> = key.path.split('.').collect();
@@ -55,7 +55,7 @@ fn insert(root: &mut Value, key: &Key) {
     either(properties, last, new);
 }
 
-/// The place of a name in a table, or of all names of one's own.
+/// Returns the subschema of a name in a table, or of all user-defined names.
 fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
     if piece == "NAME" {
         &mut at["additionalProperties"]
@@ -64,7 +64,7 @@ fn inner<'a>(at: &'a mut Value, piece: &str) -> &'a mut Value {
     }
 }
 
-/// Adds a property, or another kind of value to the one that is there.
+/// Adds a property, or an alternative kind of value if the property exists.
 fn either(properties: &mut Map<String, Value>, name: &str, new: Value) {
     let Some(old) = properties.get_mut(name) else {
         properties.insert(name.to_string(), new);
@@ -85,7 +85,7 @@ fn holds(what: &ValueType) -> Value {
         ValueType::Text | ValueType::OwnTexts => json!({ "type": "string" }),
         ValueType::Number(least, most) => {
             let mut number = json!({ "type": "number" });
-            // A bound that only keeps zero out.
+            // This bound only excludes zero.
             if *least > 0.0 && *least < 1e-6 {
                 number["exclusiveMinimum"] = json!(0);
             } else {

@@ -6,53 +6,53 @@ use toml::de::{DeTable, DeValue};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// A text of `study.toml` and where it stands, to be resolved later against the deck.
+/// A text of `study.toml` with its position, to be resolved against the deck later.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SpannedText {
     /// The text as written.
     pub text: String,
-    /// Where it stands in `study.toml`.
+    /// Position in `study.toml`.
     pub span: Span,
 }
 
-/// What a key of `study.toml` may hold.
+/// Kind of value of a key in `study.toml`.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum ValueType {
     /// A table of further keys.
     Table,
     /// A text.
     Text,
-    /// A number within these bounds; zero is no member where the least is above it.
+    /// A number within these bounds, both included. A tiny positive lower bound stands for "more than zero".
     Number(f64, f64),
-    /// A whole number within these bounds.
+    /// A whole number within these bounds, both included.
     Count(usize, usize),
     /// One of these words.
     Choice(Vec<&'static str>),
     /// A list of texts.
     Texts,
-    /// Names of one's own, each with a text.
+    /// User-defined names, each with a text.
     OwnTexts,
 }
 
-/// A key the reader of `study.toml` asks for.
+/// A key that the reader of `study.toml` queries.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Key {
-    /// Its whole name; a piece `NAME` stands for names of one's own.
+    /// Full name of the key; `NAME` in it stands for a user-defined name.
     pub path: String,
-    /// What it may hold.
+    /// Kind of value.
     pub holds: ValueType,
 }
 
-/// Writes down what the reader asks a study for, instead of answering.
+/// Recorder of the reader's queries, from which the schema is made.
 #[derive(Default)]
 pub(super) struct SchemaRecorder {
-    /// Whether keys that take a text or something else are asked for as texts.
+    /// Answer of [`Section::is_text`] while recording.
     pub texts: bool,
-    /// What was asked for, in order.
+    /// Recorded keys, in the order of the queries.
     pub keys: RefCell<Vec<Key>>,
 }
 
-/// One table of `study.toml`: every key asked for is remembered, so that the others can be named.
+/// One table of `study.toml`. Queried keys are recorded, so that the unused ones can be reported.
 pub(super) struct Section<'a> {
     source: &'a Source,
     path: String,
@@ -63,7 +63,7 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// No file at all: every question is written down.
+    /// Creates a section without a file, which records every query.
     pub(crate) fn inquiring(source: &'a Source, inquiry: &'a SchemaRecorder) -> Self {
         Self {
             source,
@@ -75,7 +75,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Writes down a question, once.
+    /// Records a query once.
     fn note(&self, key: &str, holds: ValueType) {
         let Some(inquiry) = self.inquiry else { return };
         let key = Key {
@@ -88,7 +88,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The whole file.
+    /// Creates the section of the whole file.
     pub(crate) fn root(source: &'a Source, table: &'a DeTable<'a>) -> Self {
         Self {
             source,
@@ -100,22 +100,22 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// True if the file has this table.
+    /// Returns true if the file contains this table.
     pub(crate) fn is_present(&self) -> bool {
         self.table.is_some() || self.inquiry.is_some()
     }
 
-    /// Where it stands.
+    /// Returns the position of the table in the file.
     pub(crate) fn span(&self) -> Span {
         self.span
     }
 
-    /// The file's name.
+    /// Returns the name of the file.
     pub(crate) fn file(&self) -> &'a str {
         self.source.name()
     }
 
-    /// The whole name of a key.
+    /// Returns the full name of a key.
     pub(crate) fn name(&self, key: &str) -> String {
         if self.path.is_empty() {
             key.to_string()
@@ -130,7 +130,7 @@ impl<'a> Section<'a> {
         Some((value.get_ref(), Span::from(value.span())))
     }
 
-    /// A complaint about a value of this section.
+    /// Reports a wrong value in this section.
     pub(crate) fn wrong(
         &self,
         key: &str,
@@ -147,7 +147,7 @@ impl<'a> Section<'a> {
         );
     }
 
-    /// A table inside this one; an absent one answers every question with nothing.
+    /// Returns a table inside this one. If the table is absent, every query of it finds nothing.
     pub(crate) fn section(
         &mut self,
         key: &'static str,
@@ -175,7 +175,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A text.
+    /// Returns the value of a key as a text, if given.
     pub(crate) fn text(
         &mut self,
         key: &'static str,
@@ -193,7 +193,7 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A finite number in `[least, most]`, or the default.
+    /// Returns the value of a key as a finite number in `[least, most]`, or the default.
     pub(crate) fn number(
         &mut self,
         key: &'static str,
@@ -205,7 +205,7 @@ impl<'a> Section<'a> {
             .unwrap_or(default)
     }
 
-    /// A finite number in `[least, most]`, if given.
+    /// Returns the value of a key as a finite number in `[least, most]`, if given.
     pub(crate) fn optional_number(
         &mut self,
         key: &'static str,
@@ -224,7 +224,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A standard deviation above zero, if given: readings without any scatter would have infinite weight.
+    /// Returns the value of a key as a positive standard deviation, if given. Zero is rejected, because readings without scatter would have
+    /// infinite weight.
     pub(crate) fn deviation(
         &mut self,
         key: &'static str,
@@ -247,7 +248,7 @@ impl<'a> Section<'a> {
         None
     }
 
-    /// A whole number in `[least, most]`, or the default.
+    /// Returns the value of a key as a whole number in `[least, most]`, or the default.
     pub(crate) fn count(
         &mut self,
         key: &'static str,
@@ -269,7 +270,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// One of the given words, or the default.
+    /// Returns the choice for the keyword given as the value of a key, or the default.
     pub(crate) fn choice<T: Copy>(
         &mut self,
         key: &'static str,
@@ -298,7 +299,7 @@ impl<'a> Section<'a> {
         default
     }
 
-    /// A list of texts, if given.
+    /// Returns the value of a key as a list of texts, if given.
     pub(crate) fn texts(
         &mut self,
         key: &'static str,
@@ -324,7 +325,7 @@ impl<'a> Section<'a> {
         Some(texts)
     }
 
-    /// Every key with a text as its value, in the order they are written. Marks all keys as known.
+    /// Returns every key whose value is a text, in the order of the file. Other values are reported.
     pub(crate) fn all_texts(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
@@ -346,7 +347,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// Every key with a table as its value, in the order they are written.
+    /// Returns every key whose value is a table, in the order of the file. Other values are reported.
     pub(crate) fn all_sections(
         &mut self,
         diagnostics: &mut Vec<Diagnostic>,
@@ -376,7 +377,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    /// True if the value of this key is a text and not a table.
+    /// Returns true if the value of this key is a text and not a table.
     pub(crate) fn is_text(&mut self, key: &'static str) -> bool {
         if let Some(inquiry) = self.inquiry {
             return inquiry.texts;
@@ -401,7 +402,7 @@ impl<'a> Section<'a> {
         entries
     }
 
-    /// Names the keys nobody asked for.
+    /// Reports the keys that no query used.
     pub(crate) fn finish(self, diagnostics: &mut Vec<Diagnostic>) {
         for (key, _) in self.entries() {
             if self.asked.contains(key.text.as_str()) {
@@ -425,7 +426,7 @@ impl<'a> Section<'a> {
     }
 }
 
-/// Where the number of a key stands in a text of TOML.
+/// Returns the position of a number in a TOML text.
 pub(super) fn number_span(text: &str, section: &str, key: &str) -> Option<Span> {
     let (document, _) = DeTable::parse_recoverable(text);
     let value = document
@@ -446,7 +447,7 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
     text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// A text of TOML with one number of a section changed, or added where it is not written. The section must be there.
+/// Returns a TOML text with one number of a section changed, or added if it is absent. The section must exist.
 pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
     let mut changed = text.to_string();
     if let Some(span) = number_span(text, section, key) {
@@ -457,7 +458,7 @@ pub fn with_number(text: &str, section: &str, key: &str, value: f64) -> String {
     changed.replacen(&header, &format!("{header}\n{key} = {value:?}"), 1)
 }
 
-/// What a number may be, in words; a bound that only keeps zero out is said as that.
+/// Describes the range of a number in words. A tiny positive lower bound reads "more than 0".
 fn range((least, most): (f64, f64)) -> String {
     match (least > 0.0 && least < 1e-6, most.is_finite()) {
         (true, true) => format!("a number more than 0, at most {most}"),
@@ -467,9 +468,9 @@ fn range((least, most): (f64, f64)) -> String {
     }
 }
 
-/// What a name that was not found may have meant, and what there is: the help of a complaint.
+/// Returns the help of a diagnostic about an unknown name: the nearest known name, or a list of known names.
 ///
-/// Ids are compared whole: `BUSHING/3` is no slip of the pen for `BUSHING/2`.
+/// The digits must agree: `BUSHING/3` is no misspelling of `BUSHING/2`.
 pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     const SHOWN: usize = 8;
     let digits = |text: &str| -> String { text.chars().filter(char::is_ascii_digit).collect() };
@@ -480,7 +481,7 @@ pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     if let Some(near) = nearest(word, alike) {
         return format!("did you mean `{near}`?");
     }
-    // Where there are addresses, names are only compared.
+    // If there are addresses, plain names serve for comparison only and are not listed.
     let listed =
         |name: &&String| name.contains('/') || !there.iter().any(|name| name.contains('/'));
     let there: Vec<&str> = there.iter().filter(listed).map(String::as_str).collect();
@@ -492,7 +493,7 @@ pub fn did_you_mean(word: &str, place: &str, there: &[String]) -> String {
     }
 }
 
-/// The candidate that differs from `word` by few letters, to ask "did you mean".
+/// Returns the candidate that differs from `word` by few letters, for "did you mean".
 pub(super) fn nearest<'a>(
     word: &str,
     candidates: impl Iterator<Item = &'a str>,
@@ -504,7 +505,7 @@ pub(super) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
-/// The edit distance of two words, without regard to case.
+/// Returns the edit distance of two words, ignoring case.
 fn letters_apart(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.to_lowercase().chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

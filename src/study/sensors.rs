@@ -7,11 +7,11 @@ use admire_solver::model::{Model, Request};
 use admire_solver::system::{NoValue, Parameters, Scratch, State, System};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// The model with one more REQUEST per channel, which compiles and differentiates its function like any of the deck's own; after
-/// the channels of the measurement come `further` functions that nobody measured.
+/// Returns the model with one additional REQUEST per channel, so that each function is compiled and differentiated like a function of the
+/// deck. The unmeasured functions `further` follow the channels of the measurement.
 ///
 /// # Errors
-/// A channel's function that does not follow the grammar of expressions.
+/// When a channel's function violates the grammar of expressions.
 pub fn with_channels(
     model: &Model,
     measurement: &Measurement,
@@ -37,17 +37,17 @@ pub fn with_channels(
     Ok((model, channels))
 }
 
-/// Where the channels stand among the requests of the model.
+/// Range of the channels among the requests of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Channels {
-    /// Place of the first.
+    /// Index of the first request.
     pub first: usize,
-    /// How many there are.
+    /// Number of requests.
     pub count: usize,
 }
 
 impl Channels {
-    /// Values in a configuration.
+    /// Evaluates the channels in a configuration.
     ///
     /// # Errors
     /// [`NoValue`] if a function is undefined there.
@@ -70,8 +70,8 @@ impl Channels {
         Ok(values)
     }
 
-    /// Values where another solver puts all parts. `None` of a channel that does not follow from places and numbers alone, such as
-    /// a reaction or a VARIABLE, and of one without a value there.
+    /// Evaluates the channels at part poses from another solver. The value is `None` if the function is undefined there, or depends on more
+    /// than poses and numbers, such as a reaction or a VARIABLE.
     pub fn at(
         self,
         system: &System,

@@ -4,7 +4,7 @@ use admire_syntax::units::{Dimension, Units};
 
 const ANY: (f64, f64) = (0.0, f64::INFINITY);
 
-/// Who solves.
+/// Solver of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum BackendChoice {
     /// The built-in solver.
@@ -15,20 +15,20 @@ pub enum BackendChoice {
     Replay,
 }
 
-/// `[solver]`.
+/// Settings of `[solver]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SolverSettings {
-    /// Who solves.
+    /// Choice of the solver.
     pub backend: BackendChoice,
     /// Program and arguments; `{acf}` stands for the command file.
     pub command: Vec<String>,
     /// Seconds after which a run is killed.
     pub timeout_s: f64,
-    /// Seconds for which a licence that is refused is asked for again.
+    /// Seconds during which a refused licence is requested again.
     pub licence_wait_s: f64,
-    /// Parallel runs.
+    /// Number of parallel runs.
     pub jobs: usize,
-    /// Folder of recorded runs below the study: what `admire record` fills and backend `replay` serves.
+    /// Folder of recorded runs below the study, filled by `admire record` and read by the backend `replay`.
     pub recordings: SpannedText,
 }
 
@@ -71,30 +71,30 @@ impl SolverSettings {
     }
 }
 
-/// How bushings are reduced.
+/// Symmetry that reduces the stiffnesses of a bushing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Symmetry {
-    /// Six stiffnesses.
+    /// Six independent stiffnesses.
     #[default]
     None,
     /// Kx = Ky and KTx = KTy.
     RadialZ,
 }
 
-/// What identifies.
+/// Identification method.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Method {
-    /// Fit of everything that was read, with exact sensitivities.
+    /// Least-squares fit of all readings, with exact sensitivities.
     #[default]
     GaussNewton,
-    /// The paper's loop.
+    /// The iterative regression of the paper.
     Regression,
-    /// Equilibrium of the measured poses, no solver run.
+    /// Equilibrium equations at the measured poses, without a solver run.
     Direct,
 }
 
 impl Method {
-    /// The word of guide/study.md.
+    /// Returns the keyword of guide/study.md.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::GaussNewton => "gauss-newton",
@@ -104,17 +104,17 @@ impl Method {
     }
 }
 
-/// A number that may be left out.
+/// A number with a default.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Amount {
-    /// As the study states it, in units of the deck.
+    /// Value stated in the study, in units of the deck.
     Stated(f64),
-    /// The usual one, in newton and millimetre.
+    /// Default value, in newtons and millimetres.
     Usual(f64),
 }
 
 impl Amount {
-    /// A number of a section, or the usual one.
+    /// Reads a number of a section, or takes the default `usual`.
     fn read(
         section: &mut Section<'_>,
         key: &'static str,
@@ -126,41 +126,41 @@ impl Amount {
         stated.map_or(Self::Usual(usual), Self::Stated)
     }
 
-    /// In units of a deck.
+    /// Converts the number to units of a deck.
     pub fn in_units(self, units: &Units, dimension: Dimension) -> f64 {
         match self {
             Self::Stated(value) => value,
-            // Millimetre and newton are the units of a deck that states none.
+            // Millimetres and newtons are the units of a deck that states none.
             Self::Usual(value) => value * (Units::default().si(dimension) / units.si(dimension)),
         }
     }
 }
 
-/// Where stiffnesses start.
+/// Initial values of the stiffnesses.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Initial {
     /// The deck's own values.
     Deck,
-    /// One value for all translational ones (force/length), one for all rotational ones (torque per degree).
+    /// One value for all translational stiffnesses and one for all rotational stiffnesses.
     Values {
-        /// Force per length.
+        /// Translational stiffness, force per length.
         translational: Amount,
-        /// Torque per degree.
+        /// Rotational stiffness, torque per degree.
         rotational_per_degree: Amount,
     },
 }
 
-/// A prior standard deviation of a shift and a turn; zero switches it off.
+/// Prior standard deviations of a shift and a rotation; zero switches the component off.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ShiftSd {
-    /// Of each translation.
+    /// Standard deviation of each translation.
     pub length: Amount,
-    /// Of each rotation, in degrees.
+    /// Standard deviation of each rotation, in degrees.
     pub angle_deg: f64,
 }
 
 impl ShiftSd {
-    /// Along an axis (0 to 2, in length units of a deck) or about one (3 to 5, in radians).
+    /// Returns the standard deviation along an axis (0 to 2, in length units of a deck) or about an axis (3 to 5, in radians).
     pub fn of_axis(self, axis: usize, units: &Units) -> f64 {
         if axis < 3 {
             self.length.in_units(units, Dimension::LENGTH)
@@ -170,37 +170,37 @@ impl ShiftSd {
     }
 }
 
-/// How residuals count.
+/// Loss function applied to the residuals.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Loss {
-    /// Squares.
+    /// Squared residuals.
     Gaussian,
-    /// Squares up to a few standard deviations, linear beyond.
+    /// Squared residuals up to a few standard deviations, linear beyond.
     Huber,
 }
 
-/// `[identify]`.
+/// Settings of `[identify]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IdentifySettings {
     /// Addresses of bushings; every BUSHING of the deck if absent.
     pub bushings: Option<Vec<SpannedText>>,
-    /// Addresses of other numbers.
+    /// Addresses of other numbers to identify.
     pub stiffnesses: Vec<SpannedText>,
-    /// Symmetry of bushings not named.
+    /// Symmetry of the bushings without an entry of their own.
     pub symmetry: Symmetry,
-    /// Symmetry of named bushings.
+    /// Symmetry of individual bushings.
     pub symmetry_of: Vec<(SpannedText, Symmetry)>,
-    /// What identifies.
+    /// Identification method.
     pub method: Method,
-    /// Where stiffnesses start.
+    /// Initial values of the stiffnesses.
     pub initial: Initial,
-    /// Sd of the lognormal prior around the initial value.
+    /// Standard deviation of ln K in the lognormal prior around the initial value.
     pub prior_log_sd: f64,
-    /// Prior sd of the assembly offset of each bushing.
+    /// Prior standard deviation of the assembly offset of each bushing.
     pub offset_sd: ShiftSd,
-    /// Prior sd of a per-case shift of the measuring frame.
+    /// Prior standard deviation of a shift of the measuring frame in each case.
     pub frame_sd: ShiftSd,
-    /// How residuals count.
+    /// Loss function of the residuals.
     pub loss: Loss,
 }
 
@@ -280,7 +280,7 @@ fn shift_sd(
     sd
 }
 
-/// Equation 16: as printed, or with the weights turned round as its text means.
+/// Form of equation 16: as printed, or with the weights inverted as the text of the paper implies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Weights {
     /// 1 / sum (F - mean F)^2.
@@ -289,27 +289,27 @@ pub enum Weights {
     Corrected,
 }
 
-/// Equation 13: as printed, or the inverse regression.
+/// Form of equation 13: as printed, or the inverse regression.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Slope {
     /// cov(F, delta) / var(delta).
     Printed,
-    /// var(F) / cov(F, delta): the noise is on delta.
+    /// var(F) / cov(F, delta), for noise on delta.
     Inverse,
 }
 
-/// `[regression]`.
+/// Settings of `[regression]`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RegressionSettings {
-    /// Equation 17.
+    /// Convergence tolerance of equation 17: the largest relative change at which the loop ends.
     pub epsilon: f64,
-    /// Equation 15.
+    /// Correlation of equation 15 below which a stiffness keeps its previous value.
     pub r_min: f64,
-    /// Equation 16.
+    /// Weights of equation 16.
     pub weights: Weights,
-    /// Equation 13.
+    /// Slope of equation 13.
     pub slope: Slope,
-    /// Iterations after which the loop gives up.
+    /// Number of iterations after which the loop stops.
     pub max_iterations: usize,
 }
 
@@ -348,17 +348,17 @@ impl RegressionSettings {
     }
 }
 
-/// Which axis of the wheel marker is the spin axis.
+/// Spin axis among the axes of the wheel marker.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SpinAxis {
-    /// 0, 1, 2 for x, y, z.
+    /// Axis of the marker: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// +1 or -1 where the study gives a sign; otherwise the sense that points outboard at design is taken.
+    /// Sense of the axis, +1 or -1, if the study states it. Otherwise the axis points outboard at design.
     pub sign: Option<i8>,
 }
 
 impl SpinAxis {
-    /// `axis = "y"`, which it is by default, with or without a sign.
+    /// Reads `axis`, with or without a sign; the default is `"y"`.
     pub(super) fn read(section: &mut Section<'_>, out: &mut Vec<Diagnostic>) -> Self {
         let words = ["x", "y", "z", "+x", "+y", "+z", "-x", "-y", "-z"];
         let axes = std::array::from_fn::<_, 9, _>(|at| {
@@ -369,16 +369,16 @@ impl SpinAxis {
     }
 }
 
-/// `[wheel]` without its table.
+/// Settings of `[wheel]` without the readings.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WheelSettings {
-    /// The marker on the wheel carrier.
+    /// Marker on the wheel carrier.
     pub marker: SpannedText,
-    /// Its spin axis.
+    /// Spin axis of this marker.
     pub axis: SpinAxis,
-    /// Sd of a coordinate.
+    /// Standard deviation of a coordinate.
     pub sigma_position: Amount,
-    /// Sd of an angle, degrees.
+    /// Standard deviation of an angle, in degrees.
     pub sigma_angle_deg: f64,
 }
 
@@ -406,18 +406,18 @@ impl WheelSettings {
     }
 }
 
-/// One channel of `[readings.channels]`.
+/// Settings of one channel in `[readings.channels]`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ChannelSettings {
-    /// Its column.
+    /// Name of the channel and of its column.
     pub name: String,
-    /// An ADAMS function of the deck.
+    /// ADAMS function of the deck.
     pub function: SpannedText,
-    /// Sd of one reading; estimated from the fit if it is not given.
+    /// Standard deviation of one reading; estimated from the fit if it is not given.
     pub sigma: Option<f64>,
-    /// Its unit, for reports.
+    /// Unit of the readings, for reports.
     pub unit: Option<String>,
-    /// The case whose value is subtracted: its label, or `previous`.
+    /// Case whose value is subtracted: its label, or `previous`.
     pub relative_to: Option<SpannedText>,
 }
 

@@ -1,4 +1,4 @@
-//! Who solves a study: the backend `[solver]` asks for, announced before it runs.
+//! Backend of a study, as chosen in `[solver]`.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -11,7 +11,8 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use crate::permission::beside;
 
-/// The backend of a study. `keep`: run folders of an external program are made there and stay.
+/// Returns the backend of a study. If `keep` is given, the run folders of an external program are created there and kept. `tell` receives a
+/// note that names the external program.
 pub fn backend(
     study: &Study,
     keep: Option<PathBuf>,
@@ -24,12 +25,12 @@ pub fn backend(
     }
 }
 
-/// The recorded runs of a study.
+/// Returns the recorded runs of a study.
 pub fn recording(study: &Study) -> Recording {
     Recording::new(study.folder.join(&study.solver.recordings.text))
 }
 
-/// The external program of a study. Says which one it is before it is ever started. Whether it may be is the matter of
+/// Returns the external program of a study, and reports it to `tell` before it can be started. Permission to start it is decided in
 /// [`permission`](crate::permission).
 pub fn command(study: &Study, keep: Option<PathBuf>, tell: &dyn Fn(&Diagnostic)) -> CommandBackend {
     let solver = &study.solver;
@@ -54,7 +55,7 @@ pub fn command(study: &Study, keep: Option<PathBuf>, tell: &dyn Fn(&Diagnostic))
     backend
 }
 
-/// Where the system finds a program.
+/// Searches the PATH for a program.
 pub fn found_on_path(program: impl AsRef<OsStr>) -> Option<PathBuf> {
     which::which(program).ok()
 }

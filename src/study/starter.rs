@@ -1,4 +1,4 @@
-//! The beginning of a study: what a deck says of itself, written as a commented `study.toml` with tables to fill in.
+//! Template of a study: a commented `study.toml` made from the contents of a deck, with tables to fill in.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -10,41 +10,41 @@ use super::schema::schema;
 use admire_solver::mechanics::{Mat3, Vec3};
 use admire_solver::model::{MarkerIx, Model, Part, PartKind, SforceKind};
 
-/// What was measured.
+/// Kind of measurement.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Kind {
-    /// Marks on parts, by a coordinate measuring machine or cameras.
+    /// Marks on parts, measured by a coordinate measuring machine or cameras.
     Marks,
-    /// The wheel, by a K&C rig.
+    /// Position and angles of the wheel, measured by a K&C rig.
     Wheel,
-    /// Toe, camber and other curves of a wheel, by a K&C rig.
+    /// Toe, camber and other curves of a wheel, measured by a K&C rig.
     Curves,
-    /// Any scalar a sensor gives.
+    /// Scalar values of any sensors.
     Readings,
 }
 
-/// A load a deck may be driven by.
+/// A load that the load cases of a deck may drive.
 #[derive(Clone, PartialEq, Debug)]
 struct Driven {
-    /// The name of its column.
+    /// Name of its column.
     column: String,
-    /// What it drives.
+    /// Address of the driven number.
     target: String,
-    /// What it is, in words.
+    /// Description in words.
     what: String,
 }
 
-/// The beginning of a study of one deck.
+/// Template of a study for one deck.
 #[derive(Clone, Debug)]
 pub struct Starter<'a> {
     model: &'a Model,
     loads: Vec<Driven>,
-    /// The marker that looks most like the centre of a wheel.
+    /// The marker that most resembles the centre of a wheel.
     wheel: Option<MarkerIx>,
 }
 
 impl<'a> Starter<'a> {
-    /// Looks for loads and a wheel.
+    /// Searches a model for loads and a wheel.
     pub fn of(model: &'a Model) -> Self {
         let loads = loads(model);
         Self {
@@ -54,16 +54,16 @@ impl<'a> Starter<'a> {
         }
     }
 
-    /// Addresses of the bushings that can be identified.
+    /// Returns the addresses of the bushings that can be identified.
     pub fn bushings(&self) -> Vec<String> {
         let address =
             |found: &admire_solver::model::Bushing| format!("BUSHING/{}", found.header.id);
         self.model.bushings.iter().map(address).collect()
     }
 
-    /// What was found, one line each.
+    /// Returns the findings, one line each.
     pub fn found(&self) -> Vec<String> {
-        /// More are counted, not listed.
+        /// Number of list entries that are shown; more are only counted.
         const LISTED: usize = 12;
         let many = |list: Vec<String>, none: &str| match list.len() {
             0 => none.to_string(),
@@ -103,7 +103,7 @@ impl<'a> Starter<'a> {
         format!("MARKER/{} on {part}", marker.header.id)
     }
 
-    /// The files of a study: names and texts. `bushings`: those to identify, all if empty.
+    /// Returns the files of a study as names and texts. `bushings` selects those to identify; all if it is empty.
     pub fn files(
         &self,
         deck: &str,
@@ -325,7 +325,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
         text
     }
 
-    /// Marker and spin axis of the wheel.
+    /// Returns the lines for the marker and the spin axis of the wheel.
     fn wheel_keys(&self) -> String {
         match self.wheel {
             Some(at) => format!(
@@ -339,7 +339,7 @@ top_height = {{ function = \"DZ({marker})\", sigma = 0.1, unit = \"{}\" }}   # F
     }
 }
 
-/// A text of TOML in quotes.
+/// Returns a TOML string literal.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
@@ -455,7 +455,7 @@ fn loads(model: &Model) -> Vec<Driven> {
     found
 }
 
-/// The direction of an SFORCE at design, in ground: the z axis of J, or the line of the two markers.
+/// Returns the direction of an SFORCE at design, in ground: the z axis of J, or the line from J to I.
 fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> Option<Vec3> {
     let [i, j] = [i, j].map(|at| {
         let marker = &model.markers[at.0];
@@ -470,7 +470,7 @@ fn sforce_direction(model: &Model, i: MarkerIx, j: MarkerIx, along_j: bool) -> O
     line.try_normalize(1e-9)
 }
 
-/// A word for a direction that is close to an axis of ground.
+/// Returns a word for a direction that is close to an axis of ground.
 fn direction(along: Vec3) -> Option<&'static str> {
     let words = ["longitudinal", "lateral", "vertical"];
     (0..3)
@@ -478,7 +478,7 @@ fn direction(along: Vec3) -> Option<&'static str> {
         .map(|axis| words[axis])
 }
 
-/// A view name as the name of a column.
+/// Converts a view name to a column name.
 fn column(name: &str) -> String {
     let last = name.rsplit('.').next().unwrap_or_default();
     let plain = |c: char| {
@@ -495,7 +495,7 @@ fn column(name: &str) -> String {
         .to_string()
 }
 
-/// How many words of a wheel a name holds.
+/// Counts the wheel words in a name.
 fn wheel_words(name: &str) -> usize {
     let name = name.to_lowercase();
     WHEEL_WORDS
@@ -504,7 +504,7 @@ fn wheel_words(name: &str) -> usize {
         .count()
 }
 
-/// How many components of forces act at a marker that are only numbers: what a rig drives.
+/// Counts the force components at a marker that consist of a number only. A rig drives such components.
 fn numbers_at(model: &Model, at: MarkerIx) -> usize {
     let scalar = model
         .sforces
@@ -515,8 +515,8 @@ fn numbers_at(model: &Model, at: MarkerIx) -> usize {
     scalar.count() + components.filter(|function| is_number(function)).count()
 }
 
-/// The marker that looks most like the centre of a wheel: by its own name, or on a part named like one where most loads act; without such
-/// names the one where most loads act.
+/// Returns the marker that most resembles the centre of a wheel. Its own name counts, and so do the name of its part and the loads on it.
+/// Without telling names it is a marker with several constant force components.
 fn wheel(model: &Model) -> Option<MarkerIx> {
     let score = |at: usize| {
         let marker = &model.markers[at];
@@ -526,7 +526,7 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
         }
         let name = marker.header.name.to_lowercase();
         let part_name = part.header.name.to_lowercase();
-        // A mark on the carrier, `CARRIER_M1`, has only the name of its part.
+        // The name of a mark on the carrier, such as `CARRIER_M1`, repeats words of the part's name.
         let own = WHEEL_WORDS
             .iter()
             .filter(|word| name.contains(**word) && !part_name.contains(**word))
@@ -539,7 +539,7 @@ fn wheel(model: &Model) -> Option<MarkerIx> {
         let loaded = scalar.count() + vector.count();
         let on_part = wheel_words(&part.header.name);
         if own + on_part + usize::from(centre) == 0 {
-            // No name tells it: where forces of several directions act that are only numbers.
+            // Without telling names, a marker qualifies if several constant force components act on it.
             return usize::from(numbers_at(model, MarkerIx(at)) > 1);
         }
         8 * own + 12 * usize::from(centre) + 3 * on_part + 2 * loaded.min(3)

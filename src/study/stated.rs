@@ -1,36 +1,37 @@
-//! `[tolerances]` of `study.toml`: how exact the axle and the rig are.
+//! Section `[tolerances]` of `study.toml`: accuracy of the axle and the rig.
 
 use super::section::Section;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// What a user says of a size.
+/// Prior of the standard deviation of an error group.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub enum PriorSetting {
-    /// `"estimate"`: the readings tell.
+    /// `"estimate"`: the standard deviation is estimated from the readings.
     #[default]
     Estimate,
-    /// A standard deviation; zero switches the group off.
+    /// A stated standard deviation; zero switches the group off.
     Size(f64),
 }
 
-/// `[tolerances]`: standard deviations, lengths in millimetres.
+/// Settings of `[tolerances]`: standard deviations, lengths in millimetres.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct ToleranceSettings {
-    /// Each coordinate of each hardpoint, mm.
+    /// Standard deviation of the error of each hardpoint coordinate, in mm.
     pub hardpoints: PriorSetting,
-    /// Factor of each load, parts of one.
+    /// Relative standard deviation of the gain of each load.
     pub load_gain: PriorSetting,
-    /// Each load in each case by itself, parts of the largest value of that load.
+    /// Standard deviation of each load in each case, relative to the largest value of that load.
     pub load_repeatability: PriorSetting,
-    /// Direction of each load, degrees.
+    /// Standard deviation of the direction of each load, in degrees.
     pub load_direction_deg: PriorSetting,
-    /// Places of marks on their parts, mm.
+    /// Standard deviation of each coordinate of a mark on its part, in mm.
     pub marks_on_parts: PriorSetting,
-    /// Where the measuring frame sits, the same in all cases, mm; over half a metre also its turn.
+    /// Standard deviation of the measuring frame's position, constant over cases, in mm. Divided by 0.5 m it is also that of the rotation.
     pub alignment: PriorSetting,
-    /// How far all marks move with each load at its largest value, mm; over half a metre also their turn.
+    /// Standard deviation of the motion of all marks with each load at its largest value, in mm. Divided by 0.5 m it is also that of the
+    /// rotation.
     pub mount: PriorSetting,
-    /// Rigid error of a part's pose in one case, mm; over a tenth of a metre also its turn.
+    /// Standard deviation of the rigid error of a part's pose in one case, in mm. Divided by 0.1 m it is also that of the rotation.
     pub pose: PriorSetting,
 }
 

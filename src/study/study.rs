@@ -15,64 +15,64 @@ use admire_session::file_below;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// The marks of a study: two files and their noise.
+/// The mark readings of a study: two files and their noise.
 #[derive(Clone, Debug)]
 pub struct MarkFiles {
-    /// part,mark,x,y,z in each part's own frame.
+    /// Table part,mark,x,y,z in each part's own frame.
     pub on_parts: Table,
-    /// case,part,mark,x,y,z in ground.
+    /// Table case,part,mark,x,y,z in ground.
     pub measured: Table,
-    /// Sd of one coordinate; estimated from the fit of each part's marks if absent.
+    /// Standard deviation of one coordinate; estimated from the fit of each part's marks if absent.
     pub sigma: Option<f64>,
-    /// Sd of the first session's coordinates.
+    /// Standard deviation of the first session's coordinates.
     pub sigma_on_parts: f64,
 }
 
-/// A study folder as guide/study.md describes it: settings with their defaults and the cells of its files, nothing resolved yet.
+/// A study folder as described in guide/study.md: settings with their defaults and the cells of its files, with names not yet resolved.
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// The folder; every path of the study lies below it.
+    /// Study folder; every path of the study lies below it.
     pub folder: PathBuf,
-    /// `study.toml`.
+    /// The file `study.toml`.
     pub source: Source,
     /// The deck.
     pub deck: Source,
-    /// The deck's path.
+    /// Path of the deck.
     pub deck_path: PathBuf,
-    /// `[solver]`.
+    /// Section `[solver]`.
     pub solver: SolverSettings,
     /// Load cases: `case`, then one column per load.
     pub loads: Table,
-    /// Column and the address it drives, in the order of `study.toml`.
+    /// Load columns with the addresses they drive, in the order of `study.toml`.
     pub columns: Vec<(SpannedText, SpannedText)>,
-    /// `[marks]`.
+    /// Section `[marks]`.
     pub marks: Option<MarkFiles>,
-    /// `[wheel]` and its file.
+    /// Section `[wheel]` and its readings, if any.
     pub wheel: Option<(WheelSettings, Option<Table>)>,
-    /// `[readings]`: the file and its channels.
+    /// Section `[readings]`: the readings and their channels.
     pub readings: Option<(Table, Vec<ChannelSettings>)>,
-    /// `[kc]` and its file.
+    /// Section `[kc]` and its readings.
     pub kc: Option<(KcSettings, Table)>,
-    /// `[kc] summary`: gradients and widths that were taken from curves.
+    /// Table of `[kc] summary`: gradients and loop widths taken from curves.
     pub kc_summary: Option<Table>,
-    /// `[identify]`.
+    /// Section `[identify]`.
     pub identify: IdentifySettings,
-    /// `[regression]`.
+    /// Section `[regression]`.
     pub regression: RegressionSettings,
-    /// `[tolerances]`.
+    /// Section `[tolerances]`.
     pub tolerances: ToleranceSettings,
     /// `[priors]`.
     pub priors: CausePriors,
     /// `[validate] hold_out`, if given.
     pub hold_out: Option<Vec<SpannedText>>,
-    /// `[reference] deck`: for reports only.
+    /// Deck of `[reference]`, for reports only.
     pub reference: Option<Source>,
 }
 
 impl Study {
     /// Reads `study.toml` and every file it names.
     ///
-    /// Unknown keys are errors. `None` when there is no study to speak of: no `study.toml`, no deck or no load cases.
+    /// Unknown keys are errors. The value is `None` if `study.toml`, the deck or the load cases cannot be read.
     pub fn read(folder: &Path) -> Checked<Option<Self>> {
         let mut out = Vec::new();
         let value = read(folder, &mut out);
@@ -82,7 +82,7 @@ impl Study {
         }
     }
 
-    /// Where a key stands in `study.toml`, or the section that should have it, or the beginning of the file.
+    /// Returns the position of a key in `study.toml`, or of the section that should contain it, or the start of the file.
     pub fn place(&self, keys: &[&str]) -> Span {
         let text = String::from_utf8_lossy(self.source.bytes());
         let (document, _) = DeTable::parse_recoverable(&text);
@@ -92,7 +92,7 @@ impl Study {
                 break;
             };
             table = value.get_ref().as_table();
-            // The value itself where it is no table, the name of a section otherwise.
+            // The position of the value for a plain key, of the name for a section.
             span = Span::from(if table.is_some() {
                 name.span()
             } else {
@@ -102,7 +102,7 @@ impl Study {
         span
     }
 
-    /// Every input file.
+    /// Returns every input file.
     pub fn sources(&self) -> Vec<&Source> {
         let tables = [
             Some(&self.loads),
@@ -124,13 +124,13 @@ impl Study {
             .collect()
     }
 
-    /// SHA-256 over every input file, in hexadecimal: two runs with the same value saw the same bytes.
+    /// Returns the SHA-256 of every input file, in hexadecimal. Runs with the same value have read the same bytes.
     pub fn inputs_sha256(&self) -> String {
         digest(self.sources().into_iter().map(Source::bytes))
     }
 }
 
-/// Every key of `study.toml`, as the reader asks for them.
+/// Returns every key of `study.toml` that the reader queries.
 pub(crate) fn study_keys() -> Vec<Key> {
     let source = Source::new("study.toml".to_string(), Vec::new());
     let files = Files {
@@ -143,7 +143,7 @@ pub(crate) fn study_keys() -> Vec<Key> {
             texts,
             ..SchemaRecorder::default()
         };
-        // What an empty study lacks is not the question.
+        // Missing settings of an empty study are irrelevant here.
         let _ = sections(
             &mut Section::inquiring(&source, &inquiry),
             &files,
@@ -209,7 +209,7 @@ fn read(folder: &Path, out: &mut Vec<Diagnostic>) -> Option<Study> {
     })
 }
 
-/// Why there is no study here, and how to begin one.
+/// Returns the diagnostic for a folder without a study, with help on how to create one.
 fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
     let shown = folder.display();
     let begin = |deck: &str| {
@@ -242,7 +242,7 @@ fn no_study(folder: &Path, path: &Path, error: &std::io::Error) -> Diagnostic {
     Diagnostic::error(Code::CannotRead, text)
 }
 
-/// Reads every section; the caller completes folder and source.
+/// Reads every section. The caller sets `source` and `folder`.
 fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>) -> Option<Study> {
     let mut model = root.section("model", out);
     let deck = files.required(&mut model, "deck", out);
@@ -372,7 +372,7 @@ fn sections(root: &mut Section<'_>, files: &Files<'_>, out: &mut Vec<Diagnostic>
     })
 }
 
-/// The files below the study folder; nothing else is ever opened.
+/// Access to the files below the study folder; no other file is opened.
 struct Files<'a> {
     folder: &'a Path,
     study: &'a Source,
@@ -395,7 +395,7 @@ impl Files<'_> {
         self.open(&spelled, out)
     }
 
-    /// A file of readings. One that cannot be read is an error, and empty: a rig may still make it.
+    /// Opens a file of readings. An unreadable file is reported and treated as empty, because a virtual rig may produce it.
     fn readings(
         &self,
         section: &mut Section<'_>,
@@ -424,7 +424,7 @@ impl Files<'_> {
         self.open(&spelled, out)
     }
 
-    /// A path of the study, which must lie below its folder whether it exists or not.
+    /// Returns a path of the study, which must lie below its folder even if it does not exist.
     fn path(&self, spelled: &SpannedText, out: &mut Vec<Diagnostic>) -> Option<PathBuf> {
         let found = file_below(self.folder, &spelled.text, "study");
         let label = |told: Diagnostic| told.label(self.study.name(), spelled.span, "");
@@ -497,7 +497,7 @@ mod tests {
         let (folder, checked) = study(&text);
         let study = checked.value.expect("found");
         assert_eq!(study.loads.source.bytes(), b"case,v\n1,1500\n");
-        // Where the two names are one file there is nothing to say.
+        // On a case-insensitive file system both names are the same file, and nothing is reported.
         if folder.path().join("MODEL.ADM").exists() {
             return;
         }

@@ -1,20 +1,19 @@
-//! Numbers that a laboratory takes from its curves: gradients and widths of loops, as readings of their own.
+//! Numbers that a laboratory takes from its curves, as readings of their own: gradients and loop widths.
 //!
-//! A gradient is the slope of the least-squares line of a curve over a load or over another curve, within a run of load cases:
-//! `g = sum (x - mean x)(y - mean y) / sum (x - mean x)^2`. The width of a loop where its load has a value is what the curve shows there on
-//! average with the load falling, less what it shows with the load rising, cases between which it passes joined by straight lines.
-//! Source: guide page `study`, section "Gradients and widths".
+//! A gradient is the slope of the least-squares line of a curve over a load or another curve, within a run of load cases: `g = sum (x - mean
+//! x)(y - mean y) / sum (x - mean x)^2`. The loop width at a load value is the mean of the curve there with the load falling, minus its mean
+//! with the load rising. Between cases the curve is interpolated linearly. Source: guide page `study`, section "Gradients and widths".
 
-/// What is taken from a curve.
+/// Kind of number taken from a curve.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum SummaryKind {
     /// Slope of the least-squares line.
     Gradient,
-    /// Width of the loop where the load has this value.
+    /// Width of the loop at this value of its load.
     Width(f64),
 }
 
-/// What a curve is drawn over.
+/// Abscissa of a curve.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Over {
     /// A load: its value in each of the cases, in the unit of the study's file.
@@ -26,29 +25,30 @@ pub enum Over {
 /// A number taken from a channel over several cases.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Summary {
-    /// What is taken.
+    /// Kind of number.
     pub kind: SummaryKind,
-    /// Over what.
+    /// Abscissa.
     pub over: Over,
-    /// The cases in the order driven.
+    /// Cases in the order driven.
     pub cases: Vec<usize>,
-    /// A gradient is stated per so many units of what it is over.
+    /// Number of units of the abscissa that a gradient refers to.
     pub per: f64,
 }
 
-/// The value of a summary, and its derivatives by each value of the curve and of what it is over.
+/// Value of a summary, with its derivatives by each value of the curve and of its abscissa.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Taken {
-    /// The value.
+    /// Value of the summary.
     pub value: f64,
-    /// By the curve in each case.
+    /// Derivative by the curve's value in each case.
     pub by_curve: Vec<f64>,
-    /// By what it is over, in each case.
+    /// Derivative by the abscissa in each case.
     pub by_over: Vec<f64>,
 }
 
 impl Summary {
-    /// From the curve in each of its cases, `channel` telling another channel there. Zero where nothing can be taken.
+    /// Computes the summary from the curve's values in its cases; `channel` returns the values of another channel in these cases. The value is
+    /// zero if it is undefined.
     pub fn take(&self, curve: &[f64], channel: &dyn Fn(usize) -> Vec<f64>) -> Taken {
         let x = match &self.over {
             Over::Load(values) => values.clone(),
@@ -86,7 +86,7 @@ fn gradient(x: &[f64], y: &[f64], per: f64) -> Taken {
     }
 }
 
-/// Weights of the curve's values in the width of a loop; `None` if the load does not pass there both ways.
+/// Returns the weights of the curve's values in the loop width, or `None` if the load does not pass this value in both directions.
 pub(super) fn weights(x: &[f64], at: f64) -> Option<Vec<f64>> {
     let mut ways = [vec![0.0; x.len()], vec![0.0; x.len()]];
     let mut counts = [0.0; 2];
@@ -157,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Dry friction of size f on a line: the loop is 2 f wide, whether it is read at a point or between two.
+    /// Dry friction of limit f on a straight line: the loop width is 2 f, at a measured point and between two points.
     #[test]
     fn a_loop_has_its_width() {
         let x = [0.0, 10.0, 20.0, 10.0, 0.0, -10.0, -20.0, -10.0, 0.0, 10.0];

@@ -1,4 +1,4 @@
-//! The table of gradients and widths of a study: its rows become channels, and a virtual rig writes it anew.
+//! The table of gradients and loop widths of a study: its rows become channels, and a virtual rig rewrites it.
 
 use super::kc_curves::{Curve, Gauge, KcSettings, factor};
 use super::measurement::{Channel, Measurement};
@@ -11,12 +11,12 @@ use super::wheel_readings::marker_of;
 use admire_solver::model::Model;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Columns of the table.
+/// Required columns of the table.
 const COLUMNS: [&str; 8] = [
     "name", "curve", "kind", "over", "from", "to", "value", "sigma",
 ];
 
-/// Adds the readings of a table of gradients and widths.
+/// Adds the channels and readings of a table of gradients and loop widths.
 pub(super) fn summaries(
     study: &Study,
     model: &Model,
@@ -166,7 +166,7 @@ impl Row<'_> {
             let message = format!("`{}` is a channel already", name.text);
             return Err(self.wrong(name, message, "give each a name of its own".to_string()));
         }
-        // An empty value is one that a rig may make.
+        // The value may be empty, because a virtual rig may produce it.
         let value = self.table.number(self.cells, self.columns[6], out);
         self.push(to, &name.text, gauge.function(curve), gauge);
         let channel = to.channels.last_mut().expect("just pushed");
@@ -197,7 +197,7 @@ impl Row<'_> {
         })
     }
 
-    /// The channel of a curve that another is drawn over: one that is read, or a new one that is not.
+    /// Returns the channel of the curve that serves as abscissa: a measured one, or a new one without readings.
     fn other(&self, cell: &Cell, gauge: &Gauge, to: &mut Measurement) -> Result<usize, Diagnostic> {
         let curve = Curve::named(&cell.text).ok_or_else(|| {
             let loads = self.study.columns.iter().map(|(n, _)| n.text.as_str());
@@ -234,7 +234,7 @@ impl Row<'_> {
     }
 }
 
-/// The table with the values that a rig takes from its own curves.
+/// Returns the text of the table with the values from a virtual rig's own curves.
 pub fn written(table: &Table, measured: &Measurement, read: &[Vec<f64>]) -> String {
     let (name, value) = (table.column("name"), table.column("value"));
     let mut text = table.header_row();

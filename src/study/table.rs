@@ -4,24 +4,25 @@ use super::section::nearest;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// What is wrong with a point in a file with decimal commas.
+/// End of the message about a number with a point in a file with decimal commas.
 const BESIDE_COMMAS: &str =
     "may be thousands or a decimal point: other numbers of this file have decimal commas";
 
 /// One cell of a CSV file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Cell {
-    /// Its text, trimmed, quotes removed.
+    /// Text without quotes and surrounding blanks.
     pub text: String,
-    /// Where it stands in the file.
+    /// Position in the file.
     pub span: Span,
 }
 
-/// A CSV file as guide/study.md describes it: one header line, `#` comment lines, columns found by header name, LF or CR LF. Between cells stand commas, or the
-/// semicolons or tabs of spreadsheets; in the latter files numbers may have decimal commas. UTF-16 is read like UTF-8.
+/// A CSV file as described in guide/study.md: one header line, `#` comment lines, columns found by header name, LF or CR LF. Cells are
+/// separated by commas, or by the semicolons or tabs of spreadsheets. With semicolons or tabs, numbers may have decimal commas. UTF-16 is
+/// accepted as well as UTF-8.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The file.
+    /// Source of the file.
     pub source: Source,
     header: Vec<Cell>,
     rows: Vec<Vec<Cell>>,
@@ -31,7 +32,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Splits a file into cells. Lines that are no CSV are complained about and left out; what had to be assumed is noted.
+    /// Splits a file into cells. Malformed lines are reported, and assumptions about separators and decimal commas are noted.
     pub fn read(source: Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let source = source.in_utf8();
         let bytes = source.bytes();
@@ -100,7 +101,7 @@ impl Table {
         table
     }
 
-    /// What was assumed of a file that is not written with commas.
+    /// Returns a note about the assumed separators and decimal commas of a file without commas as separators.
     fn dialect(&self, delimiter: u8) -> Diagnostic {
         let between = if delimiter == b';' {
             "semicolons"
@@ -125,12 +126,12 @@ impl Table {
             .any(|cell| !cell.text.is_empty())
     }
 
-    /// The position of a column.
+    /// Returns the index of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.get(&name.to_lowercase()).copied()
     }
 
-    /// The positions of columns that must be there; the missing ones are complained about.
+    /// Returns the indices of required columns, or reports the missing ones.
     pub fn columns<const N: usize>(
         &self,
         names: [&str; N],
@@ -167,7 +168,7 @@ impl Table {
         None
     }
 
-    /// Complains about a column that is read although another one has its name: nobody can say which of them is meant.
+    /// Reports a column whose name occurs twice, because the choice between them would be arbitrary.
     pub(crate) fn only(&self, column: usize, diagnostics: &mut Vec<Diagnostic>) {
         let Some(own) = self.header.get(column) else {
             return;
@@ -187,19 +188,19 @@ impl Table {
         );
     }
 
-    /// The names of the header line as they are written.
+    /// Returns the names of the header line as written.
     pub(crate) fn header(&self) -> Vec<String> {
         self.header.iter().map(|cell| cell.text.clone()).collect()
     }
 
-    /// The column whose name differs from this one by few letters.
+    /// Returns the column whose name differs from this one by few letters.
     fn slip(&self, name: &str) -> Option<&str> {
         let long = |cell: &&Cell| cell.text.len() > 2;
         let names = self.header.iter().filter(long);
         nearest(name, names.map(|cell| cell.text.as_str())).filter(|_| name.len() > 2)
     }
 
-    /// The whole header line.
+    /// Returns the position of the header line.
     pub fn header_span(&self) -> Span {
         match (self.header.first(), self.header.last()) {
             (Some(first), Some(last)) => first.span.join(last.span),
@@ -207,23 +208,23 @@ impl Table {
         }
     }
 
-    /// The rows below the header.
+    /// Returns the rows below the header.
     pub fn rows(&self) -> &[Vec<Cell>] {
         &self.rows
     }
 
-    /// The cell of a row, unless the row is too short or the cell empty.
+    /// Returns the cell of a row, unless the row is too short or the cell empty.
     pub(crate) fn cell<'a>(&self, row: &'a [Cell], column: usize) -> Option<&'a Cell> {
         row.get(column).filter(|cell| !cell.text.is_empty())
     }
 
-    /// The header line.
+    /// Returns the text of the header line.
     pub(crate) fn header_row(&self) -> String {
         let cells: Vec<String> = self.header();
         cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
-    /// A row for the end of the file, written as its own are: the cells of these columns, all others empty.
+    /// Returns the text of a row to append, in the style of the file. It contains the given cells by column; all other cells are empty.
     pub fn further_row(&self, cells: &[(usize, String)]) -> String {
         let of = |column: usize| {
             let own = cells.iter().find(|(at, _)| *at == column);
@@ -238,7 +239,7 @@ impl Table {
         cells.join(std::str::from_utf8(&[self.delimiter]).unwrap_or(",")) + "\n"
     }
 
-    /// The whole row.
+    /// Returns the position of a row.
     pub fn row_span(&self, row: &[Cell]) -> Span {
         match (row.first(), row.last()) {
             (Some(first), Some(last)) => first.span.join(last.span),
@@ -246,12 +247,12 @@ impl Table {
         }
     }
 
-    /// True if a column's name is this one but for few letters.
+    /// Returns true if a column's name differs from this one by few letters only.
     pub(crate) fn has_slip(&self, name: &str) -> bool {
         self.slip(name).is_some()
     }
 
-    /// The finite number of a cell; `None` also where [`Self::is_ambiguous`].
+    /// Returns the finite number of a cell. `None` if the cell holds no number, or an ambiguous one (see [`Self::is_ambiguous`]).
     pub(crate) fn value(&self, cell: &Cell) -> Option<f64> {
         let number = match cell.text.parse().ok() {
             None if self.decimal_commas => decimal(&cell.text),
@@ -261,12 +262,12 @@ impl Table {
         number.filter(|x: &f64| x.is_finite())
     }
 
-    /// True for `1.500` beside decimal commas: it may be 1500 or 1.5.
+    /// Returns true for `1.500` in a file with decimal commas, which may mean 1500 or 1.5.
     fn is_ambiguous(&self, cell: &Cell) -> bool {
         self.decimal_commas && cell.text.contains('.') && cell.text.parse::<f64>().is_ok()
     }
 
-    /// Complains once for each file about a number with a point beside decimal commas. True if the cell holds one.
+    /// Reports a number with a point in a file with decimal commas, once per file. Returns true if the cell holds such a number.
     pub(crate) fn complain_of_point(&self, cell: &Cell, out: &mut Vec<Diagnostic>) -> bool {
         if !self.is_ambiguous(cell) {
             return false;
@@ -286,8 +287,8 @@ impl Table {
         true
     }
 
-    /// A number of a row. `None` for an empty cell (silently), for what is no finite number (with a warning), and for a point beside decimal commas
-    /// (with an error).
+    /// Returns a number of a row. `None` for an empty cell (silently), for text that is no finite number (with a warning), and for a point in
+    /// a file with decimal commas (with an error).
     pub fn number(
         &self,
         row: &[Cell],
@@ -309,7 +310,7 @@ impl Table {
     }
 }
 
-/// What stands between the cells of the header line: commas, or more semicolons or tabs than commas.
+/// Returns the separator of the header line: semicolon or tab if it occurs more often than the comma, otherwise the comma.
 fn delimiter(bytes: &[u8]) -> u8 {
     let line = &bytes[row_start(bytes, 0).min(bytes.len())..];
     let end = memchr::memchr2(b'\n', b'\r', line).unwrap_or(line.len());
@@ -329,7 +330,7 @@ fn delimiter(bytes: &[u8]) -> u8 {
     }
 }
 
-/// A number whose decimal sign is a comma.
+/// Parses a number with a decimal comma.
 fn decimal(text: &str) -> Option<f64> {
     let (whole, fraction) = text.split_once(',')?;
     if whole.contains('.') || fraction.contains(',') {
@@ -354,8 +355,8 @@ fn row_start(bytes: &[u8], mut at: usize) -> usize {
     }
 }
 
-/// Finds each field of a record in the bytes it was read from. As for the reader, a quote opens a field only as its first byte, and
-/// is a letter like others elsewhere.
+/// Locates each field of a record in the bytes it was read from. As in the CSV reader, a quote opens a quoted field only as its first byte and
+/// is an ordinary character elsewhere.
 fn cells(
     bytes: &[u8],
     place: std::ops::Range<usize>,
@@ -376,7 +377,7 @@ fn cells(
             end -= 1;
         }
         at += 1;
-        // Spreadsheets still write Latin-1; names in decks are read in the same way.
+        // Some spreadsheets still write Latin-1; names in decks are read in the same way.
         let text = std::str::from_utf8(field).map_or_else(
             |_| field.iter().map(|&byte| char::from(byte)).collect(),
             str::to_string,
@@ -389,13 +390,13 @@ fn cells(
     cells
 }
 
-/// How many bytes the field has that these begin with.
+/// Returns the length in bytes of the field at the start of `bytes`.
 fn field_length(bytes: &[u8], delimiter: u8) -> usize {
     let mut quoted = bytes.first() == Some(&b'"');
     let mut at = usize::from(quoted);
     while at < bytes.len() {
         match bytes[at] {
-            // Two of them within quotes are one that is meant.
+            // Two quotes inside a quoted field stand for one quote.
             b'"' if quoted && bytes.get(at + 1) == Some(&b'"') => at += 1,
             b'"' if quoted => quoted = false,
             byte if !quoted && (byte == delimiter || matches!(byte, b'\n' | b'\r')) => break,
@@ -440,7 +441,7 @@ mod tests {
         (table, diagnostics)
     }
 
-    /// `1.500` is 1500 for one who writes decimal commas, 1.5 for one who does not: nobody can say which.
+    /// A writer with decimal commas means 1500 by `1.500`, another writer 1.5. The file does not tell which.
     #[test]
     fn a_point_beside_decimal_commas_is_refused_once() {
         let (table, mut out) = read("case;x;y\n1.1;0,5;1.500\n1.2;2;3.000\n1.3;7;-12\n");
@@ -464,7 +465,7 @@ mod tests {
             "{}",
             out[before].message
         );
-        // Without any decimal comma the points are decimal ones.
+        // Without any decimal comma the points are decimal points.
         let (table, mut out) = read("case;x\n1;1.500\n");
         let [x] = table.columns(["x"], &mut out).unwrap();
         assert_eq!(table.number(&table.rows()[0], x, &mut out), Some(1.5));
@@ -526,7 +527,7 @@ mod tests {
         };
         assert_eq!(numbers(0), (Some(1.5), Some(-2.25e-3)));
         assert_eq!(numbers(1), (Some(3.0), Some(4.0)));
-        // A point and a comma in one number are not understood.
+        // A number with a point and a comma is rejected.
         assert_eq!(numbers(2), (None, Some(6.0)));
         assert_eq!(&table.source.text(table.rows()[0][1].span), "1,5");
         let (table, mut diagnostics) = read("case\tx\na\t1.5\n");
@@ -548,7 +549,7 @@ mod tests {
                 .unwrap()
                 .contains("semicolons")
         );
-        // What spreadsheets leave behind is nothing.
+        // Trailing empty cells of spreadsheets are ignored.
         assert!(read("case,x,y\n1,1.5,2.5,,\n").1.is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! Bad data, each planted in the shipped study and found by the checks.
+//! Tests of the data checks: each kind of bad data is planted in the shipped study.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::model::{Header, Marker, Model, Orientation, Part, PartIx, PartKind};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
-/// Just enough of a model: ground, the marked parts, and markers where the marks are.
+/// Returns a minimal model: ground, the marked parts, and markers at the marks.
 fn model(on_parts: &str) -> Model {
     let mut model = Model::default();
     let mut names = vec!["GROUND"];
@@ -50,7 +50,7 @@ fn model(on_parts: &str) -> Model {
     model
 }
 
-/// The shipped study with one of its files changed.
+/// Reads the shipped study with one of its files changed.
 fn study(file: &str, change: impl Fn(&str) -> String) -> (Measurement, Vec<Diagnostic>) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../corpus/pseudo-mcpherson");
     let folder = tempfile::tempdir().unwrap();
@@ -76,7 +76,7 @@ fn as_shipped() -> Measurement {
     study("", str::to_string).0
 }
 
-/// Exactly one complaint of this code; its severity and message.
+/// Expects exactly one diagnostic of this code and returns its severity and message.
 fn only(diagnostics: &[Diagnostic], code: Code) -> (Severity, &str) {
     let found: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.code == code).collect();
     assert_eq!(found.len(), 1, "{code} in {diagnostics:#?}");
@@ -127,7 +127,7 @@ fn the_shipped_study_is_clean() {
 fn noise_is_estimated_when_not_given() {
     let (measured, _) = study("study.toml", |text| text.replace("sigma = 0.05", ""));
     assert!(measured.sigma_estimated);
-    // 5 parts, 4 marks each, 13 cases: 360 degrees of freedom, so sigma is known to 3.7 percent.
+    // 5 parts with 4 marks in 13 cases give 360 degrees of freedom, so the relative standard error of sigma is 3.7 percent.
     assert!(
         (measured.sigma / 0.05 - 1.0).abs() < 0.12,
         "{}",
@@ -190,7 +190,7 @@ fn swapped_marks_are_put_right() {
     );
 }
 
-/// From case 8 on the readings of two parts change places: no single case is to blame, and both parts are named.
+/// The readings of two parts are exchanged from case 8 on. Both parts are named.
 #[test]
 fn marks_of_another_part_are_told_from_a_wrong_reading() {
     let exchange = |text: &str| {
@@ -290,7 +290,7 @@ fn duplicated_cases() {
         text.to_string() + "13,4500,0,1000\n"
     });
     assert_eq!(only(&diagnostics, Code::DuplicateCase).0, Severity::Error);
-    // The readings of case 12 were filed a second time as case 13.
+    // The readings of case 12 are filed a second time as case 13.
     let (measured, diagnostics) = study("marks_measured.csv", |text| {
         let kept: Vec<&str> = text
             .lines()

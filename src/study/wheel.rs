@@ -1,35 +1,35 @@
-//! Camber and steer of the wheel as guide/study.md defines them.
+//! Camber and steer of the wheel as defined in guide/study.md.
 
 use super::settings::SpinAxis;
 use admire_solver::mechanics::{Pose, Vec3};
 
-/// What a K&C rig reads at the wheel.
+/// Wheel reading of a K&C rig.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelReading {
     /// Wheel marker origin in ground.
     pub position: Vec3,
-    /// Positive when the top of the wheel leans outboard. Degrees.
+    /// Camber in degrees, positive when the top of the wheel leans outboard.
     pub camber_deg: f64,
-    /// Right-handed about +z, in (-180, 180]. Degrees.
+    /// Steer in degrees, right-handed about +z, in (-180, 180].
     pub steer_deg: f64,
 }
 
-/// The unit spin axis at design, in ground axes, and the sense in which the marker axis gives it.
+/// Unit spin axis at design in ground axes, and its relation to the axes of the marker.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SpinDirection {
-    /// 0, 1, 2: which axis of the marker.
+    /// Axis of the marker: 0, 1, 2 for x, y, z.
     pub axis: usize,
-    /// +1 or -1.
+    /// Sense of the spin axis along this marker axis: +1 or -1.
     pub sense: f64,
-    /// The spin axis at design, pointing outboard.
+    /// Spin axis at design, pointing outboard.
     pub s0: Vec3,
 }
 
 impl SpinDirection {
-    /// From the wheel marker at the deck's design position.
+    /// Determines the spin axis from the wheel marker at the deck's design position.
     ///
-    /// Without a sign in the study the sense is the one that points outboard: away from the vehicle's middle, which lies at the
-    /// origin of the ground frame along the spin axis.
+    /// Without a sign in the study the axis points outboard: away from the vehicle's middle, which lies at the origin of the ground frame
+    /// along the spin axis.
     pub fn at_design(marker: &Pose, axis: SpinAxis) -> Self {
         let column: Vec3 = marker.R.column(axis.axis).into();
         let sense = match axis.sign {
@@ -44,12 +44,12 @@ impl SpinDirection {
         }
     }
 
-    /// The spin axis of the wheel marker now.
+    /// Returns the current spin axis of the wheel marker.
     pub fn now(&self, marker: &Pose) -> Vec3 {
         marker.R.column(self.axis) * self.sense
     }
 
-    /// What the rig reads with the wheel marker here.
+    /// Returns the reading of the rig for this pose of the wheel marker.
     pub fn reading(&self, marker: &Pose) -> WheelReading {
         let s = self.now(marker);
         WheelReading {
@@ -60,12 +60,12 @@ impl SpinDirection {
     }
 }
 
-/// `asin(s0.z) - asin(s.z)` in degrees.
+/// Returns the camber angle `asin(s0.z) - asin(s.z)` in degrees.
 pub fn camber_deg(s0: &Vec3, s: &Vec3) -> f64 {
     (libm::asin(s0.z.clamp(-1.0, 1.0)) - libm::asin(s.z.clamp(-1.0, 1.0))).to_degrees()
 }
 
-/// `atan2(s.y, s.x) - atan2(s0.y, s0.x)` in degrees, wrapped to (-180, 180].
+/// Returns the steer angle `atan2(s.y, s.x) - atan2(s0.y, s0.x)` in degrees, wrapped to (-180, 180].
 pub fn steer_deg(s0: &Vec3, s: &Vec3) -> f64 {
     let turn = (libm::atan2(s.y, s.x) - libm::atan2(s0.y, s0.x)).to_degrees();
     180.0 - (180.0 - turn).rem_euclid(360.0)
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn the_worked_example_of_the_study_format() {
-        // Its spin axis is given to four digits and is a unit vector only to 3e-4.
+        // The spin axis has four digits, so its length is 1 only to within 3e-4.
         let (s0, s) = (Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.01, -0.9997, 0.02));
         assert!((camber_deg(&s0, &s) + 1.146).abs() < 5e-4);
         assert!((steer_deg(&s0, &s) - 0.573).abs() < 5e-4);

@@ -1,4 +1,4 @@
-//! The file of `[wheel]`: its marker, and what the rig read of it in each case.
+//! Readings of `[wheel]`: its marker, and the rig's reading of it in each case.
 
 use super::measurement::{Grouped, Measurement, Wheel, wheel};
 use super::rows::{case_of, point};
@@ -59,7 +59,7 @@ pub(super) fn wheel_readings(
     grouped.finish(out);
 }
 
-/// The marker that a study names; what is none is complained about.
+/// Returns the marker that a study names, or reports that it does not exist.
 pub(super) fn marker_of(
     study: &Study,
     name: &SpannedText,
@@ -83,7 +83,7 @@ pub(super) fn marker_of(
         let complaint = Diagnostic::error(Code::UnknownTarget, message)
             .label(study.source.name(), name.span, "")
             .help(did_you_mean(&name.text, "the deck", &there));
-        // Several curves may name the same one.
+        // Several curves may name the same marker.
         if !out.contains(&complaint) {
             out.push(complaint);
         }
@@ -91,7 +91,7 @@ pub(super) fn marker_of(
     found
 }
 
-/// The marker with this address (`MARKER/20`), id or view name.
+/// Returns the marker with this address (`MARKER/20`), id or view name.
 fn marker(name: &str, model: &Model) -> Option<MarkerIx> {
     let name = name.trim();
     let id = name.split_once('/').map_or(name, |(_, id)| id).trim();

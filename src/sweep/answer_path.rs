@@ -2,7 +2,7 @@ use std::fmt;
 
 use serde_json::Value;
 
-/// Which answer to a study.
+/// Result file of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Answer {
     /// `identification.json`.
@@ -11,24 +11,24 @@ pub enum Answer {
     Diagnosis,
 }
 
-/// Where a number stands in an answer: `fit_test.chi2`, `parameters[BUSHING/1.K.1].value`.
+/// Path to a number in a result file: `fit_test.chi2`, `parameters[BUSHING/1.K.1].value`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AnswerPath {
-    /// Which answer.
+    /// Result file.
     pub answer: Answer,
     steps: Vec<Step>,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Step {
-    /// A field of an object.
+    /// Field of an object.
     Field(String),
-    /// The element of a list with this address or cause, or this number from 0; `*` stands for any letters.
+    /// Element of a list, named by its address, its cause, or its number from 0; `*` matches any characters.
     Element(String),
 }
 
 impl AnswerPath {
-    /// Reads a path. `None` if it is none.
+    /// Parses a path; `None` if the text is not a path.
     pub(crate) fn parse(answer: Answer, text: &str) -> Option<Self> {
         let mut steps = Vec::new();
         let mut rest = text;
@@ -51,7 +51,8 @@ impl AnswerPath {
         }
     }
 
-    /// Every path without a `*` that this one matches in an answer, with the names that stand for its stars. A path without any is itself.
+    /// Expands each `*` against a result. Returns every matching path without `*`, with the names that its stars match. A path without `*`
+    /// is returned as it is, without a check.
     pub(crate) fn matching(&self, answer: &Value) -> Vec<(Self, String)> {
         let mut found = vec![(Vec::new(), String::new(), answer)];
         let any = |step: &Step| matches!(step, Step::Element(word) if word.contains('*'));
@@ -99,8 +100,8 @@ impl AnswerPath {
         found.into_iter().map(path).collect()
     }
 
-    /// Why no answer like this one has a number there. A place that is empty here may be filled in another, and so may a finding be
-    /// there that is not here: its name is `cause@address`.
+    /// Returns the reason why no result of this kind can have a number at this path; `None` if the path is acceptable. A null may be a
+    /// number in another case, and a finding (named `cause@address`) that is missing here may occur in another case.
     pub(crate) fn refused(&self, answer: &Value) -> Option<String> {
         let mut at = answer;
         for step in &self.steps {
@@ -127,7 +128,7 @@ impl AnswerPath {
         }
     }
 
-    /// The number there; true is 1 and false 0. NaN where there is none.
+    /// Returns the number at this path, with true as 1 and false as 0; NaN if there is none.
     pub(crate) fn number(&self, answer: &Value) -> f64 {
         let mut at = answer;
         for step in &self.steps {
@@ -158,7 +159,7 @@ impl fmt::Display for AnswerPath {
     }
 }
 
-/// The elements of a list by address, cause or place.
+/// Iterates over the elements of a list, each with its name: address, cause with address, or position.
 fn elements(list: &Value) -> impl Iterator<Item = (String, &Value)> {
     let list = list.as_array().map_or(&[][..], Vec::as_slice);
     list.iter().enumerate().map(|(k, value)| {
@@ -172,7 +173,7 @@ fn elements(list: &Value) -> impl Iterator<Item = (String, &Value)> {
     })
 }
 
-/// Whether a name is like a pattern in which `*` stands for any letters.
+/// Returns true if a name matches a pattern in which `*` stands for any characters.
 fn like(pattern: &str, name: &str) -> bool {
     glob::Pattern::new(&pattern.replace('[', "[[]")).is_ok_and(|pattern| pattern.matches(name))
 }

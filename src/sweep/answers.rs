@@ -1,4 +1,4 @@
-//! A case that is an identification or a diagnosis: the study with the deck of the case.
+//! Cases that are identifications or diagnoses: the study is run with the deck of the case.
 
 use admire_design::propose;
 use serde_json::Value;
@@ -15,7 +15,7 @@ use admire_study::solver;
 use admire_syntax::diagnostic::Severity;
 use admire_syntax::text::{Source, Span};
 
-/// The answers to a study, as far as something of them is kept.
+/// Results of a study, as far as the sweep records them.
 #[derive(Debug, Default)]
 pub(crate) struct Answers {
     identification: Value,
@@ -23,10 +23,10 @@ pub(crate) struct Answers {
 }
 
 impl Answers {
-    /// Of a study with another deck.
+    /// Runs the study with another deck.
     ///
     /// # Errors
-    /// Status and reason.
+    /// Status and reason of the failure.
     pub(crate) fn of(
         (study, check): (&LoadedStudy, GainCheck),
         deck: &Source,
@@ -83,10 +83,10 @@ impl Answers {
         }
     }
 
-    /// The places that a path means here, with the names of what its stars stand for.
+    /// Expands a path into paths without `*`, each with the names that its stars match.
     ///
     /// # Errors
-    /// Why there is no number at one of them.
+    /// The reason why a path has no number.
     pub(crate) fn matching(&self, path: &AnswerPath) -> Result<Vec<(AnswerPath, String)>, String> {
         let answer = self.answer(path);
         let found = path.matching(answer);
@@ -98,7 +98,7 @@ impl Answers {
         }
     }
 
-    /// The numbers of all columns.
+    /// Returns the numbers of all columns.
     pub(crate) fn numbers(&self, outputs: &[Output]) -> Vec<f64> {
         let number = |output: &Output| match &output.origin {
             OutputSource::Answer(path) => path.number(self.answer(path)),

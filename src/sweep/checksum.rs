@@ -1,6 +1,6 @@
-//! Checksums of tables: one for each row group, which tells where damage is, and one for the whole file, which finds it anywhere.
+//! Checksums of tables: one for each row group, which locates damage, and one for the whole file, which detects damage anywhere.
 //!
-//! They are SHA-256 in the facts of the file. That of the whole file is taken with zeros in its own place.
+//! They are SHA-256 sums in the metadata of the file. The checksum of the whole file is computed with zeros in its own place.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -14,22 +14,22 @@ use sha2::{Digest, Sha256};
 use super::folder::hexadecimal;
 use admire_syntax::text::open_to_read;
 
-/// The fact with the checksums of the row groups, with blanks between. A group has all bytes behind the one before.
+/// Metadata key of the row-group checksums, separated by spaces. The bytes of a group extend from the end of the previous group.
 pub(super) const GROUPS: &str = "admire.row_groups_sha256";
 
-/// The fact with the checksum of the whole file.
+/// Metadata key of the checksum of the whole file.
 pub(super) const WHOLE: &str = "admire.file_sha256";
 
-/// What stands in its place while it is taken.
+/// Placeholder for the checksum of the whole file while it is computed.
 pub(super) const ZEROS: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
-/// Why a table is not what was written.
+/// Reason why a table is not intact.
 #[derive(Debug, thiserror::Error)]
 pub enum Damage {
-    /// It cannot be read.
+    /// The table cannot be read.
     #[error("{0}")]
     Unreadable(#[from] ParquetError),
-    /// Its bytes have changed.
+    /// The bytes of the table have changed.
     #[error("the file is damaged: {0} not as written")]
     Changed(String),
 }
@@ -40,7 +40,7 @@ impl From<io::Error> for Damage {
     }
 }
 
-/// A file that takes the checksum of what is written to it.
+/// File that computes the checksum of everything written to it.
 pub(super) struct Summed {
     file: File,
     whole: Sha256,
@@ -56,15 +56,15 @@ impl Summed {
         }
     }
 
-    /// The checksum of what was written since the last call.
+    /// Returns the checksum of the bytes written since the last call.
     pub(super) fn group(&mut self) -> String {
         hexadecimal(&std::mem::take(&mut self.group).finalize())
     }
 
-    /// Puts the checksum of the whole file into its place, and the file on the disk.
+    /// Writes the checksum of the whole file into its place, and syncs the file to disk.
     ///
     /// # Errors
-    /// When the file cannot be read or written, or has no such place.
+    /// When the file cannot be read or written, or has no place for the checksum.
     pub(super) fn finish(mut self) -> io::Result<()> {
         let place = place_of_whole(&mut self.file)?
             .ok_or_else(|| io::Error::other("the file has no place for its checksum"))?;
@@ -88,7 +88,7 @@ impl Write for Summed {
     }
 }
 
-/// Compares a table with its checksums.
+/// Verifies the checksums of a table.
 ///
 /// # Errors
 /// [`Damage`], with the row groups that have changed.
@@ -111,7 +111,7 @@ pub(crate) fn verify(path: &Path) -> Result<(), Damage> {
     Err(Damage::Changed(changed(path, &mut file)?))
 }
 
-/// Which row groups have changed, as the subject of a sentence.
+/// Names the changed row groups, as the subject of a sentence.
 fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     let reader = SerializedFileReader::new(open_to_read(path)?)?;
     let metadata = reader.metadata();
@@ -145,7 +145,7 @@ fn changed(path: &Path, file: &mut File) -> Result<String, Damage> {
     })
 }
 
-/// Where the last column of a row group ends; `None` where its metadata name no such place.
+/// Returns the end of the last column of a row group; `None` if its metadata are inconsistent.
 fn end_of(group: &RowGroupMetaData) -> Option<u64> {
     let mut ends = group.columns().iter().map(|column| {
         let pages = column.data_page_offset();
@@ -156,7 +156,7 @@ fn end_of(group: &RowGroupMetaData) -> Option<u64> {
     ends.try_fold(0, |most: u64, end| Some(most.max(end?)))
 }
 
-/// Adds some bytes of a file to a checksum.
+/// Adds a range of bytes of a file to a checksum.
 fn add(file: &mut File, bytes: std::ops::Range<u64>, sum: &mut Sha256) -> io::Result<()> {
     file.seek(SeekFrom::Start(bytes.start))?;
     let wanted = bytes.end - bytes.start;
@@ -178,7 +178,7 @@ fn add(file: &mut File, bytes: std::ops::Range<u64>, sum: &mut Sha256) -> io::Re
     }
 }
 
-/// Where the checksum of the whole file is: in the facts of the footer, behind its key. `None` if there is none.
+/// Returns the offset of the whole-file checksum, which follows its key in the footer's metadata; `None` if there is none.
 fn place_of_whole(file: &mut File) -> io::Result<Option<u64>> {
     // A Parquet file ends with its metadata, their length in four bytes, and `PAR1`.
     const TAIL: u64 = 8;
@@ -195,7 +195,7 @@ fn place_of_whole(file: &mut File) -> io::Result<Option<u64>> {
     file.seek(SeekFrom::Start(start))?;
     let mut metadata = vec![0; (end - start) as usize];
     file.read_exact(&mut metadata)?;
-    // The value of a fact: a byte for the kind of the field, one for the length, then the text.
+    // The value follows the key: one byte for the kind of the field, one byte for its length, then the text.
     let key = memchr::memmem::find(&metadata, WHOLE.as_bytes());
     let value = key.map(|key| key + WHOLE.len() + 2);
     let fits = |value: &usize| value + ZEROS.len() <= metadata.len();

@@ -4,7 +4,7 @@ use admire_session::file_below;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// What is wrong with a SWEEP.toml, with places in it.
+/// Diagnostics of a SWEEP.toml, with their places in it.
 #[derive(Default)]
 pub(super) struct CollectedDiagnostics {
     pub(super) file: String,
@@ -12,28 +12,28 @@ pub(super) struct CollectedDiagnostics {
 }
 
 impl CollectedDiagnostics {
-    /// Something is wrong at a place of SWEEP.toml.
+    /// Adds an error at a place of SWEEP.toml.
     pub(super) fn wrong(&mut self, code: Code, span: std::ops::Range<usize>, message: &str) {
         let diagnostic =
             Diagnostic::error(code, message).label(self.file.as_str(), Span::from(span), "");
         self.all.push(diagnostic);
     }
 
-    /// The same for what another reader said of a text of SWEEP.toml.
+    /// Adds a diagnostic of another reader, relabelled to the place of its text in SWEEP.toml.
     pub(super) fn refused(&mut self, span: std::ops::Range<usize>, mut why: Diagnostic) {
         why.labels.clear();
         self.all
             .push(why.label(self.file.as_str(), Span::from(span), ""));
     }
 
-    /// Help for the last complaint.
+    /// Adds help to the last diagnostic.
     pub(super) fn help(&mut self, text: &str) {
         if let Some(last) = self.all.pop() {
             self.all.push(last.help(text));
         }
     }
 
-    /// The path of a file or folder that is named at a place: below the folder of SWEEP.toml.
+    /// Resolves the path of a file or folder named at a place; it must be below the folder of SWEEP.toml.
     pub(super) fn below(
         &mut self,
         folder: &Path,
@@ -47,13 +47,13 @@ impl CollectedDiagnostics {
         found.value
     }
 
-    /// Reads a file that is named at a place: one below the folder of SWEEP.toml.
+    /// Reads a file named at a place; it must be below the folder of SWEEP.toml.
     pub(super) fn file(&mut self, folder: &Path, name: &toml::Spanned<String>) -> Option<Source> {
         let path = self.below(folder, name)?;
         self.source(&path, Some(name.span()))
     }
 
-    /// Reads a file that is named at a place.
+    /// Reads a file named at a place, without restriction to a folder.
     pub(super) fn source(
         &mut self,
         path: &Path,

@@ -2,30 +2,30 @@ use nalgebra::{Cholesky, DMatrix};
 
 use super::normal;
 
-/// Numbers that vary together: their normal scores have given correlations (a Gaussian copula), their distributions stay their own.
+/// Group of correlated numbers (Gaussian copula): their normal scores have given correlations, and each keeps its own distribution.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Correlation {
     members: Vec<usize>,
-    /// Lower triangle L of the matrix of correlations L L'.
+    /// Lower triangle L of the correlation matrix L L'.
     lower: DMatrix<f64>,
 }
 
 impl Correlation {
-    /// A group by the places of its members among the variations; `None` if no numbers have such correlations: the matrix is not
-    /// positive definite.
+    /// Creates a group from the indices of its members among the variations. `None` if the matrix is not positive definite, because no
+    /// numbers have such correlations.
     pub(crate) fn new(members: Vec<usize>, matrix: &DMatrix<f64>) -> Option<Self> {
         let lower = Cholesky::new(matrix.clone())?.unpack();
         Some(Self { members, lower })
     }
 
-    /// Makes probabilities of independent numbers into those of a group.
+    /// Transforms independent probabilities into correlated probabilities.
     pub(crate) fn apply(&self, unit: &mut [f64]) {
         let scores: Vec<f64> = self
             .members
             .iter()
             .map(|&at| normal::quantile(unit[at]))
             .collect();
-        // The first keeps its number to the last bit.
+        // The first member is unchanged, and stays exact to the last bit.
         for (row, &at) in self.members.iter().enumerate().skip(1) {
             let score: f64 = (0..=row).map(|k| self.lower[(row, k)] * scores[k]).sum();
             unit[at] =

@@ -1,37 +1,37 @@
-//! Which cases a sweep has: a point of the unit cube for every case.
+//! Design of a sweep: a point of the unit cube for every case.
 
 use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
 use super::random::{Stream, to_unit};
 
-/// Directions of the Sobol sequence are known for so many numbers (Joe and Kuo 2008).
+/// Largest number of dimensions of the Sobol sequence here (direction numbers of Joe and Kuo 2008).
 pub(crate) const MOST_SOBOL: usize = 1000;
 
-/// The kind of plan.
+/// Kind of sampling plan.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Plan {
     /// Independent random points.
     Random,
-    /// One point in each of as many slices of every number as there are cases.
+    /// Latin hypercube: the range of every number is divided into as many slices as there are cases, with one point in each slice.
     LatinHypercube,
-    /// The Sobol sequence with a random shift.
+    /// Sobol sequence with a random digital shift.
     Sobol,
-    /// All combinations; the number of levels of each number.
+    /// All combinations of levels; contains the number of levels of each varied number.
     FullFactorial(Vec<u64>),
-    /// The points that indices of Sobol need: A, B, and A with one number of B each (Saltelli et al. 2010).
+    /// Points for Sobol indices: A, B, and A with one number of B each (Saltelli et al. 2010).
     SobolIndices,
-    /// Trajectories on a grid of so many levels, each step changing one number (Morris 1991).
+    /// Trajectories on a grid, in which each step changes one number (Morris 1991).
     Morris {
-        /// Levels, an even number.
+        /// Number of grid levels, even.
         levels: u64,
     },
-    /// Cases of a table: one row each.
+    /// Cases from a table, one row each.
     Table(Vec<Vec<f64>>),
 }
 
 impl Plan {
-    /// Its name in SWEEP.toml.
+    /// Returns its name in SWEEP.toml.
     pub(crate) const fn word(&self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -45,36 +45,37 @@ impl Plan {
     }
 }
 
-/// Where a case is.
+/// Sampling point of a case.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) enum Point {
-    /// A probability for every number, 0 < u < 1.
+    /// Probability of every number, 0 < u < 1.
     Unit(Vec<f64>),
-    /// A level of every number, and of how many.
+    /// Level of every number, and its number of levels.
     Levels(Vec<(u64, u64)>),
-    /// The values themselves.
+    /// Values of the numbers themselves.
     Values(Vec<f64>),
 }
 
-/// The cases of a sweep. Case i is a function of plan, seed and i alone.
+/// Design of a sweep. Case i depends only on plan, seed and i.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// The kind.
+    /// Kind of plan.
     pub plan: Plan,
-    /// How many cases of the plan: rows; base points of indices; trajectories.
+    /// Size of the plan: number of rows, of base points for indices, or of trajectories.
     size: u64,
-    /// How many numbers vary.
+    /// Number of varied numbers.
     dimensions: usize,
     streams: Vec<Stream>,
-    /// Orders of the steps of trajectories.
+    /// Random order of the steps of trajectories.
     order: Stream,
-    /// Digital shift of each number, and the directions of the Sobol sequence, most significant bit first.
+    /// Digital shift of each number.
     shifts: Vec<u64>,
+    /// Direction numbers of the Sobol sequence for each dimension, most significant bit first.
     directions: Vec<Vec<u64>>,
 }
 
 impl Design {
-    /// A plan of `size` for numbers of these names.
+    /// Creates a plan of `size` for numbers with these names.
     pub(crate) fn new(plan: Plan, size: u64, seed: u64, names: &[&str]) -> Self {
         let dimensions = names.len();
         let streams: Vec<Stream> = names.iter().map(|name| Stream::named(seed, name)).collect();
@@ -106,7 +107,7 @@ impl Design {
         }
     }
 
-    /// Cases in one block of the plan: those that belong together.
+    /// Returns the number of cases in one block of the plan. The cases of a block are evaluated together.
     pub(crate) fn block(&self) -> u64 {
         match self.plan {
             Plan::SobolIndices => self.dimensions as u64 + 2,
@@ -115,7 +116,7 @@ impl Design {
         }
     }
 
-    /// The number of cases.
+    /// Returns the number of cases.
     pub(crate) fn cases(&self) -> u64 {
         match &self.plan {
             Plan::FullFactorial(levels) => levels.iter().product(),
@@ -124,7 +125,7 @@ impl Design {
         }
     }
 
-    /// Where a case is.
+    /// Returns the sampling point of a case.
     pub(crate) fn point(&self, case: u64) -> Point {
         let numbers = 0..self.dimensions;
         match &self.plan {
@@ -174,7 +175,7 @@ impl Design {
         }
     }
 
-    /// The first and the second level of a number in a trajectory: half the levels apart.
+    /// Returns the first and the second level of a number in a trajectory. They differ by half the number of levels.
     fn morris_step(&self, trajectory: u64, number: usize, levels: u64) -> (u64, u64) {
         let stream = &self.streams[number];
         let low = stream.below(2 * trajectory, levels / 2);
@@ -183,16 +184,16 @@ impl Design {
         if up { (low, high) } else { (high, low) }
     }
 
-    /// Which step of a trajectory changes a number: each changes one.
+    /// Returns the step of a trajectory that changes a number. Each step changes one number.
     pub(crate) fn morris_turn(&self, trajectory: u64, number: usize) -> u64 {
         let own = Stream::named(self.order.bits(trajectory), "order of a trajectory");
         own.shuffled(number as u64, self.dimensions as u64)
     }
 
-    /// Number `dimension` of a point of the shifted Sobol sequence.
+    /// Returns coordinate `dimension` of a point of the shifted Sobol sequence.
     fn sobol(&self, index: u64, dimension: usize) -> f64 {
         let mut bits = self.shifts[dimension];
-        // In the order of the Gray code, as it is usually numbered.
+        // Points are numbered by Gray code, as is usual.
         let gray = index ^ (index >> 1);
         for (place, direction) in self.directions[dimension].iter().enumerate() {
             if gray >> place & 1 == 1 {
@@ -228,7 +229,7 @@ mod tests {
 
     #[test]
     fn the_sobol_sequence_fills_every_box_of_its_nets() {
-        // The first two numbers are a (0, 2)-sequence: 16 points, one in each box of sides 2^-a and 2^-(4-a), shifted or not.
+        // The first two numbers form a (0, 2)-sequence: 16 points, one in each box of sides 2^-a and 2^-(4-a), shifted or not.
         let design = Design::new(Plan::Sobol, 16, 5, &["a", "b", "c"]);
         for a in 0..5 {
             let (wide, tall) = (f64::from(1 << a), f64::from(1 << (4 - a)));
@@ -245,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_sobol_sequence_is_that_of_joe_and_kuo() {
-        // Unshifted, points 1 to 4 of `new-joe-kuo-6.21201` in three numbers.
+        // Points 1 to 4 of `new-joe-kuo-6.21201` in three dimensions, without shift.
         let mut design = Design::new(Plan::Sobol, 8, 0, &["a", "b", "c"]);
         design.shifts.fill(0);
         let expected = [

@@ -1,18 +1,18 @@
 use super::normal;
 
-/// How a number is distributed, in its own unit.
+/// Distribution of a number, in its own unit.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Distribution {
-    /// Every value from the first to the second alike.
+    /// Uniform between the first and the second value.
     Uniform([f64; 2]),
-    /// Mean and standard deviation.
+    /// Normal distribution.
     Normal {
         /// Mean.
         mean: f64,
         /// Standard deviation, above zero.
         sd: f64,
     },
-    /// The logarithm is normal.
+    /// Lognormal distribution.
     LogNormal {
         /// Median, above zero.
         median: f64,
@@ -23,15 +23,15 @@ pub enum Distribution {
     Discrete {
         /// The values.
         values: Vec<f64>,
-        /// The probability of this value or one before it; the last is 1.
+        /// Cumulative probability up to and including each value; the last is 1.
         cumulative: Vec<f64>,
     },
-    /// Given case by case in a table.
+    /// Given for each case in a table.
     Given,
 }
 
 impl Distribution {
-    /// The value below which a share `u` of all values lies, 0 < u < 1. NaN where values are given.
+    /// Returns the quantile at probability `u`, 0 < u < 1. NaN where values are given by a table.
     pub(crate) fn quantile(&self, u: f64) -> f64 {
         match self {
             Self::Uniform([low, high]) => low + (high - low) * u,
@@ -45,8 +45,8 @@ impl Distribution {
         }
     }
 
-    /// Level `k` of `count` of a factorial plan: the values themselves where there are several; from end to end where there are ends;
-    /// else the middles of parts of the same probability.
+    /// Returns level `k` of `count` of a factorial plan. The levels are the discrete values themselves, equal steps over a uniform range,
+    /// or the midpoints of intervals of equal probability.
     pub(crate) fn level(&self, k: u64, count: u64) -> f64 {
         match self {
             Self::Discrete { values, .. } => values[k as usize],
@@ -57,7 +57,7 @@ impl Distribution {
         }
     }
 
-    /// How many values there are, where that is a number.
+    /// Returns the number of discrete values; `None` for continuous distributions.
     pub(crate) fn count(&self) -> Option<u64> {
         match self {
             Self::Discrete { values, .. } => Some(values.len() as u64),

@@ -1,4 +1,4 @@
-//! Runs the cases of a shard on all cores, and ends with its part file.
+//! Engine that runs the cases of a shard on all cores and writes its part file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -18,7 +18,7 @@ use super::runner::Runner;
 use super::shard::Shard;
 use super::table_writer::{Layout, TableWriter};
 
-/// Why a shard was not run to its end.
+/// Reason why a shard did not finish.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// Its journal cannot be used.
@@ -27,31 +27,31 @@ pub enum SweepError {
     /// A table cannot be written or read.
     #[error("{0}")]
     Table(#[from] ParquetError),
-    /// A finished table is not what was written.
+    /// A finished table is damaged.
     #[error("`{}`: {damage}; without the file its cases are run again", path.display())]
     Damaged {
-        /// The table.
+        /// Path of the table.
         path: PathBuf,
-        /// What has changed.
+        /// Kind of damage.
         damage: Damage,
     },
 }
 
-/// How far a shard is.
+/// Progress of a shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Progress {
-    /// Cases of the shard.
+    /// Number of cases of the shard.
     pub all: u64,
-    /// Cases that an earlier run had finished.
+    /// Number of cases finished by earlier runs.
     pub before: u64,
-    /// Cases this run finished.
+    /// Number of cases finished by this run.
     pub done: u64,
-    /// Of these, those without an answer.
+    /// Number of cases, among `done`, without a result.
     pub failed: u64,
 }
 
 impl Progress {
-    /// True if nothing is left.
+    /// Returns true if all cases are finished.
     pub const fn is_complete(&self) -> bool {
         self.before + self.done == self.all
     }
@@ -62,35 +62,36 @@ impl Progress {
     }
 }
 
-/// What is run by the thousand. A case is a function of what was read and of its number; of the case before it too where cases are in chains.
+/// Large set of cases to run. A case depends only on the inputs and its number, and in a chain also on the previous case.
 pub trait Cases: Sync {
-    /// So many cases make a chain, each starting where the one before ended. Chains know nothing of each other.
+    /// Returns the number of cases in a chain. Each case of a chain starts where the previous case ended. Chains are independent of each
+    /// other.
     fn chain(&self) -> u64 {
         1
     }
 
-    /// Runs a case; `before` is the one before it in its chain.
+    /// Runs a case; `before` is the previous case of its chain.
     fn run(&self, case: u64, before: Option<&Row>) -> Row;
 
-    /// The numbers that stand between case and answer in the table.
+    /// Returns the input numbers of a case, which the table lists between case number and results.
     fn inputs(&self, case: u64) -> Vec<f64>;
 
-    /// The columns of the table.
+    /// Returns the columns of the table.
     fn layout(&self) -> Layout;
 }
 
-/// Where cases are kept while they run, and when they are done.
+/// Files of the cases, during the run and afterwards.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Places {
-    /// The journal.
+    /// Path of the journal.
     pub journal: PathBuf,
-    /// The table.
+    /// Path of the table.
     pub table: PathBuf,
-    /// What the journal belongs to.
+    /// Key that identifies the owner of the journal.
     pub key: Vec<u8>,
 }
 
-/// A shard of a sweep.
+/// Shard of a sweep.
 struct OfShard<'a> {
     runner: &'a Runner<'a>,
     plan: &'a SweepPlan,
@@ -112,8 +113,8 @@ impl Cases for OfShard<'_> {
     }
 }
 
-/// Runs what is left of a shard with so many threads. `tell` is told after every few cases; when it says false the run ends with what
-/// is finished so far.
+/// Runs the unfinished cases of a shard on `threads` threads. `tell` is called after every few cases; if it returns false, the run stops
+/// after the cases finished so far.
 ///
 /// # Errors
 /// When the journal or the part file cannot be written.
@@ -138,7 +139,7 @@ pub fn run_shard(
     run_cases(&cases, shard.cases(plan.cases()), &places, threads, tell)
 }
 
-/// The same for any cases of this range, which begins with a chain. Where the table is there, and is what was written, nothing is left to do.
+/// Runs any cases of this range, which must begin with a chain. Nothing is run if the table exists and is intact.
 ///
 /// # Errors
 /// When the journal or the table cannot be written, or the table is damaged.
@@ -163,7 +164,7 @@ pub(crate) fn run_cases(
     }
     let mut journal = Journal::open(&places.journal, &places.key)?;
     if places.table.is_file() {
-        // Another process ended it just now.
+        // Another process has just finished the shard.
         let _ = std::fs::remove_file(&places.journal);
         progress.before = progress.all;
         return Ok(progress);
@@ -190,10 +191,11 @@ pub(crate) fn run_cases(
     Ok(progress)
 }
 
-/// The same without a file: what came of all cases, in their order; `None` if `tell` said no before the last.
+/// Runs cases in memory, without journal and table. Returns all rows in the order of the cases; `None` if `tell` stopped the run before the
+/// last case.
 ///
 /// # Errors
-/// None of its own.
+/// None in practice.
 pub(crate) fn run_in_memory(
     work: &dyn Cases,
     cases: Range<u64>,
@@ -218,8 +220,8 @@ pub(crate) fn run_in_memory(
     Ok(progress.is_complete().then_some(all))
 }
 
-/// Runs the cases that are not finished; `take` gets them as they end, and now and then none, until it says false. Chains go on behind
-/// their `last` case.
+/// Runs the unfinished cases. `take` receives the rows as they finish, and at intervals an empty list, until it returns false. Each chain
+/// continues after its `last` case.
 fn run_left(
     work: &dyn Cases,
     cases: &Range<u64>,
@@ -267,14 +269,14 @@ fn run_left(
                 Err(error) => break Err(error),
             }
         };
-        // Threads that still wait to hand over a case end.
+        // Threads that still wait to send a row end.
         stop.store(true, Ordering::Relaxed);
         drop(receive);
         taken
     })
 }
 
-/// The last finished case of every chain that was begun, by the chain's first case.
+/// Returns the last finished case of every chain that was started, keyed by the first case of the chain.
 fn last_of_chains(
     chain: u64,
     cases: &Range<u64>,
@@ -291,7 +293,7 @@ fn last_of_chains(
     Ok(last)
 }
 
-/// The columns of a part or of the whole.
+/// Returns the columns of a part file or of the whole table.
 pub(crate) fn layout(
     runner: &Runner<'_>,
     plan: &SweepPlan,
@@ -346,7 +348,7 @@ fn write_table(work: &dyn Cases, places: &Places, journal: &mut Journal) -> Resu
         Ok(table.add(row, inputs)?)
     })?;
     table.finish()?;
-    // The table is whole and on the disk: the journal has done its work. One that stays is only in the way.
+    // The table is complete and on disk, so the journal is no longer needed. Failure to remove it is harmless.
     let _ = std::fs::remove_file(&places.journal);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! The folder of a sweep: what it holds, and whether it may be used.
+//! Folder of a sweep: its contents, and checks before its use.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,24 +14,24 @@ use admire_syntax::text::Source;
 use super::plan::SweepPlan;
 use super::shard::Shard;
 
-/// What a folder is about: `sweep.json`.
+/// Identity of a sweep folder: `sweep.json`.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Manifest {
-    /// Tells the file from one of somebody else.
+    /// Marker that distinguishes the file from files of other programs.
     pub written_by: String,
-    /// The version of the program.
+    /// Version of the program.
     pub version: String,
     /// SHA-256 over all inputs.
     pub inputs_sha256: String,
-    /// Each input by its name, with the SHA-256 of its bytes.
+    /// SHA-256 of the bytes of each input, by name.
     pub inputs: BTreeMap<String, String>,
-    /// The number of cases.
+    /// Number of cases.
     pub cases: u64,
-    /// In how many shards it is run.
+    /// Number of shards.
     pub shards: u64,
-    /// Names of the numbers that vary.
+    /// Names of the varied numbers.
     pub vary: Vec<String>,
-    /// The kind of plan.
+    /// Kind of plan.
     pub plan: String,
 }
 
@@ -39,11 +39,11 @@ const WRITER: &str = "admire sweep";
 const MANIFEST: &str = "sweep.json";
 const SHARDS: &str = "shards";
 
-/// Files of the folder that a sweep writes, besides those of its shards.
+/// Files that a sweep writes into the folder, apart from the files of its shards.
 pub(crate) const ANSWERS: [&str; 4] = ["results.parquet", "summary.json", "report.html", "slurm"];
 
 impl Manifest {
-    /// What a folder for a plan is about.
+    /// Creates the manifest of a plan.
     pub fn of(plan: &SweepPlan, shards: u64, version: &str) -> Self {
         let name = |source: &Source| {
             let path = Path::new(source.name());
@@ -57,7 +57,7 @@ impl Manifest {
         for source in &plan.inputs {
             let digest = Sha256::digest(source.bytes());
             all.update(digest);
-            // Two files of one name in two folders: the second has a number.
+            // Files of the same name from different folders are distinguished by an appended `+`.
             let mut key = name(source);
             while inputs.contains_key(&key) {
                 key.push('+');
@@ -76,7 +76,7 @@ impl Manifest {
         }
     }
 
-    /// What marks the journals of a shard.
+    /// Returns the key that identifies the journals of a shard.
     pub(crate) fn key(&self, shard: Shard) -> Vec<u8> {
         format!(
             "{}\n{}\n{}\n{shard}",
@@ -94,20 +94,20 @@ pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     text
 }
 
-/// The folder of a sweep.
+/// Folder of a sweep.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SweepFolder {
-    /// Where it is.
+    /// Path of the folder.
     pub path: PathBuf,
-    /// What it is about.
+    /// Manifest of the sweep.
     pub manifest: Manifest,
 }
 
 impl SweepFolder {
-    /// What a folder would be for a sweep; nothing is written yet.
+    /// Checks that a folder can be used for a sweep, without writing anything.
     ///
     /// # Errors
-    /// A folder that is about something else, holds files of somebody else, or cannot be written.
+    /// A folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn look(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let folder = Self {
             path: path.to_path_buf(),
@@ -121,7 +121,7 @@ impl SweepFolder {
         Ok(folder)
     }
 
-    /// A file without a name is made, and gone at once, where the folder is or would be.
+    /// Checks that the folder is writable, by creating an anonymous temporary file there or in its nearest existing parent.
     fn refuse_unwritable(&self) -> Result<(), Diagnostic> {
         let shards = self.path.join(SHARDS);
         let mut there = shards.ancestors().filter(|above| above.exists());
@@ -135,10 +135,10 @@ impl SweepFolder {
         }
     }
 
-    /// Makes a folder for a sweep, or goes on with one that is about the same.
+    /// Creates the folder of a sweep, or continues in the folder of the same sweep.
     ///
     /// # Errors
-    /// A folder that is about something else, holds files of somebody else, or cannot be written.
+    /// A folder of another sweep, a folder with foreign files, or a folder that cannot be written.
     pub fn begin(path: &Path, manifest: Manifest) -> Result<Self, Diagnostic> {
         let io = |error: std::io::Error| {
             Diagnostic::error(Code::CannotWrite, format!("`{}`: {error}", path.display()))
@@ -150,7 +150,7 @@ impl SweepFolder {
         } else {
             let text =
                 serde_json::to_string_pretty(&folder.manifest).expect("names and digits print");
-            // Shards that begin at the same time write the same.
+            // Shards that start at the same time write identical files.
             let new = tempfile::Builder::new()
                 .prefix(".sweep-")
                 .tempfile_in(path)
@@ -168,10 +168,10 @@ impl SweepFolder {
         Ok(folder)
     }
 
-    /// The folder of a sweep that was begun.
+    /// Opens the folder of a sweep that was started.
     ///
     /// # Errors
-    /// A folder that is not one, or that holds files of somebody else.
+    /// A folder without a manifest, or with foreign files.
     pub fn open(path: &Path) -> Result<Self, Diagnostic> {
         let Some(manifest) = read_manifest(path)? else {
             let message = format!(
@@ -236,7 +236,7 @@ impl SweepFolder {
         Ok(())
     }
 
-    /// Files that no sweep writes.
+    /// Rejects files that no sweep writes.
     fn refuse_strangers(&self) -> Result<(), Diagnostic> {
         let mut strangers = Vec::new();
         let io = |error: std::io::Error| {
@@ -260,7 +260,7 @@ impl SweepFolder {
             name == MANIFEST
                 || name == SHARDS
                 || name.starts_with(".sweep-")
-                // Of a run that was killed while it wrote an answer; the next that writes removes it.
+                // Left behind by a run that was killed while writing a result; the next run that writes removes it.
                 || leftover::is_ours(name)
                 || ANSWERS.contains(&plain)
         })?;
@@ -279,26 +279,26 @@ impl SweepFolder {
             .help("name a folder of its own for the sweep"))
     }
 
-    /// The journal of a shard.
+    /// Returns the path of a shard's journal.
     pub(crate) fn journal(&self, shard: Shard) -> PathBuf {
         self.path
             .join(SHARDS)
             .join(format!("{}.journal", shard.stem()))
     }
 
-    /// The finished part of a shard.
+    /// Returns the path of a shard's finished part file.
     pub fn part(&self, shard: Shard) -> PathBuf {
         self.path
             .join(SHARDS)
             .join(format!("{}.parquet", shard.stem()))
     }
 
-    /// The whole answer.
+    /// Returns the path of the complete table.
     pub fn results(&self) -> PathBuf {
         self.path.join(ANSWERS[0])
     }
 
-    /// Every shard of the sweep.
+    /// Iterates over all shards of the sweep.
     pub fn shards(&self) -> impl Iterator<Item = Shard> + use<> {
         let of = self.manifest.shards;
         (1..=of).map(move |number| Shard { number, of })

@@ -1,26 +1,28 @@
-//! First-order and total indices of Sobol, with their errors.
+//! First-order and total Sobol indices with their standard errors.
 
 use super::random::Stream;
 
-/// Resamples of the blocks for the errors.
+/// Number of bootstrap resamples of the blocks for the standard errors.
 const RESAMPLES: u64 = 200;
 
-/// How much of the variance of an answer one number causes.
+/// Sobol indices of one number: shares of the variance of a result.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Index {
-    /// By itself: the variance of the mean given the number, over the whole variance.
+    /// First-order index: the variance of the mean given the number, over the total variance.
     pub first: f64,
-    /// Its standard error, from resampling the base points.
+    /// Standard error of the first-order index, from resampling the base points.
     pub first_error: f64,
-    /// With all others: what would be left if all but this number were known, over the whole variance.
+    /// Total index: the variance that remains if all other numbers are known, over the total variance.
     pub total: f64,
-    /// Its standard error.
+    /// Standard error of the total index.
     pub total_error: f64,
 }
 
-/// The indices of `numbers` numbers from the answers of the cases of the plan `sobol-indices`, in their order: A, B, then A with one
-/// number of B each. First order by Saltelli et al. 2010 (table 2, b), total by Jansen 1999. Blocks with a case that has no answer are
-/// left out. Gives the number of blocks used too; `None` with fewer than two, or where the answer does not vary.
+/// Computes the indices of `numbers` numbers from the results of the plan `sobol-indices`, in the order of its cases: A, B, then A with one
+/// number of B each.
+///
+/// The first order follows Saltelli et al. 2010 (table 2, b), the total Jansen 1999. Blocks with a case without a result are left out; the
+/// number of blocks used is returned, too. `None` with fewer than two blocks, or if the result does not vary.
 pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, usize)> {
     let blocks: Vec<&[f64]> = answers
         .chunks_exact(numbers + 2)
@@ -30,7 +32,7 @@ pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, us
     if count < 2 {
         return None;
     }
-    // Far from zero the products would lose their digits.
+    // The mean is subtracted, because the products would otherwise lose digits.
     let mean = blocks.iter().map(|block| block[0] + block[1]).sum::<f64>() / (2 * count) as f64;
     let all: Vec<f64> = estimate(blocks.iter().copied(), numbers, mean)?;
     let draws = Stream::named(0, "resamples of the base points");
@@ -64,7 +66,7 @@ pub(crate) fn indices(answers: &[f64], numbers: usize) -> Option<(Vec<Index>, us
     Some((found.collect(), count))
 }
 
-/// First-order indices, then total ones.
+/// Returns the first-order indices, followed by the total indices.
 fn estimate<'b>(
     blocks: impl Iterator<Item = &'b [f64]>,
     numbers: usize,
@@ -85,7 +87,7 @@ fn estimate<'b>(
     }
     let center = sum / (2.0 * count);
     let variance = squares / (2.0 * count) - center * center;
-    // Rounding is no variance.
+    // A smaller variance is round-off.
     if !(variance > 1e-24 * mean * mean) {
         return None;
     }

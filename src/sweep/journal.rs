@@ -1,4 +1,4 @@
-//! The journal of a shard: every finished case, as it came, so that a run that is killed loses none of them.
+//! Journal of a shard: every finished case in order of completion, so that a killed run loses none of them.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
@@ -7,48 +7,48 @@ use std::time::{Duration, Instant};
 
 use super::row::{Row, Status};
 
-/// After this long what was written is forced to the disk.
+/// Interval after which written records are forced to disk.
 const SYNC: Duration = Duration::from_secs(1);
 
 /// First bytes of a journal.
 const MAGIC: &[u8; 8] = b"ADMJRNL1";
 
-/// No record is longer: a length beyond is damage.
+/// Largest length of a record in bytes; a greater length is damage.
 const LONGEST: u32 = 1 << 24;
 
-/// Why a journal cannot be used.
+/// Reason why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// It cannot be read or written.
+    /// The journal cannot be read or written.
     #[error("`{}`: {error}", path.display())]
     Io {
-        /// The file.
+        /// Path of the journal.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// Another process works on it.
+    /// Another process uses the journal.
     #[error("another process works on `{}`", .0.display())]
     Locked(PathBuf),
-    /// It is no journal, or one of another sweep.
+    /// The file is not a journal, or belongs to another sweep.
     #[error("`{}` is not the journal of this sweep by this version", .0.display())]
     Foreign(PathBuf),
 }
 
-/// A journal that is open for more.
+/// Journal open for appending.
 #[derive(Debug)]
 pub(crate) struct Journal {
     path: PathBuf,
     file: BufWriter<File>,
-    /// Case and place of every record, as they came.
+    /// Case and offset of every record, in order of completion.
     index: Vec<(u64, u64)>,
     end: u64,
     synced: Instant,
 }
 
 impl Journal {
-    /// Opens the journal of a shard, or begins it. `key` says which sweep, shard and version it belongs to. A record that was cut off
-    /// when a run was killed is taken off; its case was not finished.
+    /// Opens the journal of a shard, or creates it. `key` identifies its sweep, shard and version. A truncated record at the end, left by a
+    /// killed run, is removed; its case was not finished.
     ///
     /// # Errors
     /// [`JournalError`].
@@ -69,7 +69,7 @@ impl Journal {
             Err(std::fs::TryLockError::WouldBlock) => {
                 return Err(JournalError::Locked(path.to_path_buf()));
             }
-            // Some network file systems have no locks: there the user sees to it that a shard runs once.
+            // Some network file systems have no locks. The user must then ensure that each shard is run only once at a time.
             Err(std::fs::TryLockError::Error(error))
                 if error.kind() == io::ErrorKind::Unsupported => {}
             Err(std::fs::TryLockError::Error(error)) => return Err(io(error)),
@@ -93,7 +93,7 @@ impl Journal {
             return Err(JournalError::Foreign(path.to_path_buf()));
         }
         if there.len() < head.len() {
-            // Killed while the head was written: nothing is in it yet.
+            // The run was killed while it wrote the header, so the journal is empty.
             let file = journal.file.get_mut();
             file.set_len(0).map_err(io)?;
             file.seek(SeekFrom::Start(0)).map_err(io)?;
@@ -111,12 +111,12 @@ impl Journal {
         Ok(journal)
     }
 
-    /// The cases that are finished, as they came.
+    /// Iterates over the finished cases in order of completion.
     pub(crate) fn cases(&self) -> impl Iterator<Item = u64> + '_ {
         self.index.iter().map(|(case, _)| *case)
     }
 
-    /// Adds a case.
+    /// Appends a case.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -142,10 +142,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Hands what was added to the system, and from time to time to the disk.
+    /// Passes the appended records to the operating system, and at intervals to the disk.
     ///
     /// # Errors
-    /// When that fails.
+    /// When writing fails.
     pub(crate) fn flush(&mut self) -> Result<(), JournalError> {
         self.file.flush().map_err(|error| self.failed(error))?;
         if self.synced.elapsed() >= SYNC {
@@ -154,10 +154,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Forces what was added to the disk.
+    /// Forces the appended records to disk.
     ///
     /// # Errors
-    /// When that fails.
+    /// When writing fails.
     pub(crate) fn sync(&mut self) -> Result<(), JournalError> {
         self.file.flush().map_err(|error| self.failed(error))?;
         self.file
@@ -168,10 +168,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Hands out every case in their order, each once.
+    /// Passes every case to `take` once, in order of the case numbers.
     ///
     /// # Errors
-    /// When the file cannot be read, or what `take` says.
+    /// When the file cannot be read, or an error of `take`.
     pub(crate) fn in_order<E: From<JournalError>>(
         &mut self,
         mut take: impl FnMut(Row) -> Result<(), E>,
@@ -184,7 +184,7 @@ impl Journal {
         let mut reader = BufReader::new(file);
         let mut at = 0;
         for (_, place) in &index {
-            // Mostly the next one: what is buffered is not read again.
+            // Records are mostly adjacent, so the buffer is rarely discarded.
             reader
                 .seek_relative(*place as i64 - at as i64)
                 .map_err(|error| self.failed(error))?;
@@ -207,7 +207,7 @@ impl Journal {
     }
 }
 
-/// The next record and its size in bytes; `None` at the end, and where a record is cut off or damaged.
+/// Reads the next record. Returns it with its size in bytes; `None` at the end, or if the record is truncated or damaged.
 fn next(reader: &mut impl Read) -> Option<(Row, u64)> {
     let mut head = [0; 12];
     reader.read_exact(&mut head).ok()?;
@@ -244,7 +244,7 @@ fn next(reader: &mut impl Read) -> Option<(Row, u64)> {
     Some((row, u64::from(length) + 12))
 }
 
-/// FNV-1a of 64 bits: tells a torn record from a whole one.
+/// FNV-1a checksum of 64 bits, which distinguishes intact records from truncated ones.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
         (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)

@@ -1,30 +1,30 @@
 use super::answer_path::AnswerPath;
 
-/// What one value of many steps is.
+/// Reduction of a column over many steps to one value.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Reduction {
-    /// The last step.
+    /// Value of the last step.
     Last,
-    /// The first step.
+    /// Value of the first step.
     First,
-    /// The largest value of all steps.
+    /// Largest value over all steps.
     Max,
-    /// The smallest.
+    /// Smallest value over all steps.
     Min,
-    /// The mean of all steps, each counting alike.
+    /// Mean over all steps with equal weights.
     Mean,
-    /// Largest less smallest.
+    /// Largest minus smallest value.
     Range,
-    /// Root of the mean square of all steps.
+    /// Root mean square over all steps.
     Rms,
-    /// Step number, from 1.
+    /// Value of a step, counted from 1.
     Step(usize),
-    /// At this time, on the line between two steps.
+    /// Value at a time, by linear interpolation between two steps.
     Time(f64),
 }
 
 impl Reduction {
-    /// The word of SWEEP.toml.
+    /// Parses the word of SWEEP.toml.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
         Some(match word {
             "last" => Self::Last,
@@ -38,7 +38,7 @@ impl Reduction {
         })
     }
 
-    /// What stands behind the name of the column; nothing for the last step.
+    /// Returns the suffix of the column's name; empty for the last step.
     pub(crate) fn suffix(self) -> String {
         match self {
             Self::Last => String::new(),
@@ -53,7 +53,7 @@ impl Reduction {
         }
     }
 
-    /// The value of a column of steps; `None` where there is no such step.
+    /// Reduces a column of steps to one value; `None` if the step does not exist.
     pub(crate) fn of(self, steps: &[(f64, Vec<f64>)], column: usize) -> Option<f64> {
         let values = || steps.iter().map(|(_, row)| row[column]);
         let count = steps.len();
@@ -85,52 +85,52 @@ impl Reduction {
     }
 }
 
-/// What is kept of every case, as SWEEP.toml asks.
+/// Output recorded for every case, as specified in SWEEP.toml.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OutputSpec {
     /// Columns of the results that match a pattern.
     Column {
-        /// As `admire results --get` has it.
+        /// Pattern, as in `admire results --get`.
         pattern: String,
-        /// Of which steps.
+        /// Reduction over the steps.
         at: Reduction,
     },
-    /// Frequency and damping ratio of an eigenvalue of the last LINEAR/EIGENSOL, from 1.
+    /// Frequency and damping ratio of an eigenvalue of the last LINEAR/EIGENSOL, counted from 1.
     Mode(usize),
-    /// A number of the answer to a study.
+    /// Number in the result of a study.
     Answer(AnswerPath),
-    /// A K&C characteristic: at ride height, or its slope in a test.
+    /// K&C characteristic: its value at ride height, or its slope in a test.
     Characteristic {
-        /// `toe_angle.left`.
+        /// Path, such as `toe_angle.left`.
         path: String,
-        /// The test whose slope is meant.
+        /// Test whose slope is recorded; `None` means ride height.
         test: Option<String>,
     },
 }
 
-/// Where a column of the answer comes from.
+/// Source of a column of the table.
 #[derive(Clone, PartialEq, Debug)]
 pub enum OutputSource {
-    /// Column of the picked ones.
+    /// Position among the selected columns of the results, and reduction over the steps.
     Column(usize, Reduction),
     /// Frequency of a mode, counted from 0.
     Frequency(usize),
     /// Damping ratio of a mode, counted from 0.
     Damping(usize),
-    /// A number of the answer to a study.
+    /// Number in the result of a study.
     Answer(AnswerPath),
-    /// K&C characteristic and the test whose slope it is.
+    /// K&C characteristic, and the test for a slope.
     Characteristic(String, Option<String>),
 }
 
-/// A column of the answer.
+/// Column of the table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Output {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its unit, where one is known.
+    /// Unit, if known.
     pub unit: Option<String>,
-    /// Where it comes from.
+    /// Source of its values.
     pub origin: OutputSource,
 }
 

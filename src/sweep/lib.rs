@@ -1,11 +1,12 @@
-//! Thousands of variants of a deck: what varies, which cases, running them anywhere, one table of answers.
+//! Sweeps over thousands of variants of a deck: the numbers that vary, the cases, their runs, and one table of results.
 //!
-//! A [`SweepPlan`] says what varies, [`Cases`] which cases there are; a [`Row`] is the answer of one, and [`merge`](fn@merge) joins the
-//! tables of shards. Every case is solved cold from the text of its own deck, and its numbers are functions of seed, name and case alone.
-//! So the order, the threads and the shards of a run change no bit of the answer. [`uncertainty`] repeats identifications in the same way:
-//! bootstrap and sampled posterior. Knows nothing about terminals; the command submits shards.
+//! A [`SweepPlan`] defines what varies, and [`Cases`] is the interface of the cases to be run. A [`Row`] is the result of one case, and
+//! [`merge`](fn@merge) joins the tables of shards. Every case is solved from scratch from the text of its own deck, and its numbers depend
+//! only on seed, name and case. Thus the order, the threads and the shards of a run change no bit of the results. [`uncertainty`] repeats
+//! identifications in the same way, for bootstrap and posterior sampling. This crate is independent of terminals; the command submits the
+//! shards.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to their private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

@@ -1,4 +1,4 @@
-//! Joins the parts of all shards into one answer.
+//! Joins the part files of all shards into one table.
 
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -9,17 +9,17 @@ use super::shard::Shard;
 use super::table_reader::TableReader;
 use super::table_writer::{Layout, OTHER_COLUMNS, TableWriter};
 
-/// How many inputs the answer has: what stands between `case` and the columns that are kept.
+/// Columns of a table between `case` and `status`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Columns {
-    /// Names of the numbers that vary.
+    /// Names of the varied numbers.
     pub inputs: Vec<String>,
-    /// Names of what is kept.
+    /// Names of the recorded outputs.
     pub outputs: Vec<String>,
 }
 
 impl Columns {
-    /// The columns of a table, by the number of inputs it says it has.
+    /// Splits the columns of a table, given its number of inputs.
     pub fn of(table: &TableReader, inputs: usize) -> Self {
         let all = table.columns();
         let last = all.len() + 1 - OTHER_COLUMNS.len();
@@ -30,11 +30,11 @@ impl Columns {
     }
 }
 
-/// Joins the parts; nothing is done where the whole is there already.
+/// Joins the part files; does nothing if the complete table already exists and is intact.
 ///
 /// # Errors
-/// Shards that are missing or not finished, parts of another version or other inputs, parts that lack cases; or what cannot be read or
-/// written.
+/// Shards that are missing or unfinished; parts of another version or of other inputs; parts with missing cases; files that cannot be read
+/// or written.
 pub fn merge(folder: &SweepFolder) -> Result<(), Vec<Diagnostic>> {
     let whole = folder.results();
     if whole.is_file() {

@@ -1,21 +1,21 @@
-/// Elementary effects of one number on an answer (Morris 1991): the change of the answer over the whole range of probability of the
-/// number, from steps of half of it.
+/// Elementary effects of one number on a result (Morris 1991): change of the result over the number's whole range of probability,
+/// extrapolated from steps over half of it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Effect {
-    /// Mean.
+    /// Mean effect.
     pub mean: f64,
-    /// Mean of the sizes (Campolongo et al. 2007): how much the number matters.
+    /// Mean absolute effect (Campolongo et al. 2007), which measures the importance of the number.
     pub size: f64,
-    /// Standard error of that.
+    /// Standard error of the mean absolute effect.
     pub size_error: f64,
-    /// Standard deviation: large beside the mean where the number acts along a bend, or together with others.
+    /// Standard deviation of the effects. Large relative to the mean if the number acts nonlinearly or interacts with others.
     pub spread: f64,
-    /// Steps that count: those whose two cases have an answer.
+    /// Number of valid steps, whose two cases both have a result.
     pub count: usize,
 }
 
-/// The effects of every number from the cases of the plan `morris` in their order. `numbers` holds the values of each number, case by
-/// case: which one changed in a step is read there.
+/// Computes the effects of every number from the results of the plan `morris`, in the order of its cases. `numbers` contains the values of
+/// each number, case by case, and shows which number changed in a step.
 pub(crate) fn effects(answers: &[f64], numbers: &[Vec<f64>]) -> Vec<Effect> {
     let block = numbers.len() + 1;
     let mut all: Vec<Vec<f64>> = vec![Vec::new(); numbers.len()];

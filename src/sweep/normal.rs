@@ -1,6 +1,6 @@
-//! The standard normal distribution, by arithmetic that is the same on every machine.
+//! Standard normal distribution, with arithmetic that is identical on every machine.
 
-/// The value below which a normal number lies with probability `p`, 0 < p < 1: Wichura's AS 241 (PPND16), about 1 part in 10^16.
+/// Returns the quantile at probability `p`, 0 < p < 1: Wichura's AS 241 (PPND16), with a relative error of about 1e-16.
 pub fn quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= 0.425 {
@@ -17,7 +17,7 @@ pub fn quantile(p: f64) -> f64 {
     if q < 0.0 { -value } else { value }
 }
 
-/// The probability of a normal number below `z`.
+/// Returns the probability that a standard normal number is below `z`.
 pub fn probability(z: f64) -> f64 {
     0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
 }

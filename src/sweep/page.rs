@@ -1,14 +1,14 @@
-//! The page of a sweep: histograms, tornado pictures, tables.
+//! Page of a sweep: histograms, tornado charts, tables.
 
 use admire_report::{Align, Bars, Chart, DrawingError, Figure, Mark, Page, Series, Table, number};
 
 use super::folder::SweepFolder;
 use super::summary::{OutputSummary, Spread, Summary};
 
-/// Bars of a tornado.
+/// Largest number of bars in a tornado chart.
 const MOST_BARS: usize = 15;
 
-/// A number with six digits, for a person; nothing where there is none.
+/// Formats a number with six digits for readers; empty if it is not finite.
 pub fn six_digits(value: f64) -> String {
     if value.is_finite() {
         number(value, None)
@@ -17,7 +17,7 @@ pub fn six_digits(value: f64) -> String {
     }
 }
 
-/// The page as one file.
+/// Creates the page as one file.
 ///
 /// # Errors
 /// When a picture cannot be drawn.
@@ -124,7 +124,7 @@ fn labelled(spread: &Spread) -> String {
     }
 }
 
-/// The cases of every bar, as the outline of the bars.
+/// Draws a histogram of the cases as the outline of its bars.
 fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
     let [least, most] = spread.ends;
     let wide = (most - least) / spread.bars.len().max(1) as f64;
@@ -150,7 +150,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
     Figure::chart(&chart, &format!("{} cases.", spread.count))
 }
 
-/// What each number does, the largest effect first.
+/// Draws the effect of each number, the largest first.
 fn tornado(output: &OutputSummary) -> Option<Figure> {
     let explained = output.explained?;
     let bars = output.swings.iter().take(MOST_BARS);

@@ -20,48 +20,48 @@ use super::plan_outputs::keeps;
 use super::task::Task;
 use super::variation::{Variation, varied};
 
-/// A program that solves in place of the built-in solver.
+/// External program that solves in place of the built-in solver.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Program {
-    /// Program and arguments; `{acf}` stands for the command file. `None`: only what is recorded is answered.
+    /// Program and arguments; `{acf}` stands for the command file. If `None`, only recorded runs are used.
     pub command: Option<Vec<String>>,
-    /// Where runs are recorded, and found again.
+    /// Folder in which runs are recorded and looked up.
     pub recordings: Option<PathBuf>,
-    /// Seconds after which a run is killed.
+    /// Time limit in seconds, after which a run is killed.
     pub timeout_s: f64,
-    /// Seconds for which a licence that is refused is asked for again.
+    /// Time in seconds for which a refused licence is requested again.
     pub licence_wait_s: f64,
 }
 
-/// A sweep, read and checked: what varies, what is run, what is kept.
+/// Checked plan of a sweep: variation, task and outputs.
 #[derive(Clone, Debug)]
 pub struct SweepPlan {
-    /// SWEEP.toml.
+    /// Source text of SWEEP.toml.
     pub source: Source,
-    /// The deck as it is.
+    /// Nominal deck.
     pub deck: Dataset,
-    /// Property files the deck names.
+    /// Property files named by the deck.
     pub files: Files,
-    /// What is run.
+    /// Task run for every case.
     pub task: Task,
-    /// What varies.
+    /// Varied numbers.
     pub variations: Vec<Variation>,
-    /// Numbers that vary together.
+    /// Groups of correlated numbers.
     pub correlations: Vec<Correlation>,
-    /// The cases.
+    /// Design of the cases.
     pub design: Design,
-    /// What is kept, with the name asked for and its place in SWEEP.toml.
+    /// Recorded outputs, each with its optional name and its place in SWEEP.toml.
     pub keeps: Vec<(OutputSpec, Option<String>, Span)>,
-    /// What may be left out of the model.
+    /// Model elements that may be ignored.
     pub ignored: Vec<Ignore>,
-    /// Who solves, if not the built-in solver.
+    /// External solver; `None` means the built-in solver.
     pub program: Option<Program>,
-    /// Every file the answer depends on.
+    /// Every file that affects the results.
     pub inputs: Vec<Source>,
 }
 
 impl SweepPlan {
-    /// The program that is started for every case, by the name of the plan or of its study; `None` if there is none, or it is ADAMS' own.
+    /// Returns the program started for every case, as named by the plan or its study. `None` without a program, or if it is ADAMS itself.
     pub fn named_program(&self) -> Option<NamedProgram> {
         match (&self.program, &self.task) {
             (Some(program), _) => {
@@ -72,7 +72,7 @@ impl SweepPlan {
         }
     }
 
-    /// The program that is started for every case, if the plan or its study names one.
+    /// Returns the program and arguments started for every case, if the plan or its study names any.
     pub fn starts_program(&self) -> Option<&[String]> {
         let own = self.program.as_ref().and_then(|p| p.command.as_deref());
         let of_study = match &self.task {
@@ -87,7 +87,7 @@ impl SweepPlan {
         own.or(of_study)
     }
 
-    /// Reads a SWEEP.toml and all it names. `None` if an error stands in the way.
+    /// Reads a SWEEP.toml and all files it names. The value is `None` if there is an error.
     pub fn read(path: &Path) -> Checked<Option<Self>> {
         let mut out = CollectedDiagnostics::default();
         let value = Self::read_with(path, &mut out);
@@ -197,12 +197,12 @@ impl SweepPlan {
         })
     }
 
-    /// The number of cases.
+    /// Returns the number of cases.
     pub fn cases(&self) -> u64 {
         self.design.cases()
     }
 
-    /// The numbers of a case, one for every variation.
+    /// Returns the numbers of a case, one for every variation.
     pub fn numbers(&self, case: u64) -> Vec<f64> {
         let all = self.variations.iter();
         match self.design.point(case) {
@@ -222,16 +222,16 @@ impl SweepPlan {
         }
     }
 
-    /// The deck with some numbers, one for every variation.
+    /// Returns the deck with given numbers, one for every variation.
     ///
     /// # Errors
-    /// A value that cannot be written where it belongs.
+    /// A value that cannot be written at its address.
     pub fn deck_with(&self, numbers: &[f64]) -> Result<Source, Box<Diagnostic>> {
         varied(&self.deck, &self.variations, numbers)
     }
 }
 
-/// The study whose deck varies: it brings its own deck, loads and solver. `None` if it cannot be read.
+/// Reads the study whose deck varies; it brings its own deck, loads and solver. `None` if it cannot be read.
 fn study(
     name: &toml::Spanned<String>,
     file: &PlanFile,
@@ -260,7 +260,7 @@ fn study(
     Some(loaded)
 }
 
-/// The program that solves in place of the built-in solver.
+/// Reads the external program that solves in place of the built-in solver.
 fn program(
     solver: &toml::Spanned<super::plan_file::Solver>,
     folder: &Path,
@@ -298,7 +298,7 @@ fn program(
                 );
                 return None;
             }
-            // Runs have folders of their own.
+            // Paths become absolute, because every run has its own folder.
             Some(beside(folder, words))
         }
     };
@@ -310,7 +310,7 @@ fn program(
     })
 }
 
-/// What is run for every case.
+/// Reads the task run for every case.
 fn task(
     file: &PlanFile,
     (folder, model): (&Path, &Model),
@@ -345,7 +345,7 @@ fn task(
     }
 }
 
-/// The command files that a command file reads, and those that they read.
+/// Returns the command files included by a command file, directly or indirectly.
 fn included(source: &Source, folder: &Path) -> Vec<Source> {
     let mut found: Vec<Source> = Vec::new();
     let mut policy = FilePolicy::new(Path::new(""));
@@ -358,7 +358,7 @@ fn included(source: &Source, folder: &Path) -> Vec<Source> {
             let Some(name) = command.text("COMMAND", &source) else {
                 continue;
             };
-            // What cannot be read is told when the deck as it is runs.
+            // Unreadable files are reported when the nominal deck is run.
             let path = find_file(&name, "acf", &[folder]).value;
             let path = path.filter(|path| policy.check_read(path).is_ok());
             if let Some(read) = path.and_then(|path| Source::read(&path).ok())

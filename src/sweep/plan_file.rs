@@ -1,4 +1,4 @@
-//! SWEEP.toml as it is written.
+//! Tables and keys of SWEEP.toml.
 
 use serde::Deserialize;
 use toml::Spanned;
@@ -44,7 +44,7 @@ pub(super) enum PlanWord {
 #[serde(deny_unknown_fields)]
 pub(super) struct Sampling {
     pub plan: Spanned<PlanWord>,
-    /// Cases; base points of `sobol-indices`; trajectories of `morris`.
+    /// Number of cases, of base points for `sobol-indices`, or of trajectories for `morris`.
     pub cases: Option<Spanned<u64>>,
     pub levels: Option<Spanned<u64>>,
     pub file: Option<Spanned<String>>,

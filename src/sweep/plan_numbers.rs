@@ -1,4 +1,4 @@
-//! What varies: `[sampling]`, `[[vary]]` and `[[correlate]]` of SWEEP.toml.
+//! Reader of the varied numbers and their design: `[sampling]`, `[[vary]]` and `[[correlate]]` of SWEEP.toml.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -18,19 +18,19 @@ use super::distribution::Distribution;
 use super::plan_file::{OneOrMore, PlanFile, PlanWord, Vary};
 use super::variation::{Apply, Variation, varied};
 
-/// More cases than this are a mistake in a number.
+/// Largest number of cases; more cases indicate a mistaken number.
 const MOST_CASES: u64 = 1_000_000_000;
 
-/// What varies and how.
+/// Varied numbers and their design, as read from SWEEP.toml.
 pub(super) struct Numbers {
     pub variations: Vec<Variation>,
     pub correlations: Vec<Correlation>,
     pub design: Design,
-    /// The table of cases.
+    /// Source of the table of cases, for `plan = "table"`.
     pub table: Option<Source>,
 }
 
-/// Reads what varies.
+/// Reads the varied numbers and their design.
 pub(super) fn numbers(
     file: &PlanFile,
     (deck, folder): (&Dataset, &Path),
@@ -86,7 +86,7 @@ pub(super) fn numbers(
         return None;
     }
     if let Some(first) = (!is_table).then_some(&variations) {
-        // Each address takes a number: what cannot be written is told before anything runs.
+        // A trial value is written to each address, to report unwritable values before anything runs.
         for (variation, vary) in first.iter().zip(&file.vary) {
             let typical = [0.2, 0.7].map(|u| variation.distribution.quantile(u));
             let refused = typical
@@ -105,7 +105,7 @@ pub(super) fn numbers(
     })
 }
 
-/// Two variations of one value would undo each other.
+/// Rejects two variations of the same value, which would overwrite each other.
 fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnostics) {
     let mut seen: Vec<(&Address, &str)> = Vec::new();
     for (at, variation) in variations.iter().enumerate() {
@@ -128,7 +128,7 @@ fn twice(variations: &[Variation], file: &PlanFile, out: &mut CollectedDiagnosti
     }
 }
 
-/// The values of the deck that patterns name, and what they are.
+/// Finds the addresses that match the patterns, with their values in the deck.
 fn targets(
     patterns: &[&str],
     span: &Range<usize>,
@@ -316,7 +316,7 @@ fn distribution(
         so_far
     });
     let mut cumulative: Vec<f64> = cumulative.collect();
-    // The last value that can come takes what rounding left over.
+    // The last value with a positive weight absorbs the round-off of the sum.
     let last = weights.iter().rposition(|w| *w > 0.0).unwrap_or(0);
     cumulative[last..].fill(1.0);
     Some(Distribution::Discrete {
@@ -456,7 +456,8 @@ fn design(
     Some(Design::new(plan, size, file.seed, &names))
 }
 
-/// The rows of a table of cases in the order of the variations. A column whose name is no variation is an address of its own.
+/// Reads the rows of a table of cases, in the order of the variations. A column that is not a variation must be an address, and becomes a
+/// new variation.
 fn cases_of(
     source: &Source,
     (variations, deck): (&mut Vec<Variation>, &Dataset),

@@ -1,4 +1,4 @@
-//! What is kept of every case: `[[keep]]` of SWEEP.toml.
+//! Reader of the recorded outputs: `[[keep]]` of SWEEP.toml.
 
 use admire_kc::TestKind;
 use admire_syntax::diagnostic::Code;

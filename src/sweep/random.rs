@@ -1,13 +1,13 @@
-//! Counter-based random numbers: number `index` of a stream is a function of seed, stream and index alone.
+//! Counter-based random numbers: number `index` of a stream depends only on seed, stream and index.
 //!
-//! The generator is ChaCha8 (Bernstein 2008), whose place can be set; what is made of its bits uses no function of the platform's
-//! mathematics library, so that every machine has the same numbers.
+//! The generator is ChaCha8 (Bernstein 2008), which allows random access. Its bits are converted without the platform's mathematics
+//! library, so that every machine produces the same numbers.
 
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use sha2::{Digest, Sha256};
 
-/// A stream of random numbers.
+/// Stream of random numbers.
 #[derive(Clone, Debug)]
 pub struct Stream {
     key: [u8; 32],
@@ -15,7 +15,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The stream of a name: another variation in the same sweep does not change it.
+    /// Returns the stream of a name. It does not change if other variations are added to a sweep.
     pub fn named(seed: u64, name: &str) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -28,28 +28,28 @@ impl Stream {
         }
     }
 
-    /// 64 random bits.
+    /// Returns 64 random bits.
     pub(crate) fn bits(&self, index: u64) -> u64 {
         let mut generator = ChaCha8Rng::from_seed(self.key);
         generator.set_stream(self.stream);
-        // Two words of 32 bits each.
+        // Each number takes two words of 32 bits.
         generator.set_word_pos(u128::from(index) * 2);
         generator.next_u64()
     }
 
-    /// A number between 0 and 1, neither of which it is.
+    /// Returns a uniform number strictly between 0 and 1.
     pub fn uniform(&self, index: u64) -> f64 {
         to_unit(self.bits(index))
     }
 
-    /// A whole number below `bound`.
+    /// Returns a uniform integer below `bound`.
     pub(crate) fn below(&self, index: u64, bound: u64) -> u64 {
-        // The share of 2^64 that is not divided evenly is below bound / 2^64: nobody can see it.
+        // The bias is below bound / 2^64, which is negligible.
         ((u128::from(self.bits(index)) * u128::from(bound)) >> 64) as u64
     }
 
-    /// Where `index` goes in a random order of the numbers below `count`: four rounds of a Feistel cipher with numbers out of range
-    /// sent round again (Black and Rogaway 2002). Takes no memory.
+    /// Returns the position of `index` in a random permutation of the numbers below `count`, without storing the permutation. Four rounds
+    /// of a Feistel cipher are repeated while the result is out of range (Black and Rogaway 2002).
     pub(crate) fn shuffled(&self, index: u64, count: u64) -> u64 {
         let half = (64 - count.saturating_sub(1).leading_zeros())
             .div_ceil(2)
@@ -70,12 +70,12 @@ impl Stream {
     }
 }
 
-/// 53 of the bits as a number between 0 and 1.
+/// Converts 53 of the bits to a number strictly between 0 and 1.
 pub(crate) fn to_unit(bits: u64) -> f64 {
     ((bits >> 11) as f64 + 0.5) * (0.5_f64).powi(53)
 }
 
-/// The finisher of SplitMix64 (Steele, Lea and Flood 2014).
+/// Finaliser of SplitMix64 (Steele, Lea and Flood 2014).
 fn mixed(bits: u64) -> u64 {
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

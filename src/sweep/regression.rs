@@ -1,28 +1,28 @@
 use nalgebra::{DMatrix, DVector};
 
-/// How much an answer follows each number, by least squares over all cases at once.
+/// Linear least-squares regression of a result on all numbers at once, accumulated over the cases.
 #[derive(Clone, Debug)]
 pub(crate) struct Regression {
-    /// Sums of products of the standardised numbers, 1 in front.
+    /// Sums of products of the standardised numbers, preceded by a constant 1.
     products: DMatrix<f64>,
-    /// Of them with the answer.
+    /// Sums of products of the standardised numbers with the result.
     with_answer: DVector<f64>,
-    /// Of the answer with itself.
+    /// Sum of squares of the result.
     answer: f64,
     count: u64,
 }
 
-/// What a regression finds of one number.
+/// Slope of one number.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Slope {
-    /// Change of the answer for one standard deviation of the number.
+    /// Change of the result for one standard deviation of the number.
     pub slope: f64,
-    /// Its standard error.
+    /// Standard error of the slope.
     pub error: f64,
 }
 
 impl Regression {
-    /// Nothing is known yet of so many numbers.
+    /// Creates an empty regression on this number of inputs.
     pub(crate) fn new(numbers: usize) -> Self {
         Self {
             products: DMatrix::zeros(numbers + 1, numbers + 1),
@@ -32,7 +32,7 @@ impl Regression {
         }
     }
 
-    /// Adds a case: standardised numbers, and the answer less its mean.
+    /// Adds a case: standardised numbers, and the result minus its mean.
     pub(crate) fn add(&mut self, numbers: &[f64], answer: f64) {
         let at = |k: usize| if k == 0 { 1.0 } else { numbers[k - 1] };
         for i in 0..=numbers.len() {
@@ -45,8 +45,8 @@ impl Regression {
         self.count += 1;
     }
 
-    /// The slopes, and the share of the variance of the answer that straight lines explain. `None` with too few cases, or where numbers
-    /// cannot be told apart.
+    /// Returns the slopes, and the share of the result's variance that the linear model explains. `None` with too few cases, or if the
+    /// numbers are collinear.
     pub(crate) fn slopes(&self) -> Option<(Vec<Slope>, f64)> {
         let n = self.with_answer.len();
         let free = self.count.checked_sub(n as u64).filter(|free| *free > 0)?;
@@ -94,7 +94,7 @@ mod tests {
             assert!((slope.error / expected_error - 1.0).abs() < 0.1);
             assert!((slope.slope - planted).abs() < 4.0 * slope.error);
         }
-        // 13 of 13.25.
+        // Explained variance: 13 of 13.25.
         assert!((explained - 13.0 / 13.25).abs() < 0.003);
         assert!(Regression::new(3).slopes().is_none());
     }

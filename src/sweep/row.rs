@@ -1,20 +1,20 @@
-/// How a case ended.
+/// Status of a finished case.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Status {
-    /// All went well.
+    /// Success.
     Ok,
-    /// A simulation found no equilibrium, or no motion.
+    /// A simulation found no equilibrium or no motion.
     NoAnswer,
     /// A command was not executed.
     Refused,
     /// The deck has errors with these numbers.
     Invalid,
-    /// The program that solves gave nothing that can be taken for an answer.
+    /// The external program returned no usable result.
     RunFailed,
 }
 
 impl Status {
-    /// All of them.
+    /// All statuses.
     pub(crate) const ALL: [Self; 5] = [
         Self::Ok,
         Self::NoAnswer,
@@ -23,7 +23,7 @@ impl Status {
         Self::RunFailed,
     ];
 
-    /// The word in the column `status`.
+    /// Returns the word in the column `status`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -34,29 +34,29 @@ impl Status {
         }
     }
 
-    /// The status of a word.
+    /// Returns the status for a word of the column `status`.
     pub(crate) fn of_word(word: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|status| status.word() == word)
     }
 }
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Row {
-    /// Which.
+    /// Number of the case.
     pub case: u64,
-    /// How it ended.
+    /// Status of the case.
     pub status: Status,
-    /// Why it has no answer; empty if it has one.
+    /// Reason why there is no result; empty on success.
     pub reason: String,
-    /// Wall time, seconds.
+    /// Wall time in seconds.
     pub seconds: f64,
-    /// What is kept; not finite where there is no value. Empty without an answer.
+    /// Recorded outputs; not finite where there is no value, and empty if the case failed.
     pub outputs: Vec<f64>,
 }
 
 impl Row {
-    /// Of a case that began at `start` and ends now, with its numbers or why it has none.
+    /// Creates the row of a case that started at `start` and ends now, from its outputs or the reason of its failure.
     pub(crate) fn ended(
         case: u64,
         start: std::time::Instant,

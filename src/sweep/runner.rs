@@ -1,4 +1,4 @@
-//! Runs one case: cold, from its own deck, so that no case knows of another.
+//! Runner of single cases. Each case is solved from scratch from its own deck, so that cases are independent.
 
 use std::time::Instant;
 
@@ -20,22 +20,22 @@ use super::row::{Row, Status};
 use super::table_writer::OTHER_COLUMNS;
 use super::task::Task;
 
-/// A plan that is ready to run: the columns of its answer are known.
+/// Plan that is ready to run, with known columns of its table.
 #[derive(Debug)]
 pub struct Runner<'p> {
     plan: &'p SweepPlan,
-    /// The columns of the answer.
+    /// Columns of recorded outputs.
     pub outputs: Vec<Output>,
-    /// What the deck as it is gives.
+    /// Result of the nominal deck.
     pub nominal: Row,
     program: Option<ProgramRun>,
-    /// Columns that are picked from results, by their ids.
+    /// Ids of the columns selected from the results.
     ids: Vec<usize>,
-    /// All columns of the results of the deck as it is.
+    /// All result columns of the nominal deck.
     catalogue: Catalogue,
 }
 
-/// What a run has before its columns become one value each.
+/// Output of a run before its reduction to one value for each column.
 enum Seen {
     Steps(Option<Catalogue>, Vec<(f64, Vec<f64>)>, Vec<[f64; 2]>),
     Tests(Box<KcRun>),
@@ -43,10 +43,10 @@ enum Seen {
 }
 
 impl<'p> Runner<'p> {
-    /// Runs the deck as it is and finds the columns that are kept.
+    /// Runs the nominal deck and determines the columns to record.
     ///
     /// # Errors
-    /// When the deck cannot be run, or something that is to be kept is not there.
+    /// When the deck cannot be run, or a requested output does not exist.
     pub fn prepare(plan: &'p SweepPlan) -> Result<Self, Vec<Diagnostic>> {
         let mut runner = Self {
             plan,
@@ -276,7 +276,7 @@ impl<'p> Runner<'p> {
         }
     }
 
-    /// The units of the deck.
+    /// Returns the units of the deck.
     pub(crate) fn units(&self) -> Units {
         self.model()
             .map_or_else(|_| Units::default(), |model| model.units)
@@ -394,7 +394,7 @@ impl<'p> Runner<'p> {
             })
     }
 
-    /// The columns of the answer.
+    /// Reduces the output of a run to the values of the columns.
     fn values(&self, seen: &Seen) -> Result<Vec<f64>, (Status, String)> {
         match seen {
             Seen::Steps(catalogue, steps, modes) => {
@@ -420,7 +420,7 @@ impl<'p> Runner<'p> {
     }
 }
 
-/// A characteristic in the axes of Adams/Car.
+/// Returns a characteristic in the axes of Adams/Car.
 fn characteristic(output: &Output, run: &KcRun) -> f64 {
     let OutputSource::Characteristic(path, test) = &output.origin else {
         return f64::NAN;

@@ -2,31 +2,31 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// A part of a sweep: number and of how many.
+/// Shard of a sweep: a contiguous part of its cases.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Shard {
-    /// From 1.
+    /// Number of the shard, from 1.
     pub number: u64,
-    /// How many there are.
+    /// Total number of shards.
     pub of: u64,
 }
 
 impl Shard {
-    /// The whole.
+    /// Single shard that covers the whole sweep.
     pub const WHOLE: Self = Self { number: 1, of: 1 };
 
-    /// Its cases: a run of neighbours, so that joining is putting one behind the other.
+    /// Returns its cases. They are contiguous, so that merging is concatenation.
     pub fn cases(self, all: u64) -> Range<u64> {
         let before = |n: u64| (u128::from(all) * u128::from(n) / u128::from(self.of)) as u64;
         before(self.number - 1)..before(self.number)
     }
 
-    /// How its files begin: `0003-of-0008`.
+    /// Returns the stem of its file names: `0003-of-0008`.
     pub(crate) fn stem(self) -> String {
         format!("{:04}-of-{:04}", self.number, self.of)
     }
 
-    /// The shard whose files begin so.
+    /// Parses the stem of a file name.
     pub(crate) fn of_stem(stem: &str) -> Option<Self> {
         let (number, of) = stem.split_once("-of-")?;
         let shard: Self = format!(
@@ -46,7 +46,7 @@ impl fmt::Display for Shard {
     }
 }
 
-/// The largest number of shards: beyond it files and jobs cost more than cases.
+/// Largest number of shards; with more, files and jobs would cost more than the cases.
 pub const MOST_SHARDS: u64 = 9999;
 
 impl FromStr for Shard {
@@ -64,7 +64,7 @@ impl FromStr for Shard {
     }
 }
 
-/// A text that is no shard.
+/// Error for a text that is not a shard.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("a shard is I/N, such as 3/8: I from 1 to N, and N at most {MOST_SHARDS}")]
 pub struct ShardError;

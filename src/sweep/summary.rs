@@ -1,4 +1,4 @@
-//! What the table of answers says: quantiles, failures, and which number matters.
+//! Summary of the table of results: quantiles, failures, and the importance of each number.
 
 use std::collections::BTreeMap;
 
@@ -14,44 +14,44 @@ use super::regression::Regression;
 use super::row::Status;
 use super::table_reader::TableReader;
 
-/// The shares of which quantiles are told.
+/// Probabilities of the reported quantiles.
 pub(crate) const SHARES: [f64; 9] = [0.001, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 0.999];
 
-/// Bars of a histogram.
+/// Number of bars of a histogram.
 const BARS: usize = 40;
 
-/// Reasons of failures that are told each.
+/// Largest number of failure reasons listed individually.
 const REASONS: usize = 20;
 
-/// A sweep in numbers.
+/// Summary of a sweep.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Summary {
-    /// The kind of plan.
+    /// Kind of plan.
     pub plan: String,
-    /// Cases.
+    /// Number of cases.
     pub cases: u64,
-    /// Cases by how they ended.
+    /// Number of cases by status.
     pub statuses: BTreeMap<&'static str, u64>,
-    /// Why cases have no answer, the most frequent first.
+    /// Failure reasons with their number of cases, the most frequent first.
     pub reasons: Vec<(String, u64)>,
-    /// Reasons beyond those that are told.
+    /// Number of cases with further reasons.
     pub more_reasons: u64,
-    /// Seconds of all cases together.
+    /// Total wall time of all cases in seconds.
     pub seconds: f64,
-    /// The numbers that vary.
+    /// Distribution of each varied number.
     pub inputs: Vec<Spread>,
-    /// What is kept.
+    /// Summary of each recorded output.
     pub outputs: Vec<OutputSummary>,
 }
 
-/// How a column is spread.
+/// Distribution of the values in a column.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Spread {
-    /// Its name.
+    /// Name of the column.
     pub name: String,
-    /// Its unit, where one is known.
+    /// Unit, if known.
     pub unit: Option<String>,
-    /// Cases with a value.
+    /// Number of cases with a value.
     pub count: u64,
     /// Mean.
     pub mean: f64,
@@ -59,46 +59,46 @@ pub struct Spread {
     pub sd: f64,
     /// Smallest and largest value.
     pub ends: [f64; 2],
-    /// The quantiles of [`SHARES`], between neighbours in proportion.
+    /// Quantiles at [`SHARES`], by linear interpolation.
     pub quantiles: Vec<f64>,
-    /// Cases in bars of the same width from the smallest value to the largest.
+    /// Number of cases in bars of equal width from the smallest value to the largest.
     pub bars: Vec<u64>,
 }
 
-/// What is said of one column that is kept.
+/// Summary of one recorded output.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct OutputSummary {
-    /// Its values.
+    /// Distribution of its values.
     pub spread: Spread,
-    /// The value of the deck as it is.
+    /// Value of the nominal deck.
     pub nominal: Option<f64>,
-    /// What each number does along a straight line, by the size of its effect; empty where that is not defined.
+    /// Linear effects of the numbers, the largest first; empty if undefined.
     pub swings: Vec<Swing>,
-    /// The share of the variance that straight lines explain.
+    /// Share of the variance explained by the linear model.
     pub explained: Option<f64>,
-    /// Indices of Sobol, of the plan `sobol-indices`.
+    /// Sobol indices, for the plan `sobol-indices`.
     pub indices: Vec<NamedIndex>,
-    /// Elementary effects, of the plan `morris`.
+    /// Elementary effects, for the plan `morris`.
     pub effects: Vec<NamedEffect>,
 }
 
-/// The change of an answer as one number goes from its 5 percent quantile to that of 95 percent.
+/// Linear change of a result as one number goes from its 5 percent to its 95 percent quantile.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Swing {
-    /// The number.
+    /// Name of the number.
     pub name: String,
-    /// From its mean to its 5 percent quantile.
+    /// Change of the result from the number's mean to its 5 percent quantile.
     pub low: f64,
-    /// From its mean to its 95 percent quantile.
+    /// Change of the result from the number's mean to its 95 percent quantile.
     pub high: f64,
-    /// Standard error of the whole change.
+    /// Standard error of the change between the two quantiles.
     pub error: f64,
 }
 
-/// An index of Sobol and whose it is.
+/// Sobol indices of a named number.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NamedIndex {
-    /// The number.
+    /// Name of the number.
     pub name: String,
     /// First-order index and its standard error.
     pub first: [f64; 2],
@@ -106,18 +106,18 @@ pub struct NamedIndex {
     pub total: [f64; 2],
 }
 
-/// An elementary effect and whose it is.
+/// Elementary effects of a named number.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct NamedEffect {
-    /// The number.
+    /// Name of the number.
     pub name: String,
-    /// Mean.
+    /// Mean effect.
     pub mean: f64,
-    /// Mean of the sizes and its standard error.
+    /// Mean absolute effect and its standard error.
     pub size: [f64; 2],
-    /// Standard deviation.
+    /// Standard deviation of the effects.
     pub spread: f64,
-    /// Steps that count.
+    /// Number of valid steps.
     pub count: usize,
 }
 
@@ -165,14 +165,14 @@ impl Spread {
         }
     }
 
-    /// The quantile of one of [`SHARES`].
+    /// Returns the quantile at one of [`SHARES`]; NaN for any other probability.
     pub fn quantile(&self, share: f64) -> f64 {
         let at = SHARES.iter().position(|s| *s == share);
         at.map_or(f64::NAN, |at| self.quantiles[at])
     }
 }
 
-/// Hyndman and Fan 1996, definition 7: what NumPy, R and MATLAB's `quantile(..., "linear")` mean.
+/// Returns a quantile by definition 7 of Hyndman and Fan 1996, the default of NumPy and R.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
@@ -184,10 +184,10 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 }
 
 impl Summary {
-    /// Looks through the answer of a sweep. Holds two columns of it at a time, and with `morris` the numbers that vary.
+    /// Summarises the table of a sweep. It holds only two columns in memory at a time, and with `morris` also the varied numbers.
     ///
     /// # Errors
-    /// When the answer cannot be read.
+    /// When the table cannot be read.
     pub fn of(folder: &SweepFolder) -> Result<Self, SweepError> {
         let table = TableReader::open(&folder.results())?;
         let columns = Columns::of(&table, folder.manifest.vary.len());
@@ -272,7 +272,7 @@ impl Summary {
         Ok(summary)
     }
 
-    /// Fits straight lines to every answer.
+    /// Fits a linear model to every output.
     fn find_swings(
         &mut self,
         table: &TableReader,
@@ -296,7 +296,7 @@ impl Summary {
             Ok(())
         })?;
         for (output, fit) in self.outputs.iter_mut().zip(fits) {
-            // An answer that does not vary follows nothing; what is left of it is rounding.
+            // The variation of a constant output is round-off, so it gets no fit.
             let varies = output.spread.sd > 1e-13 * output.spread.mean.abs();
             let Some((slopes, explained)) = fit.slopes().filter(|_| varies) else {
                 continue;
@@ -323,7 +323,7 @@ impl Summary {
     }
 }
 
-/// A reason with `...` for its numbers: the same failure of many cases is one.
+/// Replaces the numbers in a reason by `...`, so that the same failure of many cases counts as one reason.
 fn without_numbers(reason: &str) -> String {
     let words = reason.split(' ').map(|word| {
         let bare = word.trim_end_matches([',', ':', ';']);

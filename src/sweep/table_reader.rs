@@ -1,4 +1,4 @@
-//! Reads the answer of a sweep, column by column.
+//! Reader of a sweep's table, column by column.
 
 use std::fs::File;
 use std::path::Path;
@@ -10,7 +10,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::row::{Row, Status};
 
-/// A Parquet file that a sweep wrote.
+/// Parquet file written by a sweep.
 pub struct TableReader {
     reader: SerializedFileReader<File>,
 }
@@ -19,14 +19,14 @@ impl TableReader {
     /// Opens a file.
     ///
     /// # Errors
-    /// When it cannot be read or is no Parquet file.
+    /// When it cannot be read or is not a Parquet file.
     pub fn open(path: &Path) -> Result<Self, ParquetError> {
         Ok(Self {
             reader: SerializedFileReader::new(File::open(path)?)?,
         })
     }
 
-    /// The names of its columns.
+    /// Returns the names of its columns.
     pub(crate) fn columns(&self) -> Vec<String> {
         let schema = self.reader.metadata().file_metadata().schema_descr();
         schema
@@ -36,12 +36,12 @@ impl TableReader {
             .collect()
     }
 
-    /// The number of rows.
+    /// Returns the number of rows.
     pub(crate) fn rows(&self) -> u64 {
         self.reader.metadata().file_metadata().num_rows() as u64
     }
 
-    /// What the file says of itself under a key.
+    /// Returns the file's metadata value for a key.
     pub fn fact(&self, key: &str) -> Option<&str> {
         let all = self
             .reader
@@ -51,10 +51,10 @@ impl TableReader {
         all.iter().find(|fact| fact.key == key)?.value.as_deref()
     }
 
-    /// All numbers of a column by its place; NaN where there is none.
+    /// Returns all numbers of a column, given by its index; NaN where there is no value.
     ///
     /// # Errors
-    /// When the file cannot be read or the column holds no numbers.
+    /// When the file cannot be read or the column is not numeric.
     pub(crate) fn numbers(&self, column: usize) -> Result<Vec<f64>, ParquetError> {
         let mut all = Vec::with_capacity(self.rows() as usize);
         for group in 0..self.reader.num_row_groups() {
@@ -63,10 +63,10 @@ impl TableReader {
         Ok(all)
     }
 
-    /// All texts of a column, group by group; empty where there is none.
+    /// Passes all texts of a column to `take`, group by group; empty where there is no text.
     ///
     /// # Errors
-    /// When the file cannot be read or the column holds no texts.
+    /// When the file cannot be read or the column contains no texts.
     pub(crate) fn texts(
         &self,
         column: usize,
@@ -82,10 +82,10 @@ impl TableReader {
         Ok(())
     }
 
-    /// Hands out every row with the numbers it was run with. `inputs` of the columns behind `case` are such.
+    /// Passes every row to `take`, with its input numbers. The first `inputs` columns after `case` are inputs.
     ///
     /// # Errors
-    /// When the file cannot be read, or what `take` says.
+    /// When the file cannot be read, or an error of `take`.
     pub fn each<E: From<ParquetError>>(
         &self,
         (inputs, outputs): (usize, usize),
@@ -178,7 +178,7 @@ impl TableReader {
     }
 }
 
-/// Puts values where the levels say one is.
+/// Distributes values over the rows where the definition levels indicate a value.
 fn spread<T: Clone>(levels: &[i16], values: Vec<T>, none: T, all: &mut Vec<T>) {
     if levels.is_empty() {
         all.extend(values);

@@ -1,4 +1,4 @@
-//! Writes the answer: a Parquet file, one row a case.
+//! Writer of the table of results: a Parquet file, one row for each case.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -15,25 +15,25 @@ use parquet::schema::types::{Type, TypePtr};
 use super::checksum::{GROUPS, Summed, WHOLE, ZEROS};
 use super::row::Row;
 
-/// Rows of one row group: what is held in memory while it is written.
+/// Number of rows in a row group, which is held in memory until written.
 const GROUP: usize = 8192;
 
-/// The columns of the answer.
+/// Columns of the table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Layout {
-    /// Names of the numbers that vary.
+    /// Names of the varied numbers.
     pub inputs: Vec<String>,
-    /// Names of what is kept.
+    /// Names of the recorded outputs.
     pub outputs: Vec<String>,
-    /// The version of the program: column `admire`.
+    /// Version of the program, for the column `admire`.
     pub version: String,
-    /// SHA-256 of all that goes in: column `inputs_sha256`.
+    /// SHA-256 of all inputs, for the column `inputs_sha256`.
     pub hash: String,
-    /// What else the file says of itself.
+    /// Further metadata of the file.
     pub facts: Vec<(String, String)>,
 }
 
-/// Columns before the numbers that vary and behind what is kept.
+/// Columns besides inputs and outputs: `case` comes first, the others come last.
 pub(crate) const OTHER_COLUMNS: [&str; 6] = [
     "case",
     "status",
@@ -43,7 +43,7 @@ pub(crate) const OTHER_COLUMNS: [&str; 6] = [
     "inputs_sha256",
 ];
 
-/// Writes rows in their order. The file is there when [`finish`](Self::finish) comes back, or not at all.
+/// Writer of rows in their order. The file appears under its name only when [`finish`](Self::finish) succeeds.
 pub(crate) struct TableWriter {
     path: PathBuf,
     temporary: PathBuf,
@@ -55,7 +55,7 @@ pub(crate) struct TableWriter {
 }
 
 impl TableWriter {
-    /// Begins a file.
+    /// Creates a file.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -87,7 +87,7 @@ impl TableWriter {
         })
     }
 
-    /// Adds a case with the numbers it was run with.
+    /// Adds a case with its input numbers.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -141,13 +141,13 @@ impl TableWriter {
         group.close()?;
         self.writer.flush()?;
         self.sums.push(self.writer.inner_mut().group());
-        // The room of one group is kept for the next.
+        // The buffer of one group is reused for the next.
         self.rows = rows;
         self.rows.clear();
         Ok(())
     }
 
-    /// Ends the file and puts it in its place.
+    /// Completes the file and moves it to its final name.
     ///
     /// # Errors
     /// When it cannot be written.

@@ -3,13 +3,13 @@ use admire_identify::LoadedStudy;
 use admire_kc::Config;
 use admire_syntax::text::Source;
 
-/// What is run for a case.
+/// Task run for every case.
 #[derive(Clone, Debug)]
 pub enum Task {
-    /// A command file.
+    /// Command file.
     Commands(Source),
-    /// The K&C tests of a `kc.toml`.
+    /// K&C tests of a `kc.toml`.
     Tests(Box<Config>),
-    /// Identification or diagnosis of a study, whose deck varies, and how much is done to learn what the causes gain.
+    /// Identification or diagnosis of a study whose deck varies, and how thoroughly the gain of the causes is checked.
     Study(Box<LoadedStudy>, GainCheck),
 }

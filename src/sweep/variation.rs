@@ -7,37 +7,36 @@ use admire_syntax::{Address, Dataset};
 
 use super::distribution::Distribution;
 
-/// What a number of a variation does to the values it is about.
+/// Effect of a varied number on its values in the deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Apply {
-    /// It takes their place.
+    /// The number replaces the values.
     #[default]
     Set,
-    /// They are multiplied by it.
+    /// The values are multiplied by the number.
     Factor,
-    /// It is added to them.
+    /// The number is added to the values.
     Offset,
 }
 
-/// One number that varies.
+/// Varied number.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Variation {
-    /// Its name: a column of the answer.
+    /// Name, and column of the table.
     pub name: String,
-    /// The values of the deck it is about, and what they are there (angles in radians); NaN where nothing is written and the number
-    /// takes its place.
+    /// Addresses of the values in the deck, with their nominal values (angles in radians). NaN where the deck has no value to replace.
     pub targets: Vec<(Address, f64)>,
-    /// What it does to them.
+    /// Effect of the number on the values.
     pub apply: Apply,
-    /// Numbers that are set or added are degrees.
+    /// True if set or added numbers are in degrees.
     pub degrees: bool,
-    /// How it is distributed.
+    /// Distribution of the number.
     pub distribution: Distribution,
 }
 
 impl Variation {
-    /// The unit of its numbers; `None` for a factor, and where its values have none.
+    /// Returns the unit of the number; `None` for a factor or dimensionless values.
     pub(crate) fn unit(&self, units: &Units) -> Option<String> {
         let (address, _) = self.targets.first()?;
         let unit = match self.apply {
@@ -48,7 +47,7 @@ impl Variation {
         (!unit.is_empty()).then_some(unit)
     }
 
-    /// The values of the deck for a number of this variation.
+    /// Returns the values in the deck for a number of this variation.
     pub(crate) fn values(&self, number: f64) -> impl Iterator<Item = (&Address, f64)> {
         let plain = if self.degrees {
             number.to_radians()
@@ -66,7 +65,7 @@ impl Variation {
     }
 }
 
-/// The deck with the numbers of a case: one number for every variation. Markers are moved without being turned.
+/// Returns the deck with the numbers of a case, one number for every variation. Markers are moved without rotation.
 ///
 /// # Errors
 /// A value that cannot be written at its address.
@@ -88,7 +87,7 @@ pub(crate) fn varied(
     if let Ok(bytes) = apply_edits(deck.bytes(), &edits) {
         return Ok(Source::new(deck.source().name(), bytes));
     }
-    // Values that are not written yet would be added at one place: one after the other.
+    // Missing values would all be inserted at the same place, so they are written one after the other.
     let mut deck = deck.clone();
     for (address, value) in &values {
         let edits = deck.set_beside(address, *value, &beside)?;

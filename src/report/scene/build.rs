@@ -9,7 +9,7 @@ use admire_solver::model::{
 use admire_syntax::Dataset;
 
 impl Scene {
-    /// The geometry of a model, standing where its deck puts it. With its dataset also the shapes of GRAPHICS statements are drawn.
+    /// Creates the scene of a model in its design position. With its dataset, the shapes of GRAPHICS statements are drawn, too.
     pub fn of(model: &Model, dataset: Option<&Dataset>) -> Self {
         let objects = objects(model);
         let shapes = dataset.map(|dataset| shapes(dataset, model));
@@ -39,8 +39,8 @@ impl Scene {
         }
     }
 
-    /// Marks what stands at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. False if nothing of it is
-    /// drawn.
+    /// Highlights the object or part at an address such as `BUSHING/2.K.1`, `PART/4`, `MARKER/7` or `SFORCE/2<-SFORCE/3`. Returns false if
+    /// it is not drawn.
     pub fn highlight(&mut self, address: &str, label: &str) -> bool {
         let found = self.owner(address);
         if let Some(address) = &found
@@ -54,7 +54,7 @@ impl Scene {
         found.is_some()
     }
 
-    /// The view name of what stands at an address, and the address: `A (BUSHING/1.K.1)`.
+    /// Returns the address with the view name of its element, such as `A (BUSHING/1.K.1)`.
     pub(crate) fn named(&self, address: &str) -> String {
         let owner = self.owner(address);
         let objects = self
@@ -69,7 +69,7 @@ impl Scene {
         }
     }
 
-    /// Several addresses, those of one name together: `TIE_INNER (MARKER/16, MARKER/15)`.
+    /// Lists several addresses, grouped by name: `TIE_INNER (MARKER/16, MARKER/15)`.
     pub(crate) fn named_all(&self, addresses: &[String]) -> String {
         let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
         for address in addresses {
@@ -92,7 +92,7 @@ impl Scene {
         texts.collect::<Vec<_>>().join(", ")
     }
 
-    /// A text whose addresses (`JOINT/3`, `BUSHING/1.K.2`) are given with the names of what they belong to.
+    /// Adds the names of elements to the addresses in a text (`JOINT/3`, `BUSHING/1.K.2`).
     pub(crate) fn naming(&self, text: &str) -> String {
         let mut out = String::with_capacity(text.len());
         let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '/' | '.' | '_');
@@ -102,7 +102,7 @@ impl Scene {
             rest = &rest[start..];
             let end = rest.find(|c| !is_word(c)).unwrap_or(rest.len());
             let (word, behind) = rest.split_at(end);
-            // A full stop ends the sentence.
+            // A trailing full stop belongs to the sentence.
             let address = word.trim_end_matches('.');
             let is_address = address.split_once('/').is_some_and(|(kind, id)| {
                 kind.len() > 2
@@ -120,7 +120,7 @@ impl Scene {
         out + rest
     }
 
-    /// The address of the object or part that is drawn for an address.
+    /// Returns the address of the object or part drawn for an address; `None` if nothing is drawn.
     fn owner(&self, address: &str) -> Option<String> {
         let address = address.split("<-").next()?.to_ascii_uppercase();
         let address = address.split('.').next()?.to_string();
@@ -136,7 +136,7 @@ impl Scene {
         Some(holder.address.clone())
     }
 
-    /// Index of the object with an address such as `BUSHING/1`.
+    /// Returns the index of the object with an address such as `BUSHING/1`.
     pub(crate) fn object(&self, address: &str) -> Option<usize> {
         self.objects
             .iter()
@@ -144,8 +144,8 @@ impl Scene {
     }
 }
 
-/// The axis of ground that a vehicle travels along whose wheels spin about `spin`: the one nearest to level and across the spin axis, x where
-/// that says nothing.
+/// Returns the ground axis along which the vehicle travels. It is the axis nearest to the level direction normal to `spin`, the spin axis
+/// of the wheels; y if that direction is undefined.
 pub(crate) fn along(up: &Vec3, spin: &Vec3) -> [f64; 3] {
     let across = spin.cross(up);
     let sizes = across.map(f64::abs);
@@ -159,7 +159,7 @@ pub(crate) fn along(up: &Vec3, spin: &Vec3) -> [f64; 3] {
     axis
 }
 
-/// The frame of a marker in its part.
+/// Returns the frame of a marker in its part.
 fn frame(model: &Model, marker: MarkerIx) -> Pose {
     let marker = &model.markers[marker.0];
     Pose {
@@ -169,7 +169,7 @@ fn frame(model: &Model, marker: MarkerIx) -> Pose {
 }
 
 fn end(model: &Model, marker: MarkerIx) -> Option<End> {
-    // A floating marker has no place of its own.
+    // A floating marker has no position of its own.
     let of = &model.markers[marker.0];
     (!of.floating).then(|| End {
         part: of.part.0,
@@ -352,7 +352,7 @@ fn bodies(model: &Model, objects: &[Object], shapes: &[Shape]) -> Vec<Body> {
         let mut points = std::mem::take(&mut corners[k]);
         points.retain(|p| p.iter().all(|x| x.is_finite()));
         let cm = part.cm.map(|marker| model.markers[marker.0].qp);
-        // The centre of mass is a corner of parts that would have no extent otherwise.
+        // For a part without extent, the centre of mass serves as a corner.
         if !ground && hull(&points).edges.is_empty() {
             points.extend(cm);
             if points.is_empty() && !shapes.iter().any(|shape| shape.part == k) {

@@ -1,20 +1,20 @@
 use admire_solver::mechanics::Vec3;
 
-/// The outline of a cloud of points: flat faces and the edges between them.
+/// Convex hull of a point cloud: flat faces and the edges between them.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Hull {
     /// Corners of each face, in order around it.
     pub faces: Vec<Vec<usize>>,
-    /// Edges, each once.
+    /// Edges between corners, each listed once.
     pub edges: Vec<[usize; 2]>,
 }
 
-/// Every triple of points is tried: of larger clouds only the extreme ones are taken.
+/// Largest number of points used. Every triple of points is tested, so larger clouds are thinned to their extreme points.
 const MOST: usize = 40;
-/// Points closer to a plane than this share of the cloud's size lie in it.
+/// Distance from a plane below which points lie in it, relative to the cloud's size.
 const FLAT: f64 = 1e-4;
 
-/// The convex hull of points. Two points and points on a line give one edge, points of a plane one face.
+/// Computes the convex hull of points. Two points, or points on a line, give one edge; points in a plane give one face.
 pub(crate) fn hull(points: &[Vec3]) -> Hull {
     let chosen = extreme(points);
     let at = |k: usize| points[chosen[k]];
@@ -82,7 +82,7 @@ impl Hull {
     }
 }
 
-/// Indices of points without repetitions, thinned to those farthest out in many directions where there are too many.
+/// Returns the indices of distinct points. Large clouds are thinned to the points farthest out in many directions.
 fn extreme(points: &[Vec3]) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::new();
     let size = points
@@ -102,7 +102,7 @@ fn extreme(points: &[Vec3]) -> Vec<usize> {
         return kept;
     }
     for n in 0..MOST {
-        // Directions spread evenly over the sphere by the golden angle.
+        // The golden angle spreads directions evenly over the sphere.
         let z = 1.0 - 2.0 * (n as f64 + 0.5) / MOST as f64;
         let turn = 2.399_963_229_728_653 * n as f64;
         let across = (1.0 - z * z).sqrt();
@@ -119,7 +119,7 @@ fn extreme(points: &[Vec3]) -> Vec<usize> {
     kept
 }
 
-/// The corners of the convex polygon of points in a plane, in order (Andrew's monotone chain).
+/// Returns the corners of the convex polygon of points in a plane, in order (Andrew's monotone chain).
 fn around(inside: &[usize], points: &[Vec3], normal: &Vec3) -> Vec<usize> {
     let first = points[inside[0]];
     let across = inside
@@ -158,7 +158,7 @@ fn around(inside: &[usize], points: &[Vec3], normal: &Vec3) -> Vec<usize> {
     out
 }
 
-/// The two points farthest apart.
+/// Returns the two points farthest apart.
 fn ends(chosen: &[usize], points: &[Vec3]) -> [usize; 2] {
     let mut best = ([chosen[0], chosen[0]], -1.0);
     for &a in chosen {
@@ -223,7 +223,7 @@ mod tests {
             })
             .collect();
         let hull = hull(&ball);
-        // Euler: corners - edges + faces = 2.
+        // Euler's formula: corners - edges + faces = 2.
         let mut corners: Vec<usize> = hull.edges.iter().flatten().copied().collect();
         corners.sort_unstable();
         corners.dedup();

@@ -1,6 +1,6 @@
-//! A mechanism as a picture in three dimensions: its geometry as data, and where its parts are in every step or load case.
+//! Three-dimensional view of a mechanism: its geometry as data, and the poses of its parts in every step or load case.
 //!
-//! Knows the model and poses; neither solvers nor fits. The client that draws it in a browser is `viewer.js`.
+//! This module uses the model and poses; it is independent of solvers and fits. The script `viewer.js` draws the scene in a browser.
 
 mod build;
 mod embed;
@@ -18,12 +18,12 @@ pub use motion::{Motion, bodies, motion};
 
 pub(super) use embed::{CLIENT, CLIENT_STYLE};
 
-/// A frame as seven numbers: origin, then the quaternion w, x, y, z.
+/// Frame as seven numbers: origin, then the quaternion w, x, y, z.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(transparent)]
 pub struct Placed(pub [f64; 7]);
 
-/// What an object of the scene is drawn as.
+/// Kind of a drawn object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -45,85 +45,85 @@ pub enum Kind {
     Force,
 }
 
-/// A marker of an object: the index of its part, and its frame in the part's frame.
+/// Marker of an object.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct End {
     /// Index into [`Scene::parts`].
     pub part: usize,
-    /// In the part's frame.
+    /// Frame of the marker in the part's frame.
     pub at: Placed,
 }
 
-/// A joint, a force element or a force.
+/// Joint, force element or force.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Object {
-    /// Its view name.
+    /// View name.
     pub name: String,
-    /// `BUSHING/1`.
+    /// Address, such as `BUSHING/1`.
     pub address: String,
-    /// What it is drawn as.
+    /// Kind of object, which determines its drawing.
     pub kind: Kind,
-    /// Its type in the statement's words, for example `revolute`.
+    /// Type in the words of the statement, for example `revolute`.
     pub form: String,
-    /// The I marker.
+    /// I marker.
     pub i: End,
-    /// The J marker, if the object has one.
+    /// J marker, if the object has one.
     pub j: Option<End>,
-    /// Ids of its markers.
+    /// Ids of the object's markers.
     #[serde(skip)]
     pub markers: Vec<u32>,
 }
 
-/// A part: its corners in its own frame, and what joins them.
+/// Part: its corners in its own frame, with faces, edges and lines between them.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Body {
-    /// Its view name.
+    /// View name.
     pub name: String,
-    /// `PART/4`.
+    /// Address, such as `PART/4`.
     pub address: String,
     /// True for ground, which never moves.
     pub ground: bool,
-    /// Where the deck puts it.
+    /// Pose in the deck.
     pub design: Placed,
     /// Corners, in the part's frame.
     pub points: Vec<[f64; 3]>,
-    /// Corners of faces, in order around each.
+    /// Indices of the corners of each face, in order around it.
     pub faces: Vec<Vec<usize>>,
     /// Edges between corners.
     pub edges: Vec<[usize; 2]>,
-    /// Thin lines between corners: shapes of GRAPHICS statements.
+    /// Thin lines between corners, from shapes of GRAPHICS statements.
     pub lines: Vec<Vec<usize>>,
 }
 
-/// A mark of a measurement on a part.
+/// Measurement mark on a part.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Mark {
-    /// Its label.
+    /// Label of the mark.
     pub label: String,
     /// Index into [`Scene::parts`].
     pub part: usize,
-    /// In the part's frame.
+    /// Position in the part's frame.
     pub p: [f64; 3],
 }
 
-/// Whose positions these are.
+/// Origin of a set of positions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// The deck or a run.
+    /// Deck or simulation run.
     Model,
-    /// As the rig read them.
+    /// Measurement.
     Measured,
-    /// The model before a fit.
+    /// Model before a fit.
     Initial,
-    /// The model with identified numbers.
+    /// Model with identified numbers.
     Fitted,
-    /// The model with a finding added.
+    /// Model extended by a finding.
     Extended,
 }
 
 impl Role {
-    /// Which of the colours of the style sheet it has in every picture of a page; `viewer.js` has the same.
+    /// Returns its colour index in the style sheet, the same in every picture of a page; `viewer.js` has the same table.
     pub(crate) const fn colour(self) -> usize {
         match self {
             Self::Model | Self::Fitted => 1,
@@ -134,83 +134,83 @@ impl Role {
     }
 }
 
-/// Positions that are shown together in one colour.
+/// Set of positions shown together in one colour.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Set {
     /// Name in the legend.
     pub name: String,
-    /// Whose positions.
+    /// Origin of the positions.
     pub role: Role,
 }
 
-/// A load drawn as an arrow at the I marker of an object.
+/// Load drawn as an arrow at the I marker of an object.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Arrow {
     /// Index into [`Scene::objects`].
     pub object: usize,
-    /// In ground axes, in the scene's unit of force.
+    /// Force in ground axes, in the scene's unit of force.
     pub force: [f64; 3],
 }
 
-/// One step of a run or one load case.
+/// One step of a run, or one load case.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Frame {
-    /// Its label.
+    /// Label of the frame.
     pub label: String,
-    /// What acts in it.
+    /// Description of its loads or time.
     pub note: String,
-    /// Per set and part; `None` where the part's place is not known.
+    /// Poses by set and part; `None` where the pose is unknown.
     pub poses: Vec<Vec<Option<Placed>>>,
-    /// Per mark, as measured, in ground.
+    /// Measured position of each mark, in ground; `None` where it was not read.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub marks: Vec<Option<[f64; 3]>>,
-    /// Loads.
+    /// Loads drawn as arrows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub arrows: Vec<Arrow>,
 }
 
-/// An object or part that a finding names.
+/// Object or part named by a finding.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Highlight {
-    /// Its address: `BUSHING/1`, `PART/4`.
+    /// Address, such as `BUSHING/1` or `PART/4`.
     pub address: String,
-    /// What to write beside it.
+    /// Text shown beside it.
     pub label: String,
 }
 
-/// The picture.
+/// Three-dimensional view of a mechanism.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Scene {
-    /// What is shown.
+    /// Title of the view.
     pub title: String,
     /// Unit of length.
     pub length: String,
     /// Unit of force.
     pub force: String,
-    /// Against gravity; +z without gravity.
+    /// Upward direction, opposite to gravity; +z without gravity.
     pub up: [f64; 3],
-    /// The axis of travel, level: that of ground along which the front view looks.
+    /// Axis of travel: the level ground axis along which the front view looks.
     pub along: [f64; 3],
-    /// Parts, in the order of the model.
+    /// Parts in the order of the model.
     pub parts: Vec<Body>,
     /// Joints, force elements and forces.
     pub objects: Vec<Object>,
-    /// Marks.
+    /// Measurement marks.
     pub marks: Vec<Mark>,
-    /// Whose positions the frames hold; the last set is the one drawn in full.
+    /// Sets of positions in the frames; the last set is drawn in full.
     pub sets: Vec<Set>,
     /// Word for one frame: `step` or `case`.
     pub per: String,
-    /// Steps or cases. Without any the parts stand where the deck puts them.
+    /// Steps or load cases. If empty, the parts are drawn in their design position.
     pub frames: Vec<Frame>,
-    /// What findings name.
+    /// Objects and parts named by findings.
     pub highlight: Vec<Highlight>,
-    /// What a person should know about the picture.
+    /// Remarks for the reader.
     pub notes: Vec<String>,
 }
 
 impl Placed {
-    /// A pose with so many decimals as a picture needs whose displacements may be enlarged a thousand times.
+    /// Rounds a pose to the precision required for a picture whose displacements may be magnified a thousand times.
     pub(crate) fn new(pose: &Pose) -> Self {
         let rotation = nalgebra::Rotation3::from_matrix_unchecked(pose.R);
         let q = nalgebra::UnitQuaternion::from_rotation_matrix(&rotation);
@@ -220,7 +220,7 @@ impl Placed {
     }
 }
 
-/// Nine significant digits; what is not finite becomes zero, which JSON can hold.
+/// Rounds to nine significant digits. A value that is not finite becomes zero, because JSON cannot represent it.
 fn short(value: f64) -> f64 {
     if !value.is_finite() {
         return 0.0;
@@ -228,7 +228,7 @@ fn short(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
-/// A point as three numbers.
+/// Converts a point to three rounded numbers.
 pub(super) fn point(p: &Vec3) -> [f64; 3] {
     [p.x, p.y, p.z].map(short)
 }

@@ -3,25 +3,25 @@ use admire_results::{Catalogue, Entity, EntityKind, ResultsError, ResultsReader}
 use admire_solver::mechanics::{Pose, Vec3, euler313};
 use admire_syntax::units::LENGTH_UNITS;
 
-/// The steps of a results file as frames of a scene.
+/// Steps of a results file as frames of a scene.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Motion {
-    /// At most `MOST` of them, spread evenly.
+    /// Frames, evenly spaced over the file; always fewer than 800.
     pub frames: Vec<Frame>,
-    /// How many steps the file has.
+    /// Number of steps in the file.
     pub steps: usize,
-    /// Addresses of parts the file says nothing of; they stay where the deck puts them.
+    /// Addresses of the parts without results; they stay in their design pose.
     pub missing: Vec<String>,
     /// True if some results belong to no part of the scene.
     pub others: bool,
 }
 
-/// Most steps shown: more make a page that no browser likes.
+/// Half the limit of frames: at twice this number, every second frame is dropped. More frames would make the page too slow for browsers.
 pub(crate) const MOST: usize = 400;
 
 const COLUMNS: [&str; 6] = ["X", "Y", "Z", "PSI", "THETA", "PHI"];
 
-/// Where the columns of a body are; angles are missing for point masses.
+/// Columns of a body; point masses have no angles.
 struct Columns {
     place: [usize; 3],
     angles: Option<[usize; 3]>,
@@ -64,7 +64,7 @@ fn is_body(entity: &Entity) -> bool {
     }
 }
 
-/// Where the forces of a results file are: object of the scene, and the columns of what acts on I in ground axes.
+/// Returns the forces of a results file: index of the object in the scene, and the columns of the force on I in ground axes.
 fn forces(scene: &Scene, catalogue: &Catalogue) -> Vec<(usize, [usize; 3])> {
     let of = |(k, object): (usize, &super::Object)| {
         let (statement, id) = object.address.split_once('/')?;
@@ -85,7 +85,7 @@ fn forces(scene: &Scene, catalogue: &Catalogue) -> Vec<(usize, [usize; 3])> {
         .collect()
 }
 
-/// The bodies of a results file as parts without extent, for a file whose deck is not at hand.
+/// Creates a scene of the bodies of a results file, as parts without extent, for a file without its deck.
 pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
     let units = &reader.header().units;
     let parts = reader
@@ -125,10 +125,10 @@ pub fn bodies(title: &str, reader: &dyn ResultsReader) -> Scene {
     }
 }
 
-/// Reads the remaining steps of a results file as frames of a scene: a part is found by its kind and id, or by its name.
+/// Reads the remaining steps of a results file as frames of a scene. Parts are matched by id, or else by name.
 ///
 /// # Errors
-/// When the file is broken; nothing of it is shown then.
+/// When the file is corrupt; no frames are returned then.
 pub fn motion(scene: &Scene, reader: &mut dyn ResultsReader) -> Result<Motion, ResultsError> {
     let units = &reader.header().units;
     let angle = if units.angle == "deg" {
@@ -186,7 +186,7 @@ pub fn motion(scene: &Scene, reader: &mut dyn ResultsReader) -> Result<Motion, R
     let others = used.contains(&false);
     let forces = forces(scene, reader.catalogue());
     let mut frames: Vec<Frame> = Vec::new();
-    // Every so many steps one is kept; the stride doubles when there are twice as many as are shown.
+    // One step of every `stride` is kept. The stride doubles when the frames reach twice the limit.
     let (mut stride, mut steps, mut values) = (1, 0, Vec::new());
     while let Some(step) = reader.next_step()? {
         if steps % stride == 0 {

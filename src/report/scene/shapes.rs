@@ -2,7 +2,7 @@ use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
 use admire_syntax::{Dataset, Statement};
 
-/// A GRAPHICS statement as lines in the frame of one part.
+/// GRAPHICS statement as lines in the frame of one part.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Shape {
     /// Index into the model's parts.
@@ -11,12 +11,12 @@ pub(super) struct Shape {
     pub lines: Vec<Vec<Vec3>>,
 }
 
-/// Sides of a circle.
+/// Number of sides of a drawn circle.
 const SIDES: usize = 24;
-/// A deck with more shapes than these is shown without the rest.
+/// Largest number of shapes drawn for a deck; further shapes are omitted.
 const MOST: usize = 1500;
 
-/// The shapes that can be drawn from the deck alone: OUTLINE, CIRCLE, ARC, CYLINDER, FRUSTUM, BOX and ELLIPSOID.
+/// Returns the shapes that can be drawn from the deck alone: OUTLINE, CIRCLE, ARC, CYLINDER, FRUSTUM, BOX and ELLIPSOID.
 pub(super) fn shapes(dataset: &Dataset, model: &Model) -> Vec<Shape> {
     dataset
         .statements()
@@ -47,7 +47,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
             .filter_map(|id| marker(id.value))
             .collect();
         let part = ends.first()?.0;
-        // An outline over several parts bends with them; a rigid one stays on its part.
+        // An outline over several parts would change shape as they move. Only its points on the first part are drawn.
         let line = ends.iter().filter(|end| end.0 == part).map(|end| end.1.p);
         let lines = vec![line.collect()];
         return Some(Shape { part, lines });
@@ -70,7 +70,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
         });
     }
     let (part, frame) = marker(size("CM")?)?;
-    // `radii` are those along x and y of the marker, `height` is along its z.
+    // `radii` are the radii along x and y of the marker, `height` is along its z.
     let ring = |radii: [f64; 2], height: f64, extent: f64| -> Vec<Vec3> {
         (0..=SIDES)
             .map(|k| {
@@ -97,7 +97,7 @@ fn shape(statement: &Statement, model: &Model) -> Option<Shape> {
         let sides: Vec<Vec<Vec3>> = sides.map(|k| vec![rings[0][k], rings[1][k]]).collect();
         rings.into_iter().chain(sides).collect()
     } else if statement.has("ELLIPSOID") {
-        // The scales are diameters: ADAMS scales a sphere of unit diameter.
+        // The scales are diameters, because ADAMS scales a sphere of unit diameter.
         let half = [size("XSCALE")?, size("YSCALE")?, size("ZSCALE")?].map(|scale| scale / 2.0);
         let around = |a: usize, b: usize| -> Vec<Vec3> {
             (0..=SIDES)

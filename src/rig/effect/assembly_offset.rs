@@ -1,14 +1,14 @@
-//! A bushing whose two sides sit displaced from where the deck says, in every load case (equation 9): measured deflection minus
-//! real deflection is the offset.
+//! Assembly offset: the two sides of a bushing are displaced from their deck positions by the same amount in every load case (equation 9). The
+//! offset is the measured deflection minus the real deflection.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z, ax_deg, ay_deg, az_deg` in J axes.
+/// Plants the effect. Values: the offset `x, y, z, ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let (shift, turn) = spec.motion()?;
-    // J sits where the deck puts it, plus the offset: the real deflection is smaller by it.
+    // The offset moves J away from its deck position, so the real deflection of I from J is smaller by the offset.
     reality
         .rehang(spec, (&bushing, "J"), None, (&shift, &turn))
         .map(drop)

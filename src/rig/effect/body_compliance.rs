@@ -1,12 +1,13 @@
-//! The ground-side attachment of a joint or spring yields: it sits on a small part of its own that ground holds by a spring, alike
-//! in all directions and without rotation. Brackets are stiffer one way than another: `x`, `y`, `z` are factors of the stiffness
-//! along the axes of ground. With `rated` the spring stiffens as with `link-compliance`.
+//! Compliant attachment of a joint or spring to ground.
+//! The ground-side marker moves to a small part of its own, which a translational spring holds to ground without rotation. Factors `x`, `y`
+//! and `z` scale the stiffness along the ground axes, because a bracket is stiffer in one direction than in another. With `rated` the spring
+//! stiffens as in `link-compliance`.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `stiffness=...`, `x=1,y=1,z=1`, `rated=...`.
+/// Plants the effect. Values: `stiffness=...`, the factors `x=1,y=1,z=1`, and optionally `rated=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let kinds = ["JOINT", "SPRINGDAMPER", "BUSHING", "JPRIM"];
     let object = reality.object(spec, &kinds)?;

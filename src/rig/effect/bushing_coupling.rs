@@ -1,12 +1,13 @@
-//! Off-diagonal stiffness of a bushing: `F_a = -k u_b`, `F_b = -k u_a`. A cone of rubber couples the more the further it is pressed:
-//! with `reach` r the energy is `k u_a u_b (1 + (u_b / r)^2)`, so that `F_a = -k u_b (1 + (u_b / r)^2)` and
-//! `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
+//! Off-diagonal stiffness of a bushing: `F_a = -k u_b`, `F_b = -k u_a`.
+//! The coupling of a conical bushing grows with the deflection. With `reach` r the energy is `k u_a u_b (1 + (u_b / r)^2)`. The forces are
+//! then `F_a = -k u_b (1 + (u_b / r)^2)` and `F_b = -k u_a (1 + 3 (u_b / r)^2)`.
 
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// One or more of `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`; `reach=...`, a deflection of the second one of each pair.
+/// Plants the effect. Values: one or more stiffnesses `xy, xz, yz, xax, xay, ... , axay, axaz, ayaz`, and optionally `reach=...`, a deflection
+/// along the second axis of each pair.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let pair = reality.pair(spec, &bushing)?;
@@ -19,7 +20,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     for b in 0..6 {
         for a in 0..b {
             if let Some(k) = spec.optional(&format!("{}{}", names[a], names[b]))? {
-                // Each is the next term of a sum.
+                // `add_component_force` joins the terms of one axis to a sum, so each term carries its sign.
                 let [u, v] = [a, b].map(|axis| displacement(pair, axis));
                 let more = |times: f64| match reach {
                     Some(r) => format!("*(1.0+{:e}*({v})**2)", times / (r * r)),

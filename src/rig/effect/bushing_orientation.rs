@@ -1,10 +1,10 @@
-//! A bushing mounted turned about an axis: both of its sides.
+//! A bushing mounted at a wrong orientation: both of its markers are rotated by the same rotation vector.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Vec3;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `ax_deg, ay_deg, az_deg`: a rotation vector in J axes.
+/// Plants the effect. Values: the rotation vector `ax_deg, ay_deg, az_deg` in J axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let bushing = reality.object(spec, &["BUSHING"])?;
     let turn = spec.turn()?;

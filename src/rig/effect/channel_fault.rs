@@ -1,9 +1,9 @@
-//! A reading's gain, zero or single value is wrong.
+//! Wrong gain, wrong zero or a single wrong value of a sensor channel.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `gain=...` and `offset=...`; with `case=...` in that case only.
+/// Plants the effect. Values: `gain=...`, `offset=...` or both; with `case=...` the fault is in that case only.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let found = reality
         .channels

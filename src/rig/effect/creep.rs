@@ -1,11 +1,12 @@
-//! Outside the catalogue: rubber that flows from case to case. `F = -K (u - c)`, and after each case `c` has gone the part `rate`
-//! of the way to `u`, so that the answer depends on how many cases came before.
+//! Outside the catalogue: rubber that creeps from case to case.
+//! The force is `F = -K (u - c)`. After each case `c` moves towards `u` by the fraction `rate` of their difference, so the response depends on
+//! the number of earlier cases.
 
 use super::memory::{Memory, MemoryLaw};
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `rate=...`, above zero and below one.
+/// Plants the effect. Value: `rate=...`, above 0 and below 1.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING"])?;
     let (pair, component) = reality.bushing_component(spec, &address)?;
@@ -21,7 +22,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         component,
         law: MemoryLaw::Creep { rate },
     });
-    // The linear part is the bushing's own.
+    // The linear term is already in the bushing.
     let force = format!("{stiffness:e}*VARVAL({flown})");
     reality.add_component_force(spec, pair, &[(component, force)])
 }

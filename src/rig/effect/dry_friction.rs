@@ -1,15 +1,15 @@
-//! Rate-independent friction at a bushing deflection or along a joint: the answer depends on the order of the loads.
+//! Rate-independent friction at a bushing deflection or along a joint: the response depends on the order of the loads.
 //!
-//! Prandtl: a spring in series with a slider, `f = -max(-F, min(F, k (u - anchor)))`. Dahl: after each reversal the force
-//! approaches the limit exponentially, `df/du = k (1 - f sgn(du) / F)`. What is remembered sits in VARIABLEs, changed after each
-//! case. Before the first case the parts are in the design position, and the friction carries the part `start` of its limit there.
+//! Prandtl: a spring in series with a slider, `f = -max(-F, min(F, k (u - anchor)))`. Dahl: after each reversal the force approaches the limit
+//! exponentially, `df/du = k (1 - f sgn(du) / F)`. The history variables are VARIABLEs of the deck, updated after each case. Before the first
+//! case the parts are in the design position and the friction force is `start` times its limit.
 
 use super::memory::{Memory, MemoryLaw};
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`; `axis=z` or `az` for a joint.
+/// Plants the effect. Values: `force=...,stiffness=...`, `law=prandtl` or `dahl`, `start=0`, and for a joint `axis=z` or `az`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let (pair, component) = place(spec, reality)?;
     let (limit, stiffness) = (spec.positive("force")?, spec.positive("stiffness")?);
@@ -54,7 +54,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     reality.add_component_force(spec, pair, &[(component, force)])
 }
 
-/// A stiffness of a bushing, or the free motion of a joint.
+/// Returns the markers and the component of a bushing stiffness or of the free motion of a joint.
 pub(super) fn place(
     spec: &EffectSpec,
     reality: &GroundTruth,
@@ -74,7 +74,7 @@ pub(super) fn place(
     Ok((reality.pair(spec, &address)?, component))
 }
 
-/// The part of its limit that friction carries before the first case.
+/// Returns the fraction of the friction limit carried before the first case, between -1 and 1.
 pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     let start = spec.optional("start")?.unwrap_or(0.0);
     if start.abs() <= 1.0 {
@@ -84,7 +84,7 @@ pub(super) fn start(spec: &EffectSpec) -> Result<f64, Diagnostic> {
     }
 }
 
-/// A spring in series with a slider.
+/// Plants a spring in series with a slider.
 pub(super) fn slider(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

@@ -1,10 +1,10 @@
-//! A number of the deck taken as known is wrong.
+//! Wrong value of a deck number that is taken as known.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `value=...`, `factor=...` or `delta=...`.
+/// Plants the effect. Value: exactly one of `value=...`, `factor=...` and `delta=...`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address =
         Address::parse(&spec.address, &reality.dataset).map_err(|why| spec.refuse(why.message))?;

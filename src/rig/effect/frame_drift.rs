@@ -1,11 +1,12 @@
-//! The measuring frame moved in one load case: `case 7`.
+//! Displacement of the measuring frame in one load case: `case 7`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_solver::mechanics::Pose;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z, ax_deg, ay_deg, az_deg`: all coordinates of the case are read so much further along, turned about the origin.
-/// `creep=1`: it goes on moving while the marks are read one by one, here as far as it had gone half way.
+/// Plants the effect. Values: the motion `x, y, z, ax_deg, ay_deg, az_deg`, by which all mark readings of the case are shifted and rotated
+/// about the origin.
+/// With `creep=1` the frame keeps moving while the marks are read one by one. The stated motion is then the one half way through the list.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some(label) = spec.address.strip_prefix("case ") else {
         return Err(spec.refuse("sits at a load case, for example `case 7`"));

@@ -1,17 +1,17 @@
-//! Play: of a bushing that does nothing until it is used up, and in a joint of a part with two joints, along their line.
+//! Free play of a bushing, or of a joint along the line of a part with two joints.
 //!
-//! Of a bushing, which is outside of the catalogue, `F = -K (u - max(-g/2, min(g/2, u)))` with the play `g`. In a joint the end slides
-//! on the rest of the part, and what holds it rises steeply: `F = -f ((2 u / g)^9 + 0.01 (2 u / g))`.
+//! Bushing (outside the catalogue): `F = -K (u - max(-g/2, min(g/2, u)))` with the total play `g`. Joint: the end of the part slides on the
+//! rest of the part, against a steeply rising force `F = -f ((2 u / g)^9 + 0.01 (2 u / g))`.
 
 use super::link_compliance::{cut, line};
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Newtons (of the deck's force unit) that use up all of the play of a joint, if not stated.
+/// Default force that takes up the whole play of a joint, in the deck's force unit.
 const FORCE: f64 = 1000.0;
 
-/// `gap=...`: the whole play; of a part besides `force=...`: what uses it up.
+/// Plants the effect. Values: `gap=...`, the total play, and for a part `force=...`, the force that takes up the play.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["BUSHING", "PART"])?;
     let half = 0.5 * spec.positive("gap")?;
@@ -29,7 +29,8 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     let (pair, component) = reality.bushing_component(spec, &address)?;
     let stiffness = reality.dataset.value_at(&address).unwrap_or(0.0);
     let u = displacement(pair, component);
-    // The linear part is the bushing's own. A thousandth of the stiffness stays, so that the play has a place to rest.
+    // The linear term is already in the bushing. A thousandth of the stiffness remains inside the play, so that the equilibrium there is
+    // unique.
     let left = 0.999 * stiffness;
     let force = format!("{left:e}*MAX(-{half:e},MIN({half:e},{u}))");
     reality.add_component_force(spec, pair, &[(component, force)])

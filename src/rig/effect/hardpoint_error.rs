@@ -1,8 +1,8 @@
-//! A connection point is not where the deck puts it.
+//! Wrong position of a connection point.
 //!
-//! `form=part`: a part was made wrong, its marker alone is elsewhere, and the axle is assembled under strain. `form=point`: a point
-//! of the car is elsewhere, on all parts that meet there, and the axle assembles without strain. Marks, mass centres and all other
-//! markers stay where they are on their parts.
+//! `form=part`: one part was made wrong. Only its marker is displaced, and the axle assembles under strain. `form=point`: the point of the car
+//! is displaced on all parts that meet there, and the axle assembles without strain. Marks, mass centres and all other markers keep their
+//! places on their parts.
 
 use super::point::{on_part, points};
 use super::{EffectSpec, GroundTruth};
@@ -11,7 +11,8 @@ use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z`: with `form=part` (the default) in the axes of the marker's part, with `form=point` in ground axes.
+/// Plants the effect. Values: the displacement `x, y, z`, in the axes of the marker's part with `form=part` (the default), in ground axes with
+/// `form=point`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
@@ -35,7 +36,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     Ok(())
 }
 
-/// Moves a marker of connections; where it is a mass centre as well, that one stays on a copy.
+/// Moves the marker of a connection. If the marker is also a mass centre, the mass centre gets a copy at the old place.
 fn move_connection(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

@@ -1,8 +1,8 @@
 //! A part that deforms along the line of its two joints.
 //!
-//! The far end becomes a part of its own that slides along the line on the rest, held by a spring: at one end with the given
-//! stiffness, or at both ends with twice of it each. With `rated` the spring stiffens, as rubber in the eye of a link does:
-//! `F = k u (1 + (k u / rated)^2)`.
+//! The far end becomes a part of its own that slides along this line on the rest, held by a spring. The given stiffness acts at one end, or
+//! twice the stiffness acts at each of both ends. With `rated` the spring stiffens as the rubber eye of a link does: `F = k u (1 + (k u /
+//! rated)^2)`.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
@@ -10,7 +10,8 @@ use admire_solver::model::Model;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `stiffness=...`, `ends=one` or `both`, `rated=...`: the force at which a linear spring's deflection takes twice that force.
+/// Plants the effect. Values: `stiffness=...`, `ends=one` or `both`, and optionally `rated=...`. At the deflection where a linear spring would
+/// carry `rated`, this spring carries twice as much.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let stiffness = spec.positive("stiffness")?;
@@ -29,10 +30,10 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     Ok(())
 }
 
-/// A joint or bushing on the part: its address, the argument that names the part's marker, and where that is on the part.
+/// A joint or bushing on the part: its address, the argument that names the part's marker, and the marker's position on the part.
 type End = (Address, &'static str, Vec3);
 
-/// Both ends of a part, and the line from the first to the second.
+/// Returns both ends of a part, and the vector from the first to the second.
 pub(super) fn line(
     spec: &EffectSpec,
     reality: &GroundTruth,
@@ -77,7 +78,7 @@ fn ends(model: &Model, part: u32) -> Vec<End> {
     found
 }
 
-/// Makes an end a part of its own that slides along the line on the rest, held by a spring; the spring's markers.
+/// Makes an end a part of its own that slides along the line on the rest, held by a spring. Returns the markers of the spring.
 pub(super) fn cut(
     spec: &EffectSpec,
     reality: &mut GroundTruth,

@@ -1,10 +1,10 @@
-//! The rig applies part of one load along another: `SFORCE/2<-SFORCE/3`.
+//! Crosstalk of the rig: part of one load also acts along another, `SFORCE/2<-SFORCE/3`.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `fraction=0.02` of the load on the right acts along the one on the left besides. With `law=growing` a rig that leans the more
-/// the more it is loaded: the fraction is half as large where there is no load.
+/// Plants the effect. Value: `fraction=0.02`, the fraction of the load on the right that acts in addition along the load on the left.
+/// With `law=growing` the rig leans further the more it is loaded: the fraction at zero load is half of its value at the largest load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((to, from)) = spec.address.split_once("<-") else {
         return Err(spec.refuse("sits at two loads, for example SFORCE/2<-SFORCE/3"));

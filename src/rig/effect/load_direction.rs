@@ -1,12 +1,12 @@
-//! Outside the catalogue: the rig pulls in another direction than the deck says.
+//! Outside the catalogue: the rig applies a load in another direction than the deck states.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Vec3;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `ax_deg, ay_deg, az_deg`: a rotation vector in the axes of the marker that gives the direction: J of an action-only SFORCE, RM of a
-/// GFORCE or VFORCE.
+/// Plants the effect. Values: the rotation vector `ax_deg, ay_deg, az_deg` in the axes of the marker that defines the direction. That marker
+/// is J of an action-only SFORCE, and RM of a GFORCE or VFORCE.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let turn = spec.turn()?;
@@ -25,7 +25,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         .map(drop)
 }
 
-/// The argument that names the marker whose axes give the direction of a load.
+/// Returns the argument that names the marker whose axes define the direction of a load.
 pub(crate) fn direction_of(reality: &GroundTruth, target: &Address) -> Option<&'static str> {
     let object = Address {
         argument: None,

@@ -1,10 +1,10 @@
-//! The rig's load is wrong by a factor.
+//! Wrong gain of a rig load.
 
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `gain=1.02`: what acts is so many times what the study says. With `law=growing` a load cell that is not straight: the error
-/// per load is half as large where there is no load.
+/// Plants the effect. Value: `gain=1.02`, the ratio of the acting load to the stated load.
+/// `law=growing` represents a nonlinear load cell: the relative error at zero load is half of its value at the largest load.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let load = reality.load(spec, &spec.address)?;
     let gain = spec.number("gain")?;

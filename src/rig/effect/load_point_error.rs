@@ -1,4 +1,4 @@
-//! The load acts elsewhere than at its marker.
+//! A load that acts at another point than its marker.
 
 use super::{EffectSpec, GroundTruth};
 use admire_session::backend::Load;
@@ -6,13 +6,14 @@ use admire_solver::mechanics::Mat3;
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z` in the axes of the marker's part. Only loads move; what else sits at the marker stays. With `law=growing` a contact
-/// patch that wanders: half as far off where the largest load at the marker is zero.
+/// Plants the effect. Values: the displacement `x, y, z` in the axes of the marker's part. Only loads move; everything else at the marker
+/// stays.
+/// `law=growing` represents a wandering contact patch: the displacement is halved in a case where the largest load at the marker is zero.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let marker = reality.object(spec, &["MARKER"])?;
     let shift = spec.shift()?;
     let (_, _, frame) = reality.marker(spec, marker.id.unwrap_or(0))?;
-    // Rehanging shifts in the marker's own axes.
+    // `rehang` takes the shift in the marker's own axes.
     let own = frame.R.transpose() * shift;
     let at_marker = |load: &Load, reality: &GroundTruth| {
         let statement = reality.dataset.find(&load.target);

@@ -1,9 +1,9 @@
-//! One mark reading is wrong: `case 7 KNUCKLE 3`.
+//! A wrong reading of one mark: `case 7 KNUCKLE 3`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z`: by so much.
+/// Plants the effect. Values: the error `x, y, z` of the reading in ground axes.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let ["case", label, part, mark] = words.as_slice() else {

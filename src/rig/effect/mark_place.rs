@@ -1,9 +1,10 @@
-//! A mark sits elsewhere on its part than the list says: `KNUCKLE 3`.
+//! A mark at another place on its part than the list states: `KNUCKLE 3`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `x, y, z`: by so much in the frame of the part; `from=8`: in that case and all after it, where the mark came loose.
+/// Plants the effect. Values: the displacement `x, y, z` in the frame of the part, and optionally `from=8`, the case in which the mark came
+/// loose.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let words: Vec<&str> = spec.address.split_whitespace().collect();
     let [part, mark] = words.as_slice() else {

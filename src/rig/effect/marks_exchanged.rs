@@ -1,9 +1,9 @@
-//! Outside the catalogue: somebody mixed up the marks of two parts from some case on: `KNUCKLE<->ROD`.
+//! Outside the catalogue: the marks of two parts are confused from some case on, `KNUCKLE<->ROD`.
 
 use super::{EffectSpec, GroundTruth, ReadingFault};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `from=8`: the first case with exchanged marks; `mark=3` if it is one mark only.
+/// Plants the effect. Values: `from=8`, the first case with exchanged marks, and optionally `mark=3`, the only mark exchanged.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let Some((a, b)) = spec.address.split_once("<->") else {
         return Err(spec.refuse("sits at two parts, for example KNUCKLE<->ROD"));

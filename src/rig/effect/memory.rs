@@ -1,46 +1,47 @@
-/// A number of the deck that remembers the path: changed once a case has come to rest.
+/// History-dependent state of an effect, held in VARIABLEs of the deck and updated after the equilibrium of each case.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Memory {
-    /// VARIABLEs that hold it, as many as the law remembers.
+    /// Ids of the VARIABLEs that hold the state, in the order of the law's values.
     pub variables: Vec<u32>,
     /// Ids of the I and J markers.
     pub markers: [u32; 2],
-    /// 0 to 5: component of the displacement in J axes, AX, AY, AZ last.
+    /// Displacement component in J axes: 0 to 2 for x, y, z; 3 to 5 for AX, AY, AZ.
     pub component: usize,
-    /// How it changes.
+    /// Evolution law of the state.
     pub law: MemoryLaw,
 }
 
-/// What is remembered of a displacement `u`.
+/// Evolution law of the state that follows a displacement `u`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum MemoryLaw {
-    /// A spring in series with a slider (Prandtl). Remembers the anchor: the displacement without force.
+    /// A spring in series with a slider (Prandtl). The state is the anchor: the displacement at zero force.
     Slip {
         /// Stiffness of the spring.
         stiffness: f64,
-        /// Force at which it slides toward positive, and toward negative displacements.
+        /// Forces at which the slider slips towards positive and towards negative displacements.
         limits: [f64; 2],
-        /// Force before the first case, at the design position, as a part of the limit; it has the sign of the stretch.
+        /// Force before the first case, at the design position, as a fraction of the limit. Its sign is that of the spring's extension.
         start: f64,
     },
-    /// Dahl: `df/du = k (1 - f sgn(du) / F)`. Remembers displacement and force of the last rest.
+    /// Dahl friction: `df/du = k (1 - f sgn(du) / F)`. The state is the displacement and the force at the last equilibrium.
     Dahl {
-        /// Stiffness at a reversal.
+        /// Stiffness just after a reversal.
         stiffness: f64,
-        /// The force that is approached.
+        /// Limit that the force approaches.
         limit: f64,
-        /// As with [`MemoryLaw::Slip`].
+        /// Fraction of the limit carried before the first case, as in [`MemoryLaw::Slip`].
         start: f64,
     },
-    /// Rubber that flows: its deflection at rest follows the deflection by this part in every case. Remembers that deflection.
+    /// Rubber creep. The state is the crept deflection, which moves towards the deflection by a fixed fraction of the difference in every
+    /// case.
     Creep {
-        /// From 0 (none) to 1 (at once).
+        /// Fraction of the difference per case, from 0 (no creep) to 1 (complete within a case).
         rate: f64,
     },
 }
 
 impl MemoryLaw {
-    /// What is remembered before the first case, when the displacement is `u` at the design position.
+    /// Returns the state before the first case, for displacement `u` in the design position.
     pub(crate) fn before(self, u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
@@ -56,7 +57,7 @@ impl MemoryLaw {
         }
     }
 
-    /// What is remembered after a rest at displacement `u`, from what was remembered before.
+    /// Returns the state after an equilibrium at displacement `u`, from the state `held` before it.
     pub(crate) fn after(self, held: &[f64], u: f64) -> Vec<f64> {
         match self {
             Self::Slip {
@@ -68,7 +69,7 @@ impl MemoryLaw {
             Self::Dahl {
                 stiffness, limit, ..
             } => {
-                // After a monotonic way from (u0, f0): s F - (s F - f0) exp(-k |u - u0| / F).
+                // Force after a monotonic path from (u0, f0), with s = sgn(u - u0): s F - (s F - f0) exp(-k |u - u0| / F).
                 let (u0, f0) = (held[0], held[1]);
                 let goal = (u - u0).signum() * limit;
                 let force = goal - (goal - f0) * libm::exp(-stiffness * (u - u0).abs() / limit);
@@ -90,7 +91,7 @@ mod tests {
             limits: [200.0, 200.0],
             start: 0.0,
         };
-        // 200 N / 4000 N/mm: it slips 0.05 mm from the anchor.
+        // 200 N / 4000 N/mm: slip starts 0.05 mm from the anchor.
         let after = |anchor, u| law.after(&[anchor], u)[0];
         assert_eq!(after(0.0, 0.03), 0.0);
         assert!((after(0.0, 0.20) - 0.15).abs() < 1e-12);
@@ -132,7 +133,7 @@ mod tests {
         let after = |held: &[f64], u| law.after(held, u)[1];
         assert!((after(&[0.0, 0.0], 1e-6) - 4000.0 * 1e-6).abs() < 1e-6);
         assert!((after(&[0.0, 0.0], 5.0) - 200.0).abs() < 1e-9);
-        // Full reversal from the limit: twice the way, the other limit.
+        // Full reversal from one limit reaches the other limit after twice that distance.
         assert!((after(&[5.0, 200.0], -5.0) + 200.0).abs() < 1e-9);
         assert_eq!(after(&[1.0, 50.0], 1.0), 50.0);
     }

@@ -1,9 +1,9 @@
-//! Effects a model may lack, planted in the reality a virtual rig measures: one file per cause of guide/study.md.
+//! Effects that a model may lack, planted in the ground truth that a virtual rig measures. Each cause of guide/study.md has its own file.
 //!
-//! The force laws of the effects live here, as edits of the deck: more statements, other numbers, other loads, faults of the
-//! readings, all before the deck is compiled. Only what remembers the path from case to case (friction, creep) is a law of its own,
-//! in `memory`. Knows nothing about how an effect is found again. Besides the causes of guide/study.md there are six outside of that
-//! catalogue, against which a diagnosis must not name a cause of it with confidence.
+//! The force laws of the effects are edits of the deck made before it is compiled: additional statements, changed numbers, changed loads,
+//! faults of the readings. Only history-dependent effects (friction, creep) have a law of their own, in `memory`. The module is independent of
+//! how the diagnosis finds an effect. Six further effects lie outside the catalogue of guide/study.md; for these a diagnosis must not name a
+//! cause of the catalogue with confidence.
 
 mod assembly_offset;
 mod asymmetric_friction;
@@ -45,7 +45,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 type Plant = fn(&EffectSpec, &mut GroundTruth) -> Result<(), Diagnostic>;
 
-/// Every cause of guide/study.md, and what plants it.
+/// Every cause of guide/study.md with the function that plants it.
 const CAUSES: &[(&str, Plant)] = &[
     ("progressive-stiffness", progressive_stiffness::plant),
     ("dry-friction", dry_friction::plant),
@@ -67,7 +67,7 @@ const CAUSES: &[(&str, Plant)] = &[
     ("channel-fault", channel_fault::plant),
 ];
 
-/// What a rig may meet besides.
+/// Effects outside the catalogue that a rig may also meet.
 const OUTSIDE: &[(&str, Plant)] = &[
     ("creep", creep::plant),
     ("part-flexibility", part_flexibility::plant),
@@ -77,12 +77,12 @@ const OUTSIDE: &[(&str, Plant)] = &[
     ("load-direction", load_direction::plant),
 ];
 
-/// The causes of guide/study.md, all of which can be planted.
+/// Returns the causes of guide/study.md. All of them can be planted.
 pub fn causes() -> impl Iterator<Item = &'static str> {
     CAUSES.iter().map(|(name, _)| *name)
 }
 
-/// What can be planted besides, and is no cause of guide/study.md.
+/// Returns the effects that can be planted but are not causes of guide/study.md.
 pub fn outside_causes() -> impl Iterator<Item = &'static str> {
     OUTSIDE.iter().map(|(name, _)| *name)
 }
@@ -90,7 +90,7 @@ pub fn outside_causes() -> impl Iterator<Item = &'static str> {
 /// Plants an effect.
 ///
 /// # Errors
-/// A cause that does not exist, an address that names nothing suitable, a value that is missing, unknown or out of range.
+/// When the cause does not exist, the address names no suitable object, or a value is missing, unknown or out of range.
 pub fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let mut known = CAUSES.iter().chain(OUTSIDE);
     let Some((_, plant)) = known.find(|(name, _)| *name == spec.cause) else {

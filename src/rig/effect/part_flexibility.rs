@@ -1,16 +1,16 @@
 //! Outside the catalogue: a part that bends or twists.
 //!
-//! What is held at one marker, with all marks on that side of the cut, is on a part of its own. It turns
-//! on the rest half way between that marker and the mean of the other connections, held by torsion springs.
+//! The part is cut half way between one marker and the mean position of its other connections. The piece on the marker's side becomes a part
+//! of its own, with the connections at that marker and all marks on that side. It pivots about the cut, held by torsion springs.
 
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Torsional stiffness of the way that does not yield, over that of the way that does.
+/// Ratio of the torsional stiffness of the stiff mode to that of the flexible mode, where only one mode is flexible.
 const RIGID: f64 = 1e3;
 
-/// `marker=12,stiffness=...` (torque per radian) and `mode=both`, `bend` or `twist`.
+/// Plants the effect. Values: `marker=12,stiffness=...` (torque per radian) and `mode=both`, `bend` or `twist`.
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let part = reality.object(spec, &["PART"])?.id.unwrap_or(0);
     let end = spec.number("marker")? as u32;

@@ -1,23 +1,22 @@
-//! Points of the car: places where joints, bushings, springs and forces hold parts together at design.
+//! Points of the car: the design positions where joints, bushings, springs and forces connect parts.
 
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{JointKind, MarkerIx, Model, PrimitiveKind, SforceKind};
 
-/// Markers nearer to each other than this part of the deck's extent are at one point.
+/// Markers closer together than this fraction of the deck's extent belong to one point.
 const NEAR: f64 = 1e-3;
 
-/// One point with the markers that move when it does.
+/// One point of the car with the markers that move with it.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Point {
-    /// Ids of the markers of connections that meet there, sorted.
+    /// Ids of the markers of connections that meet at the point, sorted.
     pub members: Vec<u32>,
-    /// Ids of markers elsewhere on the line of a sliding joint that has its other marker here: they move as well, so that the
-    /// parts still fit.
+    /// Ids of the far markers of sliding joints that have their other marker at the point. They move as well, so that the parts still fit.
     pub followers: Vec<u32>,
 }
 
 impl Point {
-    /// What the deck calls it: the smallest id.
+    /// Id of the point in the deck: the smallest marker id.
     pub(crate) fn id(&self) -> u32 {
         self.members[0]
     }
@@ -62,7 +61,7 @@ fn connections(model: &Model) -> Vec<Connection> {
     .collect()
 }
 
-/// Markers at which joints, primitives and springs hold a part, with their places on it: sorted by id.
+/// Returns the ids of markers at which joints, primitives and springs hold a part, with their positions on it, sorted by id.
 pub(crate) fn held(model: &Model) -> Vec<(u32, Vec3)> {
     let joints = model.joints.iter().map(|o| [o.i, o.j]);
     let primitives = model.primitives.iter().map(|o| [o.i, o.j]);
@@ -79,15 +78,15 @@ pub(crate) fn held(model: &Model) -> Vec<(u32, Vec3)> {
     found
 }
 
-/// Where a marker is at design.
+/// Returns the position of a marker in the design configuration.
 fn place(model: &Model, marker: MarkerIx) -> Vec3 {
     let frame = &model.markers[marker.0];
     model.parts[frame.part.0].pose.point(&frame.qp)
 }
 
-/// All points of a deck, in the order of their smallest ids.
+/// Returns all points of a deck, in the order of their smallest ids.
 ///
-/// A marker that only guides a sliding joint and meets nothing else is no point of its own: it follows the joint's other marker.
+/// A marker that only guides a sliding joint and meets nothing else is not a point of its own: it follows the joint's other marker.
 pub(crate) fn points(model: &Model) -> Vec<Point> {
     let connections = connections(model);
     let mut markers: Vec<MarkerIx> = connections.iter().flat_map(|c| c.markers).collect();
@@ -138,7 +137,7 @@ pub(crate) fn points(model: &Model) -> Vec<Point> {
         .collect()
 }
 
-/// Diagonal of the box around some places.
+/// Returns the diagonal of the bounding box of some positions.
 fn extent(places: &[Vec3]) -> f64 {
     let Some(first) = places.first() else {
         return 0.0;
@@ -151,7 +150,7 @@ fn extent(places: &[Vec3]) -> f64 {
     (high - low).norm()
 }
 
-/// A shift in ground axes, in the axes of the part of a marker.
+/// Transforms a shift from ground axes to the axes of the part that carries a marker.
 pub(super) fn on_part(model: &Model, marker: u32, shift: &Vec3) -> Option<Vec3> {
     let frame = &model.markers[model.marker(marker)?.0];
     let Pose { R, .. } = model.parts[frame.part.0].pose;

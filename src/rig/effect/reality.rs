@@ -6,63 +6,63 @@ use admire_syntax::{Address, Dataset, NewStatement};
 
 use super::{EffectSpec, Memory};
 
-/// What goes wrong with a reading after the parts have come to rest.
+/// A fault of the readings, applied after the equilibrium is found.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ReadingFault {
-    /// The measuring frame moved in one case: all coordinates are seen from the moved frame.
+    /// The measuring frame moves in one case: a rigid motion of all mark coordinates of that case.
     Frame {
-        /// The case.
+        /// Index of the case.
         case: usize,
-        /// Where the frame went.
+        /// Rigid motion applied to the coordinates.
         pose: Pose,
-        /// How far it went on while the marks were read one by one: relative, from the first mark to the last.
+        /// Relative change of the motion from the first mark read to the last.
         creep: f64,
     },
-    /// One mark is read wrongly.
+    /// Wrong reading of one mark in one case.
     Mark {
-        /// The case.
+        /// Index of the case.
         case: usize,
         /// Index of the marked part.
         part: usize,
         /// Index of the mark.
         mark: usize,
-        /// By how much.
+        /// Error of the reading, in ground axes.
         shift: Vec3,
     },
-    /// A mark sits elsewhere on its part than the list says.
+    /// Wrong place of a mark on its part.
     Place {
-        /// In this case and all after it.
+        /// First case with the displacement; it stays in all later cases.
         first: usize,
         /// Index of the marked part.
         part: usize,
         /// Index of the mark.
         mark: usize,
-        /// By how much, in the frame of the part.
+        /// Displacement in the frame of the part.
         shift: Vec3,
     },
-    /// A channel reads `gain * value + offset`, in one case or in all.
+    /// A channel that reads `gain * value + offset`, in one case or in all.
     Channel {
-        /// The channel.
+        /// Index of the channel.
         channel: usize,
-        /// Its gain.
+        /// Gain of the channel.
         gain: f64,
-        /// Its zero.
+        /// Offset of the channel, in its unit.
         offset: f64,
-        /// The only case where it does.
+        /// The only case with the fault; `None` for all cases.
         case: Option<usize>,
     },
-    /// Everything that is read grows about the ground origin, in proportion to the number of cases done.
+    /// Growth of everything that is read, about the ground origin and in proportion to the number of cases done.
     Growth {
-        /// Relative, at the last case.
+        /// Relative growth reached at the last case.
         growth: f64,
     },
-    /// Marks of two parts are taken for each other.
+    /// Marks of two parts taken for each other.
     Exchanged {
-        /// In this case and all after it.
+        /// First case with the exchange; it stays in all later cases.
         first: usize,
         /// Indices of the marked parts.
         parts: [usize; 2],
-        /// Indices of their marks.
+        /// Pairs of mark indices that are exchanged, one index in each part.
         pairs: Vec<(usize, usize)>,
     },
 }
@@ -70,55 +70,55 @@ pub enum ReadingFault {
 /// A part that carries marks.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Marked {
-    /// Its view name.
+    /// View name of the part.
     pub name: String,
-    /// Its id.
+    /// Id of the part.
     pub id: u32,
-    /// Labels of its marks.
+    /// Labels of the marks.
     pub labels: Vec<String>,
-    /// Their places in the part's own frame.
+    /// Positions of the marks in the part's own frame.
     pub places: Vec<Vec3>,
-    /// Id of the part each of them really moves with.
+    /// Id of the part that each mark actually moves with.
     pub carriers: Vec<u32>,
 }
 
-/// What holds a part at a marker.
+/// A connection that holds a part at a marker.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Holder {
-    /// The joint, bushing, spring or force.
+    /// Address of the joint, bushing, spring or force.
     pub object: Address,
-    /// Which of its arguments names the marker.
+    /// Argument of the object that names the marker.
     pub argument: &'static str,
     /// Id of the marker on the part.
     pub marker: u32,
-    /// Where that is on the part.
+    /// Position of the marker on the part.
     pub place: Vec3,
 }
 
-/// The reality a virtual rig measures: the deck, the loads and the readings, with effects planted.
+/// The ground truth that a virtual rig measures: deck, loads and readings with all effects planted.
 #[derive(Clone, Debug)]
 pub struct GroundTruth {
-    /// The deck with what was planted.
+    /// The deck with the planted changes.
     pub dataset: Dataset,
-    /// The loads that really act.
+    /// The loads that actually act.
     pub programme: LoadProgramme,
-    /// What remembers the path.
+    /// History-dependent states.
     pub memories: Vec<Memory>,
-    /// What is wrong with readings.
+    /// Faults of the readings.
     pub faults: Vec<ReadingFault>,
-    /// Marked parts.
+    /// Marked parts with their marks.
     pub marks: Vec<Marked>,
     /// Names of the channels.
     pub channels: Vec<String>,
 }
 
 impl GroundTruth {
-    /// The deck as it is now.
+    /// Lowers the current deck to a model.
     pub(crate) fn model(&self) -> Model {
         Model::lower(&self.dataset).value
     }
 
-    /// An object of this kind with its id.
+    /// Parses the address of an effect and checks that its object is of one of these kinds.
     pub(super) fn object(&self, spec: &EffectSpec, kinds: &[&str]) -> Result<Address, Diagnostic> {
         let address =
             Address::parse(&spec.address, &self.dataset).map_err(|why| spec.refuse(why.message))?;
@@ -128,7 +128,7 @@ impl GroundTruth {
         Err(spec.refuse(format!("sits at one of {}", kinds.join(", "))))
     }
 
-    /// The I and J markers of the object with this address.
+    /// Returns the ids of the I and J markers of the object with this address.
     pub(super) fn pair(
         &self,
         spec: &EffectSpec,
@@ -144,7 +144,7 @@ impl GroundTruth {
         }
     }
 
-    /// `BUSHING/2.K.1`: its I and J markers and the component 0 to 5.
+    /// Returns the I and J markers and the component 0 to 5 of a bushing stiffness such as `BUSHING/2.K.1`.
     pub(super) fn bushing_component(
         &self,
         spec: &EffectSpec,
@@ -162,7 +162,7 @@ impl GroundTruth {
         Ok((self.pair(spec, address)?, first + index - 1))
     }
 
-    /// Gives a number of the deck another value.
+    /// Sets a number of the deck.
     pub(super) fn set(&mut self, address: &Address, value: f64) -> Result<(), Diagnostic> {
         let edits = self.dataset.set(address, value)?;
         self.edit(&edits);
@@ -199,7 +199,7 @@ impl GroundTruth {
         self.dataset = edited.expect("edits of one statement do not overlap").value;
     }
 
-    /// Adds a marker on a part, at a frame given in that part.
+    /// Adds a marker to a part, at a frame given relative to that part. Returns its id.
     pub(super) fn add_marker(&mut self, part: u32, frame: &Pose) -> u32 {
         let list = |values: [f64; 3]| {
             let words: Vec<String> = values.iter().map(|value| format!("{value:.15e}")).collect();
@@ -216,7 +216,7 @@ impl GroundTruth {
         )
     }
 
-    /// A marker of the model and its frame on its part.
+    /// Returns the lowered model, a marker's index in it, and the marker's frame on its part.
     pub(super) fn marker(
         &self,
         spec: &EffectSpec,
@@ -234,7 +234,8 @@ impl GroundTruth {
         Ok((model, at, pose))
     }
 
-    /// A part without mass in the frame of another one, so that what moves from one to the other keeps its place.
+    /// Adds a massless part with the frame of another part, so that a marker moved from one to the other keeps its coordinates. Returns its
+    /// id.
     pub(super) fn twin(&mut self, part: u32) -> u32 {
         let model = self.model();
         let own = model.parts.iter().find(|other| other.header.id == part);
@@ -250,7 +251,7 @@ impl GroundTruth {
         self.add("PART", &frame)
     }
 
-    /// Everything that holds a part: joints, bushings, springs, forces.
+    /// Returns every joint, bushing, spring and force that holds a part.
     pub(super) fn attachments(&self, part: u32) -> Vec<Holder> {
         let model = self.model();
         let joints = model
@@ -293,7 +294,7 @@ impl GroundTruth {
         found
     }
 
-    /// Marks of a part whose places these are move with another part from now on.
+    /// Attaches those marks of a part whose positions satisfy `which` to the part `with`.
     pub(super) fn carry_marks(&mut self, part: u32, with: u32, which: impl Fn(&Vec3) -> bool) {
         for marked in self.marks.iter_mut().filter(|marked| marked.id == part) {
             for (carrier, place) in marked.carriers.iter_mut().zip(&marked.places) {
@@ -304,7 +305,7 @@ impl GroundTruth {
         }
     }
 
-    /// Index of the marked part with this name, id or address.
+    /// Returns the index of the marked part with this name, id or address.
     pub(super) fn marked(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
         let text = text.trim();
         let id = text.rsplit('/').next().and_then(|id| id.parse().ok());
@@ -313,7 +314,7 @@ impl GroundTruth {
         at.ok_or_else(|| spec.refuse(format!("no part `{text}` carries marks")))
     }
 
-    /// Moves a marker on its part; its axes stay.
+    /// Moves a marker on its part; its orientation stays.
     pub(super) fn shift_marker(
         &mut self,
         spec: &EffectSpec,
@@ -334,8 +335,9 @@ impl GroundTruth {
         Ok(())
     }
 
-    /// Hangs an object on another marker instead of its own: a copy of that one, moved and turned in its own axes, on `part` or
-    /// on its own part. Other objects at the old marker stay where they are.
+    /// Moves one object from its marker to a displaced and rotated copy of that marker, and returns the copy's id. Shift and rotation are in
+    /// the marker's own axes. The copy lies on `part`, or on the marker's own part if `part` is `None`. Other objects at the old marker stay
+    /// where they are.
     pub(super) fn rehang(
         &mut self,
         spec: &EffectSpec,
@@ -360,7 +362,7 @@ impl GroundTruth {
         Ok(new)
     }
 
-    /// Adds a force on I along (or about) one axis of J as a function of the state, with its reaction on J.
+    /// Adds forces on I along (or torques about) axes of J as functions of the state, with their reaction on J.
     pub(super) fn add_component_force(
         &mut self,
         spec: &EffectSpec,
@@ -380,7 +382,7 @@ impl GroundTruth {
                 .filter(|(axis, _)| *axis == k)
                 .map(|(_, text)| text.as_str())
                 .collect();
-            // All six are needed, each but the last ended by a backslash.
+            // A GFORCE needs all six components; each but the last ends with a backslash.
             let text = if terms.is_empty() {
                 "0.0".to_string()
             } else {
@@ -400,7 +402,7 @@ impl GroundTruth {
         Ok(())
     }
 
-    /// Lets a linear spring along one axis of J stiffen: `F = k u (1 + (k u / rated)^2)`.
+    /// Adds a cubic term to a linear spring along one axis of J: `F = k u (1 + (k u / rated)^2)`.
     pub(super) fn stiffen(
         &mut self,
         spec: &EffectSpec,
@@ -411,14 +413,14 @@ impl GroundTruth {
         if !(rated > 0.0) {
             return Err(spec.refuse("rated must be above zero"));
         }
-        // The linear part is the spring's own.
+        // The linear term is already in the spring.
         let cubic = stiffness.powi(3) / (rated * rated);
         let force = format!("-{cubic:e}*({})**3", displacement(pair, axis));
         self.add_component_force(spec, pair, &[(axis, force)])
     }
 
-    /// How an error that follows a load goes with it, case by case: alike in all cases, or from one half of itself without load to
-    /// all of itself at the largest.
+    /// Returns, for each case, the fraction of a load-dependent error that acts. With `law=constant` it is 1; with `law=growing` it rises from
+    /// 0.5 at zero load to 1 at the largest load.
     pub(super) fn course(&self, spec: &EffectSpec, load: usize) -> Result<Vec<f64>, Diagnostic> {
         let law = spec.word("law", &["constant", "growing"])?;
         let sizes = self.programme.cases.iter().map(|c| c.values[load].abs());
@@ -430,7 +432,7 @@ impl GroundTruth {
         Ok(sizes.map(share).collect())
     }
 
-    /// Index of the case with this label.
+    /// Returns the index of the case with this label.
     pub(super) fn case(&self, spec: &EffectSpec, label: &str) -> Result<usize, Diagnostic> {
         let mut cases = self.programme.cases.iter();
         cases
@@ -438,7 +440,7 @@ impl GroundTruth {
             .ok_or_else(|| spec.refuse(format!("there is no load case `{label}`")))
     }
 
-    /// Index of the load that drives an address.
+    /// Returns the index of the load that drives an address or has this name.
     pub(super) fn load(&self, spec: &EffectSpec, text: &str) -> Result<usize, Diagnostic> {
         let text = text.trim();
         let address = Address::parse(text, &self.dataset).ok();
@@ -449,7 +451,7 @@ impl GroundTruth {
     }
 }
 
-/// Axes whose z is this direction.
+/// Returns a rotation matrix whose z axis is the given unit vector.
 pub(super) fn along(z: &Vec3) -> Mat3 {
     let across = if z.x.abs() < 0.7 {
         Vec3::x()
@@ -460,7 +462,7 @@ pub(super) fn along(z: &Vec3) -> Mat3 {
     Mat3::from_columns(&[x, z.cross(&x), *z])
 }
 
-/// The ADAMS function of a displacement component of I from J in J axes.
+/// Returns the ADAMS function for a displacement component of I from J in J axes.
 pub(super) fn displacement([i, j]: [u32; 2], component: usize) -> String {
     match component {
         0..3 => format!("{}({i},{j},{j})", ["DX", "DY", "DZ"][component]),

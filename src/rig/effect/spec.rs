@@ -4,24 +4,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use admire_solver::mechanics::{Mat3, Vec3, exp};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// `cause@address:name=value,...`.
+/// An effect to plant, in the form `cause@address:name=value,...`.
 #[derive(Clone, PartialEq, Debug)]
 pub struct EffectSpec {
-    /// As typed.
+    /// The text as typed.
     pub text: String,
-    /// A cause of guide/study.md.
+    /// A cause of guide/study.md or an effect outside that catalogue.
     pub cause: String,
-    /// Where it sits: an address, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or a channel.
+    /// Place of the effect: an address, `case 7`, `case 7 KNUCKLE 3`, `SFORCE/2<-SFORCE/3` or a channel.
     pub address: String,
     values: BTreeMap<String, String>,
     asked: RefCell<BTreeSet<String>>,
 }
 
 impl EffectSpec {
-    /// Reads the text of an `--effect`.
+    /// Parses the text of an `--effect` option.
     ///
     /// # Errors
-    /// `bad-effect` when it does not follow that form.
+    /// `bad-effect` when the text does not have the form of [`EffectSpec`].
     pub fn parse(text: &str) -> Result<Self, Diagnostic> {
         let bad = |what: &str| {
             Diagnostic::error(Code::BadEffect, format!("`{text}`: {what}"))
@@ -50,10 +50,10 @@ impl EffectSpec {
         })
     }
 
-    /// Reads a list of effects, one a line; `#` begins a comment.
+    /// Parses a list of effects, one per line; `#` starts a comment.
     ///
     /// # Errors
-    /// As [`EffectSpec::parse`], of the first that is wrong.
+    /// The error of [`EffectSpec::parse`] for the first line that is wrong.
     pub fn parse_list(text: &str) -> Result<Vec<Self>, Diagnostic> {
         text.lines()
             .map(|line| line.split('#').next().unwrap_or("").trim())
@@ -62,7 +62,7 @@ impl EffectSpec {
             .collect()
     }
 
-    /// A complaint about this effect.
+    /// Returns a `bad-effect` diagnostic about this effect.
     pub(super) fn refuse(&self, what: impl Into<String>) -> Diagnostic {
         Diagnostic::error(Code::BadEffect, format!("`{}`: {}", self.text, what.into()))
     }
@@ -72,7 +72,7 @@ impl EffectSpec {
         self.values.get(name).map(String::as_str)
     }
 
-    /// A number, if given.
+    /// Returns the value with this name as a number, if given.
     pub(super) fn optional(&self, name: &str) -> Result<Option<f64>, Diagnostic> {
         let Some(text) = self.get(name) else {
             return Ok(None);
@@ -83,13 +83,13 @@ impl EffectSpec {
         }
     }
 
-    /// A number that must be given.
+    /// Returns the value with this name as a number. A missing value is an error.
     pub(super) fn number(&self, name: &str) -> Result<f64, Diagnostic> {
         self.optional(name)?
             .ok_or_else(|| self.refuse(format!("needs {name}=...")))
     }
 
-    /// A number above zero that must be given.
+    /// Returns the value with this name as a positive number. A missing value is an error.
     pub(super) fn positive(&self, name: &str) -> Result<f64, Diagnostic> {
         let number = self.number(name)?;
         if number > 0.0 {
@@ -99,12 +99,12 @@ impl EffectSpec {
         }
     }
 
-    /// A free text, if given.
+    /// Returns the value with this name as free text, if given.
     pub(super) fn label(&self, name: &str) -> Option<String> {
         self.get(name).map(str::to_string)
     }
 
-    /// One of these words; the first one if none is given.
+    /// Returns the value with this name, which must be among `words`. If it is not given, the first of `words` is returned.
     pub(super) fn word(
         &self,
         name: &str,
@@ -120,7 +120,7 @@ impl EffectSpec {
             .ok_or_else(|| self.refuse(format!("{name} is one of {}", words.join(", "))))
     }
 
-    /// x, y, z; what is not given is zero, but not all of them.
+    /// Returns the vector x, y, z. Missing components are zero, but not all may be zero.
     pub(super) fn shift(&self) -> Result<Vec3, Diagnostic> {
         let shift = self.vector(["x", "y", "z"])?;
         if shift == Vec3::zeros() {
@@ -129,7 +129,7 @@ impl EffectSpec {
         Ok(shift)
     }
 
-    /// x, y, z and a rotation vector `ax_deg, ay_deg, az_deg`; not all zero.
+    /// Returns the shift x, y, z and the rotation of the vector `ax_deg, ay_deg, az_deg`; not all may be zero.
     pub(super) fn motion(&self) -> Result<(Vec3, Mat3), Diagnostic> {
         let shift = self.vector(["x", "y", "z"])?;
         let turn = self.turn_vector()?;
@@ -139,7 +139,7 @@ impl EffectSpec {
         Ok((shift, exp(&turn)))
     }
 
-    /// A rotation vector `ax_deg, ay_deg, az_deg`, not zero.
+    /// Returns the rotation of the vector `ax_deg, ay_deg, az_deg`, which must not be zero.
     pub(super) fn turn(&self) -> Result<Mat3, Diagnostic> {
         let turn = self.turn_vector()?;
         if turn == Vec3::zeros() {
@@ -162,7 +162,7 @@ impl EffectSpec {
         Ok(vector)
     }
 
-    /// Complains of a value nobody asked for.
+    /// Rejects values that no query has used.
     pub(super) fn all_used(&self) -> Result<(), Diagnostic> {
         let asked = self.asked.borrow();
         match self.values.keys().find(|name| !asked.contains(*name)) {

@@ -1,14 +1,15 @@
 //! A one-sided spring that engages past a clearance along a joint or a spring.
 //!
-//! `gap = s (u - u_design) - clearance`; the force against it is `stiffness * gap` (linear) or `stiffness * gap^2` (quadratic)
-//! where the gap is closed, zero elsewhere.
+//! `gap = s (u - u_design) - clearance`. The opposing force is `stiffness * gap` (linear) or `stiffness * gap^2` (quadratic) while `gap` is
+//! positive, and zero elsewhere.
 
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_solver::mechanics::Pose;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// `clearance=...,stiffness=...`, `law=linear` or `quadratic`, `side=plus` or `minus` (for a spring: `bump` or `rebound`).
+/// Plants the effect. Values: `clearance=...,stiffness=...`, `law=linear` or `quadratic`, `side=plus` or `minus` (for a spring: `bump` or
+/// `rebound`).
 pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), Diagnostic> {
     let address = reality.object(spec, &["JOINT", "SPRINGDAMPER"])?;
     let pair = reality.pair(spec, &address)?;
@@ -34,7 +35,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         format!("MAX(0.0,{way}-({clearance:e}))")
     };
     if address.kind == "SPRINGDAMPER" {
-        // Positive pushes the ends apart.
+        // A positive SFORCE pushes its ends apart.
         let bump = spec.word("side", &["bump", "rebound"])? == "bump";
         let length = format!("DM({},{})", pair[0], pair[1]);
         let law = gap(&length, (i.p - j.p).norm(), !bump);

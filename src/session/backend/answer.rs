@@ -1,4 +1,4 @@
-//! What a run left behind, read as an answer; nothing of a bad run is taken for one.
+//! Reads the files of an external run and accepts them as the answer only if they pass all checks.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -16,15 +16,15 @@ use admire_solver::system::Equilibrium;
 use admire_syntax::text::open_to_read;
 use admire_syntax::units::LENGTH_UNITS;
 
-/// An answer and what was found out about its file.
+/// Answer of a run, with findings about its results file.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub sweep: Sweep,
-    /// The axes of bushing forces, if they could be told apart.
+    /// Axes of the bushing forces, if the file determines them.
     pub frame: Option<ForceFrame>,
 }
 
-/// Lines of the message file; none if there is none.
+/// Returns the lines of the message file, or none if there is no such file.
 pub(super) fn messages(folder: &Path) -> Vec<String> {
     lines(&folder.join(format!("{STEM}.msg")))
 }
@@ -33,8 +33,8 @@ fn lines(path: &Path) -> Vec<String> {
     beginning(path).lines().map(str::to_string).collect()
 }
 
-/// Runs a command line, with the name of the command file for `{acf}`, in the folder of a run. Callers of ADAMS rely on its messages as
-/// much as on its exit code; a run is good only if both are.
+/// Runs a command line in a run folder, with the name of the command file in place of `{acf}`. Callers of ADAMS rely on its messages as much
+/// as on its exit code, so a run counts as good only if both are.
 pub(super) fn run_command(
     command: &[String],
     folder: &Path,
@@ -58,7 +58,7 @@ pub(super) fn run_command(
     Ok(())
 }
 
-/// The line by which a run without a licence says so, in its messages or on its console.
+/// Returns the line by which a run reports a missing licence, in its messages or on its console.
 fn licence_failure(folder: &Path) -> Option<String> {
     messages(folder)
         .into_iter()
@@ -87,7 +87,7 @@ fn is_licence_failure(line: &str) -> bool {
         .any(|word| line.contains(word))
 }
 
-/// Whether each static solution that was begun also converged, in the order of the message file.
+/// Returns, for each static solution in the message file, whether it converged, in the order of the file.
 fn fates(messages: &[String]) -> Vec<bool> {
     let mut fates = Vec::new();
     for line in messages {
@@ -102,14 +102,14 @@ fn fates(messages: &[String]) -> Vec<bool> {
     fates
 }
 
-/// The case of each step, `None` for one that the messages say did not converge. A failed case may have no step; which one it was,
-/// the messages must say.
+/// Returns the case of each step; `None` for a step whose solution did not converge according to the messages. A failed case may have no step,
+/// and then the messages must identify it. The result is `None` if steps and cases cannot be matched.
 fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usize>>> {
     let solved: Vec<usize> = (0..fates.len()).filter(|case| fates[*case]).collect();
     if steps == cases {
         let each = fates.len() == cases;
         let of = |case: usize| (!each || fates[case]).then_some(case);
-        // A program that says nothing is believed; one that tries a case several times must have converged in all.
+        // A program without messages about convergence is trusted. A program that repeats a case must have converged for all cases.
         let believed = fates.is_empty() || each || solved.len() >= cases;
         return believed.then(|| (0..cases).map(of).collect());
     }
@@ -117,10 +117,10 @@ fn cases_of(steps: usize, fates: &[bool], cases: usize) -> Option<Vec<Option<usi
     told.then(|| solved.into_iter().map(Some).collect())
 }
 
-/// Reads the answer out of a folder. `known`: the axes of bushing forces found in other runs of this program.
+/// Reads the answer from a run folder. `known` holds the axes of bushing forces found in earlier runs of this program.
 ///
 /// # Errors
-/// [`RunError::Results`] or [`RunError::Steps`]: why it cannot be taken for an answer.
+/// [`RunError::Results`] or [`RunError::Steps`], with the reason why the files are no valid answer.
 pub(super) fn read(
     folder: &Path,
     request: &SweepRequest<'_>,
@@ -208,9 +208,9 @@ pub(super) fn read(
     })
 }
 
-/// The file is one of this model: its title and its unit of length are those of the deck.
+/// Checks that the results belong to this model: title and unit of length must be those of the deck.
 fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<(), String> {
-    // What a file may cut off, pad or spell in another encoding is not compared.
+    // Only letters and digits are compared, and only the first 60, because a file may truncate, pad or re-encode the title.
     let plain = |title: &str| -> String {
         title
             .chars()
@@ -236,7 +236,7 @@ fn same_model<R: std::io::Read>(model: &Model, reader: &XrfReader<R>) -> Result<
     Ok(())
 }
 
-/// Ids of X, Y, Z, PSI, THETA, PHI of each part of the model; `None` for ground. Nothing else of a file says where parts are.
+/// Returns the ids of X, Y, Z, PSI, THETA, PHI of each part of the model; `None` for ground. An error names a part without these columns.
 fn places<R: std::io::Read>(
     model: &Model,
     reader: &XrfReader<R>,
@@ -300,12 +300,12 @@ mod tests {
         assert_eq!(cases_of(2, &[true, false, true], 3), some(&[0, 2]));
         assert_eq!(cases_of(3, &[], 3), some(&[0, 1, 2]));
         assert_eq!(cases_of(3, &[true, false, true, true], 3), some(&[0, 1, 2]));
-        // A step of a solution that did not converge is no answer.
+        // The step of a solution that did not converge is discarded.
         assert_eq!(
             cases_of(3, &[true, false, true], 3),
             Some(vec![Some(0), None, Some(2)])
         );
-        // As many converged as there are steps, or nobody knows which is which.
+        // The number of converged solutions must equal the number of steps; otherwise the cases cannot be identified.
         assert_eq!(cases_of(3, &[true, false, false, true], 3), None);
         assert_eq!(cases_of(2, &[true, true, true], 3), None);
         assert_eq!(cases_of(4, &[true, true, true], 3), None);

@@ -1,4 +1,4 @@
-//! The forces a results file states for its bushings, against the law of BUSHING at the file's own poses.
+//! Check of the bushing forces in a results file against the BUSHING law at the file's own poses.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::system::{ElementIx, Parameters, Scratch, Slot, State, System};
 use admire_syntax::Address;
 
-/// The axes in which a results file states the forces of bushings. No public source settles it, so the numbers themselves decide.
+/// Axes in which a results file states the bushing forces. No public source defines them, so they are found by comparing the numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ForceFrame {
     /// Ground axes.
@@ -26,44 +26,44 @@ impl fmt::Display for ForceFrame {
     }
 }
 
-/// Relative agreement of recomputed forces and angles.
+/// Relative tolerance between stated and recomputed forces and angles.
 const AGREES: f64 = 1e-5;
 
-/// Angles near half a turn are the same angle with either sign; beyond this they are not compared.
+/// Angle in rad beyond which angles are not compared, because near half a turn either sign describes the same rotation.
 const FAR: f64 = 1.5;
 
-/// Recomputes what every bushing does from the poses of each step.
+/// Recomputes the deflection, force and torque of every bushing from the poses of each step.
 pub(super) struct BushingCheck {
     system: System,
     parameters: Parameters,
     state: State,
     scratch: Scratch,
     bushings: Vec<Reported>,
-    /// Numbers that the load cases change: slot, and its value in each case.
+    /// Slots of the numbers changed by the load cases, with their value in each case.
     per_case: Vec<(Slot, Vec<f64>)>,
-    /// Half of the last digit that is written.
+    /// Half of the last decimal digit in the file.
     digit: f64,
     /// Radians per unit of the file's angles.
     angle: f64,
-    /// The axes found so far.
+    /// Axes found so far.
     pub frame: Option<ForceFrame>,
 }
 
-/// Where a file states what a bushing does.
+/// Columns in which the file reports a bushing.
 struct Reported {
     id: u32,
     element: ElementIx,
     stiffest: f64,
-    /// FX, FY, FZ, TX, TY, TZ.
+    /// Column ids of FX, FY, FZ, TX, TY, TZ.
     wrench: [usize; 6],
-    /// ANGX, ANGY, ANGZ.
+    /// Column ids of ANGX, ANGY, ANGZ.
     angles: Option<[usize; 3]>,
 }
 
 impl BushingCheck {
-    /// For the bushings of a request that the file reports. `angle`: radians per unit of the file's angles.
+    /// Prepares the check of the bushings that the file reports. `angle` is the number of radians per unit of the file's angles.
     pub(crate) fn new(request: &SweepRequest<'_>, catalogue: &Catalogue, angle: f64) -> Self {
-        // What the built-in solver cannot solve does not matter here.
+        // Elements that the built-in solver cannot solve are irrelevant for this check.
         let system = System::compile(request.model).value;
         let mut parameters = system.parameters();
         for (address, value) in request.theta {
@@ -132,10 +132,10 @@ impl BushingCheck {
         }
     }
 
-    /// Checks one step: the values of the file and the poses made of them, for load case number `case`.
+    /// Checks one step of the file, with its values and the poses made of them, for load case number `case`.
     ///
     /// # Errors
-    /// Says which bushing does not do what its law says.
+    /// Names the bushing that violates its force law.
     pub(crate) fn step(
         &mut self,
         case: usize,
@@ -149,7 +149,7 @@ impl BushingCheck {
             self.parameters.set(*slot, by_case[case]);
         }
         self.state.poses.clone_from_slice(poses);
-        // Functions that only ADAMS can evaluate have no value; the markers are placed all the same.
+        // Functions that only ADAMS can evaluate have no value here; the markers are placed nevertheless.
         let mut here = self
             .system
             .at(&self.parameters, &self.state, &mut self.scratch);

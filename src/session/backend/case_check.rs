@@ -1,4 +1,4 @@
-//! Whether the steps of a results file are those of the load cases, in their order: by the loads the file itself states.
+//! Check that the steps of a results file belong to the load cases in order, by the loads that the file itself states.
 
 use super::{LoadProgramme, SweepRequest};
 use admire_results::Catalogue;
@@ -6,29 +6,29 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Model, SforceKind};
 use admire_syntax::Address;
 
-/// Relative agreement of a load as it was asked for and as the file has it.
+/// Relative tolerance between a requested load and the load in the file.
 const AGREES: f64 = 1e-6;
 
-/// Looks at the steps one after the other.
+/// Checks the steps of a results file one after the other.
 pub(super) struct CaseCheck<'a> {
     programme: &'a LoadProgramme,
     loads: Vec<Stated>,
-    /// The values of the steps so far, without their times.
+    /// Cases and values of the steps so far, without their times.
     before: Vec<(usize, Vec<f64>)>,
 }
 
-/// Where a file states a load.
+/// Columns in which a file states a load.
 struct Stated {
-    /// The load's place in the programme.
+    /// Column of the load in the programme.
     column: usize,
-    /// Of the force, or of the torque of a rotational one.
+    /// Column ids of the force vector, or of the torque vector of a rotational load.
     vector: [usize; 3],
-    /// A case and the vector of the first step with this load.
+    /// Case and load vector of the first step with a nonzero value.
     first: Option<(usize, Vec3)>,
 }
 
 impl<'a> CaseCheck<'a> {
-    /// For the loads of a request that the file reports: single forces and torques.
+    /// Prepares the check for those loads that the file reports: single-component forces and torques.
     pub(crate) fn new(request: &SweepRequest<'a>, catalogue: &Catalogue) -> Self {
         let programme = request.programme;
         let stated = |(column, load): (usize, &super::Load)| {
@@ -57,10 +57,10 @@ impl<'a> CaseCheck<'a> {
         }
     }
 
-    /// Checks one step, taken for load case number `case`.
+    /// Checks one step that is assigned to load case number `case`.
     ///
     /// # Errors
-    /// Says whose load case the step is, or which one it repeats.
+    /// Names the load case that the step belongs to, or the one that it repeats.
     pub(crate) fn step(&mut self, case: usize, values: &[f64]) -> Result<(), String> {
         let cases = &self.programme.cases;
         let label = |case: usize| &cases[case].label;
@@ -78,13 +78,13 @@ impl<'a> CaseCheck<'a> {
                         label(other)
                     ));
                 }
-                // In whose axes and units a program states its forces is its own matter.
+                // The axes and units of the stated forces are up to the program, so a value that fits no case is no evidence.
                 continue;
             }
             if at(case) == 0.0 {
                 continue;
             }
-            // A load keeps its direction, and turns around with its sign.
+            // A load keeps its direction and reverses with its sign.
             let (other, first) = *load.first.get_or_insert((case, found));
             let turned = found.dot(&first) < 0.0;
             if turned != (at(case) * at(other) < 0.0) {
@@ -112,7 +112,7 @@ impl<'a> CaseCheck<'a> {
     }
 }
 
-/// The columns of a load that is the whole function of a single force.
+/// Returns the vector components of a load that is the whole function of an SFORCE.
 fn vector(model: &Model, target: &Address) -> Option<[&'static str; 3]> {
     let whole = target
         .argument

@@ -6,17 +6,17 @@ use admire_solver::system::{Parameters, Slot, State, System};
 /// Numbers that change from case to case: the loads.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Loads {
-    /// One slot per column.
+    /// Slot of each load.
     pub slots: Vec<Slot>,
-    /// One row per case, in the order of application.
+    /// Load values: one row per case in the order of application, one column per slot.
     pub cases: Vec<Vec<f64>>,
 }
 
 impl Loads {
-    /// The loads of a programme, of a compiled deck.
+    /// Resolves the loads of a programme in a compiled deck.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// When a load drives nothing that the solver can change.
     pub fn of(system: &System, programme: &LoadProgramme) -> Result<Self, BackendError> {
         let slots = programme.loads.iter();
         let cases = programme.cases.iter();
@@ -29,19 +29,18 @@ impl Loads {
     }
 }
 
-/// Solves load cases with the built-in solver: sets their loads, and starts each from the first of several states that leads to an
-/// equilibrium.
+/// Solves load cases with the built-in solver. It tries several start states in turn until one leads to an equilibrium.
 #[derive(Debug)]
 pub struct CaseSweeper {
     loads: Loads,
     settings: Settings,
     solver: Solver,
-    /// The last answer of each case.
+    /// Last solution of each case.
     answers: Vec<Option<State>>,
 }
 
 impl CaseSweeper {
-    /// For the loads of a compiled deck.
+    /// Creates a sweeper for the loads of a compiled deck.
     pub fn new(system: &System, loads: Loads, settings: Settings) -> Self {
         Self {
             settings,
@@ -51,7 +50,7 @@ impl CaseSweeper {
         }
     }
 
-    /// Takes other loads. The answers stay if there are as many cases.
+    /// Replaces the loads. The solutions are kept if the number of cases is the same.
     pub(crate) fn set_loads(&mut self, loads: Loads) {
         if self.answers.len() != loads.cases.len() {
             self.forget(loads.cases.len());
@@ -59,7 +58,7 @@ impl CaseSweeper {
         self.loads = loads;
     }
 
-    /// Takes other values of the loads, and forgets the answers.
+    /// Replaces the load values and discards the solutions.
     pub fn set_cases(&mut self, cases: Vec<Vec<f64>>) {
         self.forget(cases.len());
         self.loads.cases = cases;
@@ -69,43 +68,43 @@ impl CaseSweeper {
         self.answers = vec![None; cases];
     }
 
-    /// How many cases there are.
+    /// Returns the number of cases.
     pub fn cases(&self) -> usize {
         self.loads.cases.len()
     }
 
-    /// Sets the loads of a case.
+    /// Sets the loads of a case in the parameters.
     pub fn load(&self, case: usize, parameters: &mut Parameters) {
         for (slot, value) in self.loads.slots.iter().zip(&self.loads.cases[case]) {
             parameters.set(*slot, *value);
         }
     }
 
-    /// The last answer of a case.
+    /// Returns the last solution of a case.
     pub fn answer(&self, case: usize) -> Option<&State> {
         self.answers[case].as_ref()
     }
 
-    /// The last answers of all cases.
+    /// Returns the last solutions of all cases.
     pub fn answers(&self) -> &[Option<State>] {
         &self.answers
     }
 
-    /// Returns to earlier answers of all cases.
+    /// Restores earlier solutions of all cases.
     pub fn return_to(&mut self, answers: &[Option<State>]) {
         self.answers.clone_from_slice(answers);
     }
 
-    /// Keeps an answer of a case: the next solution starts there.
+    /// Stores a solution of a case, from which its next solution starts.
     pub fn keep(&mut self, case: usize, state: State) {
         self.answers[case] = Some(state);
     }
 
-    /// Solves a case from `own`, where it stood before; failing that from the answer of the nearest case before it, failing that from the
-    /// design position. The answer is not kept.
+    /// Solves a case from the first of these start states that leads to an equilibrium: `own`, the solution of the nearest earlier case, the
+    /// design position. The solution is not stored.
     ///
     /// # Errors
-    /// Why the first of these led nowhere.
+    /// The error of the first start state.
     pub fn solve(
         &mut self,
         system: &System,
@@ -134,12 +133,12 @@ impl CaseSweeper {
         }
     }
 
-    /// The solver, for what is asked about an answer.
+    /// Returns the solver, for queries at a solution.
     pub fn solver(&mut self) -> &mut Solver {
         &mut self.solver
     }
 
-    /// What the equilibria so far left over at worst.
+    /// Returns the largest residual of the force balance in all equilibria so far.
     pub fn balance(&self) -> Option<&admire_solver::statics::Balance> {
         self.solver.worst_balance()
     }

@@ -11,32 +11,32 @@ use super::run_folder::{RunFiles, STEM};
 use super::scratch_folder::ScratchFolder;
 use super::{Backend, BackendError, Recording, RunError, Sweep, SweepRequest};
 
-/// Any program with ADAMS' command line.
+/// Backend that runs any program with ADAMS' command line.
 ///
-/// Each sweep runs in a fresh folder, so that no older file can be taken for its answer; the folder of a failed run is kept.
+/// Each sweep runs in a fresh folder, so that no older file can be mistaken for its answer. The folder of a failed run is kept.
 #[derive(Clone, Debug)]
 pub struct CommandBackend {
     /// Program and arguments; `{acf}` stands for the command file.
     pub command: Vec<String>,
-    /// After which a run is killed.
+    /// Time after which a run is killed.
     pub timeout: Duration,
-    /// So long a licence that is refused is asked for again.
+    /// Time during which a refused licence is requested again.
     pub licence_wait: Duration,
-    /// So many runs go at a time where several are wanted at once.
+    /// Number of runs in parallel in [`Backend::sweeps`].
     pub jobs: usize,
-    /// Run folders are made here, numbered, and all kept; otherwise they are temporary.
+    /// Folder in which numbered run folders are created and kept. Without it run folders are temporary.
     pub keep: Option<PathBuf>,
-    /// Good runs are copied here, for [`ReplayBackend`](super::ReplayBackend).
+    /// Recording to which good runs are copied, for [`ReplayBackend`](super::ReplayBackend).
     pub record: Option<Recording>,
     runs: usize,
     failed: usize,
-    /// Runs that were killed since the last one that ended by itself.
+    /// Number of runs killed since the last one that ended by itself.
     killed: usize,
     frame: Option<ForceFrame>,
 }
 
 impl CommandBackend {
-    /// A backend for a command line: one run at a time, in temporary folders.
+    /// Creates a backend for a command line, with one run at a time in temporary folders.
     pub fn new(command: Vec<String>, timeout: Duration) -> Self {
         Self {
             command,
@@ -52,12 +52,12 @@ impl CommandBackend {
         }
     }
 
-    /// Runs that were started, and how many of them gave no answer.
+    /// Returns the number of runs started, and the number of runs without an answer.
     pub const fn tally(&self) -> (usize, usize) {
         (self.runs, self.failed)
     }
 
-    /// One run, which is number `number`; made again while licences are refused.
+    /// Makes run number `number`, and repeats it while a licence is refused.
     fn run(&self, number: usize, request: &SweepRequest<'_>) -> Result<Answer, BackendError> {
         patiently(self.licence_wait, || self.attempt(number, request))
     }
@@ -88,7 +88,7 @@ impl CommandBackend {
         let files = |error: std::io::Error| RunError::Files(error.to_string());
         let given = RunFiles::of(request).map_err(|d| RunError::Deck(d.message))?;
         given.write(folder).map_err(files)?;
-        // The clock of the file system itself: it may be that of another computer.
+        // The time is taken from the file system, whose clock may be another computer's.
         let begun = modified(&folder.join(format!("{STEM}.acf"))).map_err(files)?;
         run_command(&self.command, folder, self.timeout)?;
         for extension in ["res", "msg"] {
@@ -137,7 +137,7 @@ impl CommandBackend {
     }
 }
 
-/// So many runs are killed one after the other before the program counts as dead.
+/// Number of consecutive killed runs after which the program counts as dead.
 const MOST_KILLED: usize = 3;
 
 const fn is_killed(reason: &RunError) -> bool {
@@ -164,7 +164,7 @@ impl Backend for CommandBackend {
             let failed = answers.iter().filter_map(|answer| answer.as_ref().err());
             failed.rev().find(|error| error.is_lasting()).cloned()
         };
-        // One by one until one has given an answer: a dead program is started once.
+        // Requests run one by one until the first answer, so that a dead program is started only once.
         while let Some(request) = requests.get(answers.len())
             && (self.jobs < 2 || self.runs == self.failed)
             && lasting(&answers).is_none()
@@ -208,7 +208,7 @@ impl Backend for CommandBackend {
         done.sort_by_key(|(at, _)| *at);
         let all = answers.len() + requests.len();
         answers.extend(done.into_iter().map(|(_, outcome)| self.take(outcome)));
-        // Behind several that were killed the others were not started.
+        // After several killed runs the remaining requests were not started.
         let failed = answers
             .iter()
             .rev()
@@ -227,7 +227,7 @@ impl Backend for CommandBackend {
     }
 }
 
-/// Which axes bushing forces are in, for a person.
+/// Returns a remark for the user about the axes of the bushing forces.
 pub(super) fn frame_remark(frame: Option<ForceFrame>) -> Option<String> {
     frame.map(|frame| {
         format!("bushing forces of the results are in {frame}: there they fit the deflections")

@@ -8,7 +8,7 @@ use admire_syntax::diagnostic::Severity;
 /// Compiles a model for the built-in solver.
 ///
 /// # Errors
-/// [`BackendError::NotSolvable`] when leaving out what is not solved would change the answer.
+/// [`BackendError::NotSolvable`] when the model has elements that are not solved and would change the answer.
 pub fn compile(model: &Model) -> Result<System, BackendError> {
     let checked = System::compile(model);
     let errors: Vec<_> = checked
@@ -24,7 +24,7 @@ pub fn compile(model: &Model) -> Result<System, BackendError> {
     }
 }
 
-/// The deck's EQUILIBRIUM, its tolerances tightened: estimates need more digits than a drawing does.
+/// Returns the settings of the deck's EQUILIBRIUM with tightened tolerances, because estimation needs more digits than a display.
 pub fn tight_settings(system: &System) -> Settings {
     let deck = Settings::from(system.settings());
     let tight = Settings::tight();
@@ -37,7 +37,7 @@ pub fn tight_settings(system: &System) -> Settings {
     }
 }
 
-/// The slot of an address.
+/// Returns the slot of an address.
 ///
 /// # Errors
 /// [`BackendError::UnknownTarget`].

@@ -6,20 +6,20 @@ use admire_syntax::{Address, Dataset};
 
 use super::LoadProgramme;
 
-/// What is to be solved.
+/// Request to solve load cases.
 #[derive(Clone, Copy, Debug)]
 pub struct SweepRequest<'a> {
     /// The user's own file.
     pub dataset: &'a Dataset,
-    /// The same, lowered: part poses come back in the order of its parts.
+    /// The lowered dataset. Part poses are returned in the order of its parts.
     pub model: &'a Model,
-    /// Numbers that differ from the file, by address, angles in radians.
+    /// Numbers that differ from the file, by address; angles in radians.
     pub theta: &'a [(Address, f64)],
     /// Load cases, applied in this order.
     pub programme: &'a LoadProgramme,
 }
 
-/// Why one case has no answer.
+/// Reason why a case has no solution.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum CaseFailure {
     /// The built-in solver found no equilibrium.
@@ -28,23 +28,23 @@ pub enum CaseFailure {
     /// The external program wrote no step for this case.
     #[error("the solver wrote no equilibrium for this case{}", .message.as_ref().map_or_else(String::new, |m| format!(": {m}")))]
     NoStep {
-        /// What its message file says of it.
+        /// Message of the program about the case.
         message: Option<String>,
     },
 }
 
-/// One case: where the parts are, or why that is not known.
+/// Result of one case: its equilibrium, or the reason why there is none.
 pub(crate) type CaseOutcome = Result<Equilibrium, CaseFailure>;
 
-/// The answer to a request: one outcome per case of the programme.
+/// Answer to a request: one outcome per case of the programme.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sweep {
-    /// In the order of the programme.
+    /// Outcomes in the order of the programme.
     pub cases: Vec<CaseOutcome>,
 }
 
 impl Sweep {
-    /// The poses of a case, if it was solved.
+    /// Returns the equilibrium of a case, if it was solved.
     pub fn equilibrium(&self, case: usize) -> Option<&Equilibrium> {
         self.cases
             .get(case)
@@ -52,18 +52,18 @@ impl Sweep {
     }
 }
 
-/// Why an external run gave no answer.
+/// Reason why an external run gave no answer.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum RunError {
-    /// The deck cannot be edited as asked.
+    /// The deck cannot be edited as requested.
     #[error("the deck cannot be prepared: {0}")]
     Deck(String),
-    /// There is no program, and no recording of this run.
+    /// There is no program to start, and no recording of this run.
     #[error("there is no recording of this run in `{folder}`: {key}")]
     NotRecorded {
-        /// What its folder would be called.
+        /// Content key of the run, after which its folder would be named.
         key: String,
-        /// Where recordings are.
+        /// Folder of the recordings.
         folder: String,
     },
     /// Files of the run cannot be written.
@@ -72,80 +72,80 @@ pub enum RunError {
     /// The program cannot be started.
     #[error("`{program}` cannot be started: {reason}")]
     Start {
-        /// The program.
+        /// Name of the program.
         program: String,
-        /// What the system says.
+        /// Error message of the system.
         reason: String,
     },
-    /// It was killed.
+    /// The run exceeded its time limit and was killed.
     #[error("the run was killed after {seconds} s\n{tail}")]
     Timeout {
-        /// Seconds it had.
+        /// Time limit in seconds.
         seconds: f64,
-        /// The last lines of its log.
+        /// Last lines of its log.
         tail: String,
     },
-    /// It was killed because it wrote without end.
+    /// The run was killed because it produced too much output.
     #[error("the run was killed: it {what}\n{tail}")]
     Output {
-        /// What it did.
+        /// Description of the excess.
         what: String,
-        /// The last lines of its log.
+        /// Last lines of its log.
         tail: String,
     },
-    /// There was no licence.
+    /// The solver got no licence.
     #[error("the solver got no licence{}: {line}", if *waited > 0.0 { format!(" within {waited} s") } else { String::new() })]
     Licence {
-        /// How it said so.
+        /// Line of the log that reports it.
         line: String,
-        /// Seconds that were waited for one.
+        /// Seconds waited for a licence.
         waited: f64,
     },
-    /// It failed or crashed.
+    /// The run failed or crashed.
     #[error("the run ended with {}\n{tail}", code.map_or_else(|| "a crash".to_string(), |code| format!("exit code {code}")))]
     Exit {
-        /// Its exit code, if it was not killed by a signal.
+        /// Exit code, if the run was not killed by a signal.
         code: Option<i32>,
-        /// The last lines of its log.
+        /// Last lines of its log.
         tail: String,
     },
-    /// The results file is missing, cut off, that of another run, or contradicts itself.
+    /// The results file is missing, incomplete, from another run, or inconsistent.
     #[error("{reason}\n{tail}")]
     Results {
-        /// What is wrong with it.
+        /// Description of the fault.
         reason: String,
-        /// The last lines of the log.
+        /// Last lines of the log.
         tail: String,
     },
-    /// Steps and load cases do not match, and the messages do not tell which cases failed.
+    /// Steps and load cases do not match, and the messages do not identify the failed cases.
     #[error("the results hold {steps} equilibria for {cases} load cases\n{tail}")]
     Steps {
-        /// Static steps in the results.
+        /// Number of static steps in the results.
         steps: usize,
-        /// Load cases asked for.
+        /// Number of requested load cases.
         cases: usize,
-        /// The last lines of the log.
+        /// Last lines of the log.
         tail: String,
     },
 }
 
-/// Why there is no answer at all.
+/// Reason why a sweep has no answer at all.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum BackendError {
     /// The built-in solver cannot solve this model as it is.
     #[error("the built-in solver cannot solve this model: {}", .0.first().map_or("", |d| d.message.as_str()))]
     NotSolvable(Vec<Diagnostic>),
-    /// An external run gave nothing that can be taken for an answer.
+    /// An external run gave no valid answer.
     #[error("{reason} (files kept in {})", folder.display())]
     Run {
-        /// What went wrong.
+        /// Reason of the failure.
         reason: Box<RunError>,
-        /// Where its files are.
+        /// Folder with the files of the run.
         folder: std::path::PathBuf,
-        /// No run of this program gave an answer yet, or it was killed again and again.
+        /// True if no run of this program has given an answer yet, or several runs in a row were killed.
         dead: bool,
     },
-    /// Nobody recorded this run.
+    /// This run was not recorded.
     #[error(
         "no recorded run has this deck and these commands (content {}, {recorded} runs in {}); `admire record` makes recordings, \
          and a study that was changed since needs a new one",
@@ -153,20 +153,21 @@ pub enum BackendError {
         folder.display()
     )]
     NotRecorded {
-        /// SHA-256 of deck and command file.
+        /// SHA-256 of the input files of the run.
         key: String,
-        /// How many runs there are.
+        /// Number of recorded runs.
         recorded: usize,
-        /// Where they are.
+        /// Folder of the recordings.
         folder: std::path::PathBuf,
     },
-    /// An address that names nothing which can be changed between runs.
+    /// The address names nothing that can be changed between runs.
     #[error("{0} names no number or function of the model")]
     UnknownTarget(Address),
 }
 
 impl BackendError {
-    /// True if no other numbers would help: there is no program, no licence, no disk, no recording, or the program is dead.
+    /// Returns true if other parameter values would not help: unsolvable model, missing program, licence, disk space or recording, or dead
+    /// program.
     pub fn is_lasting(&self) -> bool {
         match self {
             Self::NotSolvable(_) | Self::UnknownTarget(_) | Self::NotRecorded { .. } => true,
@@ -181,28 +182,28 @@ impl BackendError {
     }
 }
 
-/// Who solves.
+/// A solver of load cases.
 pub trait Backend {
-    /// Its name: `native`, `command`, `replay`.
+    /// Returns the name of the backend: `native`, `command` or `replay`.
     fn name(&self) -> &'static str;
 
-    /// Solves every case of the programme, in its order. A case without an equilibrium does not end the sweep.
+    /// Solves every case of the programme in order. A case without an equilibrium does not end the sweep.
     ///
     /// # Errors
-    /// [`BackendError`] when nothing could be solved.
+    /// [`BackendError`] when no case could be solved.
     fn sweep(&mut self, request: &SweepRequest<'_>) -> Result<Sweep, BackendError>;
 
-    /// Solves several requests that do not wait for each other; answers come in their order.
+    /// Solves several independent requests, possibly in parallel. Answers are in the order of the requests.
     fn sweeps(&mut self, requests: &[SweepRequest<'_>]) -> Vec<Result<Sweep, BackendError>> {
         requests.iter().map(|request| self.sweep(request)).collect()
     }
 
-    /// What was left of the forces on a part at worst, in all equilibria so far; `None` if the backend does not know.
+    /// Returns the largest residual of the force balance on a part in all equilibria so far; `None` if the backend cannot compute it.
     fn balance(&self) -> Option<&Balance> {
         None
     }
 
-    /// What a person should know of the runs so far.
+    /// Returns remarks for the user about the runs so far.
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }

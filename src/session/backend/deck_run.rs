@@ -1,4 +1,4 @@
-//! A whole deck with its own command file, run by a program with ADAMS' command line.
+//! Run of a complete deck with its own command file, by a program with ADAMS' command line.
 
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use admire_results::{Catalogue, StepKind, XrfReader};
 use admire_syntax::Dataset;
 use admire_syntax::text::{Source, open_to_read};
 
-/// The program.
+/// A program with ADAMS' command line, and the recording of its runs.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ProgramRun {
     command: Option<Vec<String>>,
@@ -22,36 +22,36 @@ pub struct ProgramRun {
     licence_wait: Duration,
 }
 
-/// What is run.
+/// Input of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct DeckRun<'r> {
-    /// The deck; RESULTS/XRF is added where it does not ask for it.
+    /// The deck. RESULTS/XRF is added if it is missing.
     pub deck: &'r Source,
-    /// Its command file; whatever model it names is this deck.
+    /// The command file. Any model it names is replaced by the deck.
     pub commands: &'r Source,
-    /// The deck of the user, beside which files stand that it names.
+    /// The user's original deck, next to which the files it names are found.
     pub original: &'r Dataset,
-    /// The columns that are read, by their ids.
+    /// Ids of the columns to read.
     pub columns: &'r [usize],
 }
 
-/// What came of a run.
+/// Output of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct DeckAnswer {
     /// All columns of the results.
     pub catalogue: Catalogue,
-    /// Time and the values of the columns of every step, without that of the dataset itself.
+    /// Time and selected values of every step, without the step `input` of the dataset itself.
     pub steps: Vec<(f64, Vec<f64>)>,
-    /// The results say that the run was successful.
+    /// True if the results report a successful run.
     pub successful: bool,
-    /// The last lines of its messages, if it was not.
+    /// Last lines of the messages, if the run was not successful.
     pub complaint: String,
 }
 
 impl ProgramRun {
-    /// Program and arguments, `{acf}` standing for the command file, and seconds after which it is killed. Runs that stand in the
-    /// recording are taken from there, others are recorded; without a program nothing else is answered. A licence that is refused is
-    /// asked for again for `licence_wait_s` seconds.
+    /// Creates a program run from a command line, in which `{acf}` stands for the command file. A run longer than `timeout_s` seconds is
+    /// killed. A refused licence is requested again for `licence_wait_s` seconds. Recorded runs are taken from the recording, and new runs are
+    /// added to it. Without a program only recorded runs are available.
     pub fn new(
         command: Option<Vec<String>>,
         recording: Option<Recording>,
@@ -67,10 +67,10 @@ impl ProgramRun {
         }
     }
 
-    /// Runs a deck in a folder of its own, which is gone afterwards.
+    /// Runs a deck in a temporary folder.
     ///
     /// # Errors
-    /// [`RunError`].
+    /// Every variant of [`RunError`].
     pub fn run(&self, run: &DeckRun<'_>) -> Result<DeckAnswer, RunError> {
         let own = RunFiles::of_deck(run.deck, run.commands, run.original);
         if let Some(folder) = self.recording.as_ref().and_then(|all| all.find(&own)) {
@@ -105,7 +105,7 @@ impl ProgramRun {
         run_command(command, folder, self.timeout)?;
         let mut path = results_in(folder)?;
         if let Some(recording) = &self.recording {
-            // A recording has one name for all results.
+            // In a recording the results file always has the same name.
             let usual = folder.join(format!("{STEM}.res"));
             std::fs::rename(&path, &usual).map_err(files)?;
             recording.keep(own, folder).map_err(files)?;
@@ -115,7 +115,7 @@ impl ProgramRun {
     }
 }
 
-/// The results file of a run; a command file may give it a name of its own.
+/// Returns the results file of a run. The command file may have given it another name.
 fn results_in(folder: &Path) -> Result<PathBuf, RunError> {
     let usual = folder.join(format!("{STEM}.res"));
     if usual.is_file() {
@@ -159,7 +159,7 @@ fn read(path: &Path, columns: &[usize], folder: &Path) -> Result<DeckAnswer, Run
         .columns()
         .find(|column| column.component.name.eq_ignore_ascii_case("TIME"))
         .map_or(1, |column| column.component.id);
-    // A step is read from its beginning to its end.
+    // The values of a step are read in ascending order of their ids.
     let mut ids: Vec<usize> = columns.iter().copied().chain([time]).collect();
     ids.sort_unstable();
     ids.dedup();

@@ -1,4 +1,4 @@
-//! Motions of a deck that nothing resists, such as the spin of a link between two ball joints.
+//! Zero-stiffness motions of a deck, such as the spin of a link between two ball joints.
 
 use std::sync::Arc;
 
@@ -10,49 +10,51 @@ use admire_solver::system::{Parameters, Slot, State, System};
 use admire_syntax::catalogue::references;
 use admire_syntax::{Address, Dataset, Reference};
 
-/// Velocity of the origin and angular velocity, axes of the part.
+/// Velocity of the part's origin and angular velocity, in axes of the part.
 pub type Twist = (Vec3, Vec3);
 
-/// Where so many load cases have no equilibrium no further one is tried.
+/// Number of load cases tried until one has an equilibrium.
 const TRIED: usize = 3;
-/// What is left of the mass of a part that spins: its weight then resists no motion beyond round-off.
+/// Fraction of its mass left on a spinning part. Its weight then resists the spin no more than round-off does.
 const TRACE: f64 = 1e-12;
-/// A part whose pitch is below this share of its motion turns about a line; a point nearer to it than this share of the model lies on it.
+/// Relative tolerance for rotation about a line. A part turns about a line if the pitch of its twist is below this fraction. A point lies on
+/// the line if its distance is below this fraction of the model size.
 const STEADY: f64 = 1e-6;
 
-/// The motions of a deck that nothing resists, at the first of its load cases if that has an equilibrium, else at one of the next.
+/// Zero-stiffness motions of a deck, at the equilibrium of the first of its load cases that has one.
 ///
-/// Each is held as a twist of every part in the axes of that part, where the spin of a link between two ball joints stays the same wherever
-/// the link is. Another solver's answers are moved along them; the built-in one works them out anew for each answer.
+/// Each motion is a twist of every part in the axes of that part. In these axes the spin of a link between two ball joints is the same
+/// wherever the link is. Solutions of another solver are displaced along the motions; the built-in solver recomputes the motions at each
+/// solution.
 #[derive(Clone, Debug, Default)]
 pub struct FreeMotions {
-    /// The parts that move, in words.
+    /// Descriptions of the motions.
     words: Vec<FreeMotion>,
-    /// A twist for each part of the model.
+    /// Twist of each part of the model, by motion and part.
     motions: Arc<Vec<Vec<Twist>>>,
     weights: Arc<Vec<Weight>>,
 }
 
-/// A part that spins about a line on which its mass centre lies, and the parts that carry it there.
+/// A part that spins about a line through its mass centre, and the parts that carry it on this line.
 ///
-/// An error of a hardpoint by a hundredth of a millimetre leaves the mass centre beside the line, and the weight then says how far the part is
-/// turned. On a rig friction does, which is a thousand times as large. Its weight therefore acts where it is carried.
+/// A hardpoint error of a hundredth of a millimetre moves the mass centre off the line, and gravity then determines the rotation. On a real
+/// rig friction determines it, being a thousand times larger. The weight of the part is therefore applied to the parts that carry it.
 #[derive(Clone, Debug)]
 struct Weight {
     part: Address,
     carriers: Vec<Carrier>,
 }
 
-/// What carries a share of a weight, if it is not ground.
+/// A part that carries a fraction of a weight, other than ground.
 #[derive(Clone, Debug)]
 struct Carrier {
     mass: Address,
     share: f64,
-    /// Markers of its mass centre and of where it carries, by their ids; `None` where something else is at the marker of the mass centre.
+    /// Ids of the marker at its mass centre and of the marker where it carries. `None` if another element uses the marker of the mass centre.
     places: Option<[u32; 2]>,
 }
 
-/// A [`Weight`] of a compiled deck.
+/// A [`Weight`] in a compiled deck.
 #[derive(Clone, Debug)]
 pub struct HeldWeight {
     mass: Slot,
@@ -67,7 +69,7 @@ struct HeldShare {
 }
 
 impl HeldWeight {
-    /// Lets the weight act where the part is carried; of the part's own a trace is left.
+    /// Moves the weight to the carriers, and leaves a trace of it on the part itself.
     pub fn hold(&self, parameters: &mut Parameters) {
         let weight = parameters.get(self.mass);
         parameters.set(self.mass, TRACE * weight);
@@ -82,7 +84,7 @@ impl HeldWeight {
         }
     }
 
-    /// Gives everything that it changes the values of `deck`.
+    /// Resets all numbers that [`Self::hold`] changes to their values in `deck`.
     pub fn release(&self, parameters: &mut Parameters, deck: &Parameters) {
         let places = self.carriers.iter().filter_map(|own| own.places);
         let centres = places.flat_map(|[centre, _]| centre);
@@ -94,7 +96,7 @@ impl HeldWeight {
 }
 
 impl FreeMotions {
-    /// Of a deck, resolved and compiled, under its loads; none where no load case has an equilibrium.
+    /// Finds the motions of a lowered and compiled deck under its loads. Empty if none of the first load cases has an equilibrium.
     pub fn new(deck: (&Dataset, &Model), system: &System, loads: Loads) -> Self {
         let mut parameters = system.parameters();
         let settings = tight_settings(system);
@@ -134,17 +136,17 @@ impl FreeMotions {
         Self::default()
     }
 
-    /// True if something resists every motion.
+    /// Returns true if the deck has no zero-stiffness motion.
     pub fn is_empty(&self) -> bool {
         self.motions.is_empty()
     }
 
-    /// A twist for each part of the model, motion by motion.
+    /// Returns a twist for each part of the model, motion by motion.
     pub fn twists(&self) -> &[Vec<Twist>] {
         &self.motions
     }
 
-    /// The weights of parts that spin, of a deck that has the same parts.
+    /// Returns the weights of the spinning parts, resolved in a compiled deck with the same parts.
     pub fn held_weights(&self, system: &System) -> Vec<HeldWeight> {
         let slot = |address: &Address| system.catalogue().slot(address);
         let place = |marker: u32| {
@@ -168,7 +170,7 @@ impl FreeMotions {
         self.weights.iter().filter_map(held).collect()
     }
 
-    /// A sentence for each motion: what is not compared.
+    /// Returns a sentence for each motion, saying that it is ignored in comparisons.
     pub fn sentences(&self) -> Vec<String> {
         let each = self.words.iter().zip(self.motions.iter());
         each.map(|(words, motion)| {
@@ -183,7 +185,7 @@ impl FreeMotions {
         .collect()
     }
 
-    /// True if a part moves in one of them.
+    /// Returns true if a part moves in one of the motions.
     pub fn moves(&self, part: PartIx) -> bool {
         let mut twists = self.motions.iter().map(|motion| &motion[part.0]);
         twists.any(|(v, w)| v.norm() + w.norm() > 0.0)
@@ -195,7 +197,7 @@ fn turns_about_a_line((v, w): &Twist) -> bool {
     turn > 0.0 && v.dot(w).abs() <= STEADY * turn * v.norm()
 }
 
-/// The parts with their mass centres on the line about which all parts of a motion turn, if they do.
+/// Returns the weights of the parts that turn about a common line and have their mass centres on it. Empty if the motion is of another kind.
 fn weights(
     (dataset, model): (&Dataset, &Model),
     system: &System,
@@ -227,7 +229,7 @@ fn weights(
     {
         return Vec::new();
     }
-    // Where a marker of these parts lies along the line, if it does.
+    // Position along the line of a marker on the moving parts, if it lies on the line.
     let along = |marker: MarkerIx| {
         let own = &model.markers[marker.0];
         let from = state.poses[own.part.0].point(&own.qp) - foot;
@@ -235,7 +237,7 @@ fn weights(
         let on_line = moving(own.part.0) && (from - along * axis).norm() <= near;
         on_line.then_some(along)
     };
-    // Where the parts are held along the line, and by what.
+    // Positions along the line at which the moving parts are held, with the markers that hold them.
     let pairs = model.joints.iter().map(|joint| (joint.i, joint.j));
     let pairs = pairs.chain(model.primitives.iter().map(|own| (own.i, own.j)));
     let pairs = pairs.flat_map(|(i, j)| [(i, j), (j, i)]);
@@ -252,7 +254,7 @@ fn weights(
         return Vec::new();
     }
     let id = |marker: MarkerIx| model.markers[marker.0].header.id;
-    // Nothing but the part itself may be at the marker of a mass centre that moves.
+    // A marker at a mass centre may be moved only if nothing but the part itself refers to it.
     let is_alone = |centre: &MarkerIx| {
         let all = dataset.statements().iter().flat_map(references);
         let named = |own: &Reference| own.space == "marker" && own.id == id(*centre);

@@ -1,7 +1,7 @@
-//! All processes a run starts on Windows, ended with it: they are one job of the system.
+//! Process tree of a run on Windows, which ends with the run: all its processes form one Windows job.
 //!
-//! The program joins the job before its first instruction, and what it starts is born into it: `mdi.bat`, the solver behind it, and
-//! what these leave behind. The job ends when its last handle is closed, however this process ends.
+//! The program joins the job before its first instruction, and its child processes are created inside the job: `mdi.bat`, the solver behind
+//! it, and their own children. The job ends when its last handle is closed, however this process ends.
 
 use std::io;
 use std::os::windows::io::AsRawHandle;
@@ -12,20 +12,20 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use process_wrap::std::{ChildWrapper, CommandWrap, CommandWrapper, JobObject};
 use win32job::{ExtendedLimitInfo, Job};
 
-/// CREATE_SUSPENDED, for as long as it takes to join the job.
+/// CREATE_SUSPENDED: the process is suspended until it has joined the job.
 const SUSPENDED: u32 = 0x0000_0004;
 
-/// CREATE_NO_WINDOW: a console of its own that nobody sees. Ctrl-C and Ctrl-Break reach this process alone, which ends the run.
+/// CREATE_NO_WINDOW: an invisible console of its own. Ctrl-C and Ctrl-Break then reach only this process, which ends the run.
 const NO_WINDOW: u32 = 0x0800_0000;
 
-/// Runs that go on now.
+/// Jobs of the current runs.
 static RUNNING: Mutex<Vec<Arc<Job>>> = Mutex::new(Vec::new());
 
-/// The processes of one run; they end when it goes out of scope.
+/// The processes of one run; they end when this value is dropped.
 #[derive(Debug)]
 pub(super) struct ProcessTree {
     child: Box<dyn ChildWrapper>,
-    /// The handle of its job, which tells it from others.
+    /// Handle of the job, which identifies it.
     job: isize,
 }
 
@@ -39,7 +39,7 @@ pub(super) fn start(command: Command) -> io::Result<ProcessTree> {
     let job = Job::create_with_limit_info(&info).map_err(io::Error::other)?;
     let job = Arc::new(job);
     let mut command = CommandWrap::from(command);
-    // The first one suspends the program and lets it go again; the second one comes between.
+    // The first wrapper suspends the program and resumes it; the second assigns it to the job in between.
     command.wrap(JobObject).wrap(Joins(Arc::clone(&job)));
     let child = command.spawn()?;
     let tree = ProcessTree {
@@ -51,10 +51,10 @@ pub(super) fn start(command: Command) -> io::Result<ProcessTree> {
 }
 
 impl ProcessTree {
-    /// How the program ended; `None` while it goes on.
+    /// Returns the exit status of the program, or `None` while it is running.
     ///
     /// # Errors
-    /// When the system does not tell.
+    /// When the system does not report the status.
     pub(super) fn try_wait(&mut self) -> io::Result<Option<ExitStatus>> {
         self.child.try_wait()
     }
@@ -62,14 +62,14 @@ impl ProcessTree {
 
 impl Drop for ProcessTree {
     fn drop(&mut self) {
-        // What has ended by itself is no error.
+        // It is no error if the program has already ended.
         let _ = self.child.start_kill();
         running().retain(|job| job.handle() != self.job);
         let _ = self.child.inner_mut().wait();
     }
 }
 
-/// Ends all runs that go on: before this process ends itself.
+/// Ends all current runs, before this process itself ends.
 pub(super) fn end_runs() {
     running().clear();
 }
@@ -78,7 +78,7 @@ fn running() -> MutexGuard<'static, Vec<Arc<Job>>> {
     RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Puts a new process into a job.
+/// Assigns a new process to a job.
 #[derive(Debug)]
 struct Joins(Arc<Job>);
 
@@ -96,7 +96,7 @@ impl CommandWrapper for Joins {
     ) -> io::Result<()> {
         let joined = self.0.assign_process(child.as_raw_handle() as isize);
         joined.map_err(|error| {
-            // It has not begun, and nobody would let it go.
+            // The process is still suspended and would never be resumed.
             let _ = child.kill();
             io::Error::other(error)
         })

@@ -2,10 +2,10 @@ use std::time::{Duration, Instant};
 
 use super::{BackendError, RunError};
 
-/// Pauses between two attempts double from the first to the last of these.
+/// First and last pause between two attempts; the pause doubles each time.
 const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(30));
 
-/// Refusals that no waiting helps against, as FlexNet words them (errors -1, -5, -8, -10).
+/// Words of refusals that waiting cannot resolve, in FlexNet's wording (errors -1, -5, -8, -10).
 const LASTING: [&str; 5] = [
     "expired",
     "no such feature",
@@ -14,9 +14,9 @@ const LASTING: [&str; 5] = [
     "cannot find license file",
 ];
 
-/// What says why a run failed.
+/// An error that may contain the reason of a failed run.
 pub(super) trait Reasoned {
-    /// Why, if a run of a program failed.
+    /// Returns the reason, if a run of a program failed.
     fn reason(&mut self) -> Option<&mut RunError>;
 }
 
@@ -35,11 +35,11 @@ impl Reasoned for BackendError {
     }
 }
 
-/// Makes a run again while its solver is refused a licence, for `limit` in all; the first refusal is logged as a warning. What else goes
-/// wrong is returned at once, and so is a refusal that waiting does not help against.
+/// Repeats a run while its solver is refused a licence, for at most `limit`. The first refusal is logged as a warning. Other errors are
+/// returned at once, and so are refusals that waiting cannot resolve.
 ///
 /// # Errors
-/// Those of the last attempt; of a refusal with the time that was waited.
+/// The error of the last attempt. A refusal contains the time waited.
 pub(super) fn patiently<T, E: Reasoned>(
     limit: Duration,
     mut attempt: impl FnMut() -> Result<T, E>,

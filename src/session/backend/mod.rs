@@ -1,7 +1,7 @@
-//! Who solves: the built-in solver, any program with ADAMS' command line, or a recording of one of them.
+//! Backends that solve load cases: the built-in solver, any program with ADAMS' command line, and recorded runs of such a program.
 //!
-//! One contract for all: a dataset, numbers of it that change between runs, load cases; back come part poses. Knows nothing
-//! about measurements and about what the answers are used for.
+//! All have the same contract. A request holds a dataset, numbers that change between runs, and load cases; the answer holds part poses.
+//! Backends are independent of measurements and of the use of the answers.
 
 mod answer;
 mod bushing_check;

@@ -5,7 +5,7 @@ use admire_solver::model::Model;
 use admire_solver::statics::Balance;
 use admire_solver::system::{Parameters, System};
 
-/// The built-in solver. Keeps the compiled model and every case's last answer, so that the next sweep starts from there.
+/// The built-in solver as a backend. It keeps the compiled model and the last solution of every case, from which the next sweep starts.
 #[derive(Default, Debug)]
 pub struct NativeBackend {
     compiled: Option<Compiled>,
@@ -19,7 +19,7 @@ struct Compiled {
 }
 
 impl NativeBackend {
-    /// A backend that has solved nothing yet.
+    /// Creates a backend without solutions.
     pub fn new() -> Self {
         Self::default()
     }

@@ -1,4 +1,4 @@
-//! An external program in a folder of its own, with a time limit.
+//! External program run in a folder of its own, with a time limit.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -12,20 +12,19 @@ use super::job as process_tree;
 use super::process_tree;
 use super::{RunError, scratch_folder};
 
-/// What a run prints, on both of its outputs.
+/// File that receives standard output and standard error of a run.
 pub(super) const CONSOLE: &str = "console.log";
 
-/// A run that prints more bytes is ended.
+/// Size of the console output in bytes above which a run is killed.
 const LARGEST_CONSOLE: u64 = 64 << 20;
 
-/// A run that writes more bytes into its folder is ended.
+/// Size of the run folder in bytes above which a run is killed.
 const LARGEST_FOLDER: u64 = 8 << 30;
 
-/// Runs a command line in `folder` to its end.
+/// Runs a command line in `folder` until it ends. All processes it has started end with it.
 ///
 /// # Errors
-/// [`RunError::Start`] when it cannot be started; [`RunError::Timeout`] and [`RunError::Output`] when it was killed. However it ends,
-/// all it had started ends with it.
+/// [`RunError::Start`] when it cannot be started; [`RunError::Timeout`] and [`RunError::Output`] when it was killed.
 pub(super) fn execute(
     words: &[String],
     folder: &Path,
@@ -41,11 +40,11 @@ pub(super) fn execute(
         program: program.clone(),
         reason: error.to_string(),
     };
-    // Into a file: a pipe that nobody empties would hang the run.
+    // The output goes to a file, because a full pipe would block the run.
     let log = File::create(folder.join(CONSOLE)).map_err(start)?;
     let also = log.try_clone().map_err(start)?;
     let mut command = if cfg!(windows) {
-        // Windows itself looks beside this program first, and for nothing but an .exe; `mdi` of ADAMS is a .bat.
+        // Windows itself searches the folder of this program first, and only for an .exe; `mdi` of ADAMS is a .bat.
         let found = which::which(program).map_err(|e| start(std::io::Error::other(e)))?;
         Command::new(found)
     } else {
@@ -82,13 +81,13 @@ pub(super) fn execute(
     }
 }
 
-/// Ends all runs that go on, and removes their folders: before this process ends itself.
+/// Ends all current runs and removes their folders, before this process itself ends.
 pub fn end_runs() {
     process_tree::end_runs();
     scratch_folder::remove_all();
 }
 
-/// What of a run's output is larger than any answer, if anything is.
+/// Describes the excess if a run's output is larger than any valid answer.
 fn too_much(folder: &Path) -> Option<String> {
     let (mut all, mut console) = (0, 0);
     for entry in std::fs::read_dir(folder).ok()?.flatten() {
@@ -107,15 +106,15 @@ fn too_much(folder: &Path) -> Option<String> {
     }
 }
 
-/// The first bytes of a file that a run wrote, as text; nothing if there is none.
+/// Returns the start of a file written by a run as text; empty if there is no such file.
 pub(super) fn beginning(path: &Path) -> String {
     let mut bytes = Vec::new();
-    // What can be read is read.
+    // A read error leaves the bytes read so far.
     let _ = File::open(path).map(|file| file.take(LARGEST_CONSOLE).read_to_end(&mut bytes));
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The last bytes of such a file.
+/// Returns the last bytes of a file as text.
 fn end(path: &Path) -> String {
     const SHOWN: u64 = 16 << 10;
     let mut bytes = Vec::new();
@@ -127,7 +126,7 @@ fn end(path: &Path) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The last lines a run printed, for a person.
+/// Returns the last lines printed by a run, for the user.
 pub(super) fn tail(folder: &Path) -> String {
     let mut lines = Vec::new();
     for name in [CONSOLE, "run.msg"] {

@@ -1,23 +1,23 @@
-//! All processes a run starts on Unix, ended with it.
+//! Process tree of a run on Unix, which ends with the run.
 //!
-//! ADAMS' own `mdi` is a script, and the solver behind it holds the licence; a program may also put itself into a session of its own.
-//! A run leads a process group, its processes carry a mark in their environment, and on Linux orphans become children of this
-//! process (PR_SET_CHILD_SUBREAPER), so that none is lost.
+//! ADAMS' own `mdi` is a script, and the solver behind it holds the licence. A program may also start a session of its own. Therefore a run
+//! leads a process group, and its processes carry a mark in their environment. On Linux orphans become children of this process
+//! (PR_SET_CHILD_SUBREAPER). Together these find every process of the run.
 
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Runs that go on now: the process that was started, and the mark of its processes.
+/// Current runs: the id of the started process, and the mark of its processes.
 static RUNNING: Mutex<Vec<(u32, String)>> = Mutex::new(Vec::new());
 
-/// True if this process had children before its first run: a shell may have started some and become this program.
+/// True if this process had children before its first run, which a shell may have started before it executed this program.
 static HAS_OTHERS: std::sync::OnceLock<bool> = std::sync::OnceLock::new();
 
-/// Carries the mark.
+/// Environment variable that carries the mark.
 const MARK: &str = "ADMIRE_RUN";
 
-/// The processes of one run; they end when it goes out of scope.
+/// The processes of one run; they end when this value is dropped.
 #[derive(Debug)]
 pub(super) struct ProcessTree {
     child: Child,
@@ -25,7 +25,7 @@ pub(super) struct ProcessTree {
     mark: String,
 }
 
-/// Starts a command that leads a tree of its own.
+/// Starts a command that leads a process tree of its own.
 ///
 /// # Errors
 /// When it cannot be started.
@@ -37,10 +37,10 @@ pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     #[cfg(target_os = "linux")]
     {
-        // Without it orphans are found by their mark all the same.
+        // Without this, orphans are still found by their mark.
         let _ = nix::sys::prctl::set_child_subreaper(true);
     }
-    // Known before anybody looks for orphans.
+    // This must be known before any search for orphans.
     running(|runs| {
         HAS_OTHERS.get_or_init(|| {
             let me = std::process::id();
@@ -54,10 +54,10 @@ pub(super) fn start(mut command: Command) -> std::io::Result<ProcessTree> {
 }
 
 impl ProcessTree {
-    /// How the program ended; `None` while it goes on.
+    /// Returns the exit status of the program, or `None` while it is running.
     ///
     /// # Errors
-    /// When the system does not tell.
+    /// When the system does not report the status.
     pub(super) fn try_wait(&mut self) -> std::io::Result<Option<ExitStatus>> {
         self.child.try_wait()
     }
@@ -66,14 +66,14 @@ impl ProcessTree {
 impl Drop for ProcessTree {
     fn drop(&mut self) {
         end(self.root, &self.mark);
-        // That it has ended by itself is no error.
+        // It is no error if the program has already ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
         running(|runs| runs.retain(|(root, _)| *root != self.root));
     }
 }
 
-/// Ends all runs that go on: before this process ends itself.
+/// Ends all current runs, before this process itself ends.
 pub(super) fn end_runs() {
     for (root, mark) in running(|runs| runs.clone()) {
         end(root, &mark);
@@ -90,11 +90,11 @@ struct Process {
     id: u32,
     parent: u32,
     group: u32,
-    /// It carries the mark of the run.
+    /// True if the process carries the mark of the run.
     marked: bool,
 }
 
-/// Kills what belongs to a run, again until nothing does: what is about to start another process is found the next time.
+/// Kills the processes of a run, repeatedly until none is left. A process started in the meantime is found in the next pass.
 fn end(root: u32, mark: &str) {
     use nix::sys::signal::{Signal, kill};
     use nix::sys::wait::{WaitPidFlag, waitpid};
@@ -103,7 +103,7 @@ fn end(root: u32, mark: &str) {
     let pid = |id: u32| i32::try_from(id).ok().map(Pid::from_raw);
     let mut ended: Vec<u32> = Vec::new();
     for _ in 0..100 {
-        // While no other run begins.
+        // The lock prevents other runs from starting meanwhile.
         let found = running(|runs| {
             let others: Vec<u32> = runs
                 .iter()
@@ -113,14 +113,14 @@ fn end(root: u32, mark: &str) {
             let alone = others.is_empty() && HAS_OTHERS.get() == Some(&false);
             let found = members(&processes(mark), root, me, &others, alone);
             for id in &found {
-                // What ended by itself just now is no error.
+                // It is no error if the process has just ended.
                 let _ = pid(*id).map(|id| kill(id, Signal::SIGKILL));
             }
             found
         });
         ended.extend(found.iter().filter(|id| **id != root));
         for id in &ended {
-            // Orphans are children of this process now; the root is waited for by who started it.
+            // Orphans are now children of this process. The root is waited for by its starter.
             let _ = pid(*id).map(|id| waitpid(id, Some(WaitPidFlag::WNOHANG)));
         }
         if found.is_empty() {
@@ -130,8 +130,8 @@ fn end(root: u32, mark: &str) {
     }
 }
 
-/// The processes of a run: marked ones, the group of its root, all below these; and orphans that left the group, where the run is
-/// `alone` and they can be nobody else's.
+/// Returns the processes of a run: the marked ones, the group of its root, and all their descendants. If the run is `alone`, orphans that left
+/// the group also belong to it.
 fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> Vec<u32> {
     let own_group = all.iter().find(|p| p.id == me).map(|p| p.group);
     let mut found: Vec<u32> = Vec::new();
@@ -157,7 +157,7 @@ fn members(all: &[Process], root: u32, me: u32, others: &[u32], alone: bool) -> 
     }
 }
 
-/// All processes of the system that have not ended.
+/// Returns all processes of the system that have not ended.
 #[cfg(target_os = "linux")]
 fn processes(mark: &str) -> Vec<Process> {
     let mark = format!("{MARK}={mark}");
@@ -184,7 +184,8 @@ fn processes(mark: &str) -> Vec<Process> {
         .collect()
 }
 
-/// Parent and group of a line of /proc: `id (name) state parent group`; the name may hold anything. `None` of one that has ended.
+/// Parses parent and group from a line of /proc: `id (name) state parent group`, where the name may contain any characters. `None` for a
+/// process that has ended.
 #[cfg(target_os = "linux")]
 fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
     let behind = stat.iter().rposition(|byte| *byte == b')')? + 1;
@@ -196,7 +197,7 @@ fn parent_and_group(stat: &[u8]) -> Option<(u32, u32)> {
     (!matches!(state, "Z" | "X")).then_some((parent, group))
 }
 
-/// All processes of the system; nothing shows their marks.
+/// Returns all processes of the system. Their marks are not visible.
 #[cfg(not(target_os = "linux"))]
 fn processes(_: &str) -> Vec<Process> {
     let listed = Command::new("ps")
@@ -235,21 +236,21 @@ mod tests {
         let all = [
             process(1, 0, 1),
             process(10, 1, 10),
-            // The run, its child, a grandchild in a session of its own, an orphan that left the group, and a marked one elsewhere.
+            // The run, its child, a grandchild in a session of its own, an orphan that left the group, and a marked process elsewhere.
             process(20, 10, 20),
             process(21, 20, 20),
             process(22, 21, 22),
             process(30, 10, 30),
             process(40, 1, 40),
             process(41, 40, 41),
-            // Another child of this process, in its own group; a stranger.
+            // Another child of this process, in its own group; an unrelated process.
             process(50, 10, 10),
             process(60, 1, 60),
         ];
         let mut found = members(&all, 20, 10, &[], true);
         found.sort_unstable();
         assert_eq!(found, [20, 21, 22, 30, 40, 41]);
-        // Whose orphan 30 is cannot be told while run 30 goes on.
+        // While run 30 exists, the origin of orphan 30 is ambiguous.
         let mut found = members(&all, 20, 10, &[30], false);
         found.sort_unstable();
         assert_eq!(found, [20, 21, 22, 40, 41]);

@@ -1,29 +1,29 @@
-//! Runs of an external solver, kept under the content of the deck and command file they were given.
+//! Recorded runs of an external solver, stored under the content hash of their input files.
 
 use std::path::{Path, PathBuf};
 
 use super::run_folder::{RunFiles, STEM};
 
-/// A folder of recorded runs. Each is a folder of its own, called after the SHA-256 of deck and command file, with `run.adm`,
-/// `run.acf`, `run.res` and `run.msg`.
+/// A folder of recorded runs. Each run has a folder of its own with `run.adm`, `run.acf`, `run.res` and `run.msg`, named after the SHA-256 of
+/// its input files.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Recording {
-    /// The folder.
+    /// Path of the folder.
     pub folder: PathBuf,
 }
 
-/// So many digits of the content hash name a run; the files themselves are compared too.
+/// Number of hash digits in the name of a run's folder; the files themselves are compared as well.
 const DIGITS: usize = 24;
 
 impl Recording {
-    /// The recording in a folder, which need not exist yet.
+    /// Returns the recording in a folder, which need not exist yet.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self {
             folder: folder.into(),
         }
     }
 
-    /// How many runs there are.
+    /// Returns the number of recorded runs.
     pub fn count(&self) -> usize {
         std::fs::read_dir(&self.folder).map_or(0, |entries| {
             entries
@@ -37,13 +37,13 @@ impl Recording {
         self.folder.join(&files.key()[..DIGITS])
     }
 
-    /// The folder of the run with these files.
+    /// Returns the folder of the recorded run with these input files.
     pub(super) fn find(&self, files: &RunFiles) -> Option<PathBuf> {
         let folder = self.place(files);
         files.are_in(&folder).then_some(folder)
     }
 
-    /// Keeps a run that gave an answer.
+    /// Stores a run that gave an answer.
     ///
     /// # Errors
     /// When its files cannot be copied.
@@ -56,7 +56,7 @@ impl Recording {
                 std::fs::copy(run.join(&name), folder.join(&name))?;
             }
         }
-        // Deck and commands last: without them the run is not found.
+        // Deck and command file are written last: without them an incomplete recording is not found.
         files.write(&folder)
     }
 }

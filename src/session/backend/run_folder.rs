@@ -1,4 +1,4 @@
-//! The files of one run of an external solver: the user's own deck with one-line edits, and the command file of the programme.
+//! Files of one run of an external solver: the user's own deck with one-line edits, and the command file of the load programme.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -14,26 +14,25 @@ use admire_syntax::{Address, Dataset, NewStatement};
 /// Base name of the files of a run.
 pub(super) const STEM: &str = "run";
 
-/// What an external solver is given for one request: every byte that can matter to its answer.
+/// Input files of a run: every byte that can affect its answer.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct RunFiles {
-    /// `run.adm`.
+    /// Contents of `run.adm`.
     pub deck: Vec<u8>,
-    /// `run.acf`.
+    /// Contents of `run.acf`.
     pub commands: Vec<u8>,
-    /// Files below the folder of the user's deck that it names by a relative path, with their contents: the run needs them beside
-    /// its own deck.
+    /// Relative paths and contents of the files below the user's deck folder that the deck names. The run needs them next to its own deck.
     pub beside: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Larger files are not carried into run folders.
+/// Size in bytes up to which a file named by the deck is copied to run folders.
 const MOST_BYTES: u64 = 64 << 20;
 
 impl RunFiles {
-    /// The files of a request.
+    /// Creates the input files of a request.
     ///
     /// # Errors
-    /// An address that the deck cannot be edited at.
+    /// When the deck cannot be edited at an address.
     pub(crate) fn of(request: &SweepRequest<'_>) -> Result<Self, Box<Diagnostic>> {
         let deck = deck(request)?;
         let commands = commands(request, &deck).into_bytes();
@@ -44,7 +43,7 @@ impl RunFiles {
         })
     }
 
-    /// The files of a deck with a command file of its own. Files the deck names stand beside `original`.
+    /// Creates the input files of a deck with its own command file. Files named by the deck are found next to `original`.
     pub(crate) fn of_deck(deck: &Source, commands: &Source, original: &Dataset) -> Self {
         Self {
             deck: with_xrf(Dataset::parse(deck.clone()).value)
@@ -55,7 +54,7 @@ impl RunFiles {
         }
     }
 
-    /// Writes them into a folder.
+    /// Writes the files to a folder.
     ///
     /// # Errors
     /// When they cannot be written.
@@ -71,7 +70,7 @@ impl RunFiles {
         std::fs::write(folder.join(format!("{STEM}.acf")), &self.commands)
     }
 
-    /// True if a folder holds a run of these files.
+    /// Returns true if a folder contains these input files unchanged.
     pub(crate) fn are_in(&self, folder: &Path) -> bool {
         let same =
             |name: &Path, bytes: &[u8]| std::fs::read(folder.join(name)).is_ok_and(|b| b == bytes);
@@ -81,7 +80,7 @@ impl RunFiles {
             && self.beside.iter().all(|(name, bytes)| same(name, bytes))
     }
 
-    /// SHA-256 of all of them, in hexadecimal: what a recorded run is found by.
+    /// Returns the SHA-256 of all files in hexadecimal, by which a recorded run is found.
     pub(crate) fn key(&self) -> String {
         let mut hash = sha2::Sha256::new();
         let files = self.beside.iter().map(|(_, bytes)| bytes);
@@ -97,7 +96,7 @@ impl RunFiles {
     }
 }
 
-/// The files a deck names by paths that lead nowhere else.
+/// Returns the files that a deck names by relative paths inside its own folder.
 fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
     let folder = folder_of(dataset.source());
     let mut found: Vec<(PathBuf, Vec<u8>)> = Vec::new();
@@ -110,7 +109,7 @@ fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
         let Some(path) = find_file(&reference.name, "", &[&folder]).value else {
             continue;
         };
-        // A link may lead out of the folder although its name does not.
+        // A symbolic link may lead out of the folder although its name does not.
         let real = |path: &Path| {
             let path = if path.as_os_str().is_empty() {
                 Path::new(".")
@@ -133,7 +132,7 @@ fn beside(dataset: &Dataset) -> Vec<(PathBuf, Vec<u8>)> {
     found
 }
 
-/// The user's deck with the numbers of the request, and with RESULTS/XRF where it does not ask for results in that form.
+/// Returns the user's deck with the numbers of the request, and with RESULTS/XRF added if it is missing.
 fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
     let mut deck = request.dataset.clone();
     for (address, value) in request.theta {
@@ -143,7 +142,7 @@ fn deck(request: &SweepRequest<'_>) -> Result<Dataset, Box<Diagnostic>> {
     Ok(with_xrf(deck))
 }
 
-/// The deck with RESULTS/XRF where it does not ask for results in that form.
+/// Returns the deck with RESULTS/XRF added if it is missing.
 fn with_xrf(deck: Dataset) -> Dataset {
     let has_xrf = deck
         .statement("RESULTS", None)
@@ -172,11 +171,11 @@ fn edited(deck: &Dataset, edits: &[admire_syntax::text::Edit]) -> Dataset {
         .value
 }
 
-/// A blank line, FILE/MODEL, then for every case its loads and SIMULATE/STATIC.
+/// Returns the command file: a blank line, FILE/MODEL, then for every case its loads and SIMULATE/STATIC.
 fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     let mut out = format!("\nfile/model={STEM}\n");
     for case in &request.programme.cases {
-        // A remark, whatever the name is: nothing in it ends the line or carries it on.
+        // Characters that would end or continue the comment line are replaced.
         let ends = |c: char| c.is_control() || matches!(c, '&' | ';');
         out += &format!("! case {}\n", case.label.replace(ends, " "));
         for command in redefinitions(&request.programme.loads, &case.values, deck) {
@@ -189,8 +188,8 @@ fn commands(request: &SweepRequest<'_>, deck: &Dataset) -> String {
     out
 }
 
-/// The commands that set the loads of a case. Numbers of one list are set by one command, the others of the list as the deck has
-/// them: a redefinition replaces the whole list.
+/// Returns the commands that set the loads of a case. A redefinition replaces a whole list, so numbers of one list share one command, and the
+/// other numbers of the list keep their values from the deck.
 fn redefinitions(loads: &[Load], values: &[f64], deck: &Dataset) -> Vec<String> {
     let mut lists: Vec<(Address, Vec<f64>)> = Vec::new();
     let mut out = Vec::new();
@@ -225,7 +224,7 @@ fn redefinitions(loads: &[Load], values: &[f64], deck: &Dataset) -> Vec<String> 
                     })
                     .unwrap_or(0.0)
                 };
-                // QP, REULER and the like have three numbers, written or not.
+                // QP, REULER and similar arguments have three numbers, even if the deck states fewer.
                 lists.push((
                     whole.clone(),
                     (1..=count.max(3).max(index)).map(of).collect(),
@@ -253,7 +252,7 @@ fn object(address: &Address) -> String {
     )
 }
 
-/// The shortest spelling that reads back.
+/// Formats a number with the fewest digits that restore it exactly.
 fn spelled(value: f64) -> String {
     format!("{value:?}").replace('e', "E")
 }

@@ -5,16 +5,16 @@ use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 
 use admire_syntax::text::patiently;
 
-/// What folders of runs are called in the folder of temporary files.
+/// Prefix of run folders in the system's folder for temporary files.
 const PREFIX: &str = "admire-run-";
 
-/// Stands in a folder that was to go and that somebody still held.
+/// Name of the file that marks a folder which could not be deleted because another process held it.
 const LEFTOVER: &str = "admire-leftover";
 
-/// Folders of runs that go on, and that shall go.
+/// Temporary folders of the current runs, to be deleted.
 static GOING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A folder that goes when this goes out of scope, unless it is kept.
+/// A folder that is deleted when this value is dropped, unless it is kept.
 #[derive(Debug)]
 pub(super) struct ScratchFolder {
     path: PathBuf,
@@ -22,10 +22,10 @@ pub(super) struct ScratchFolder {
 }
 
 impl ScratchFolder {
-    /// A new folder for temporary files. The first one of a process also removes what earlier processes had to leave behind.
+    /// Creates a folder for temporary files. The first call of a process also deletes the folders that earlier processes had to leave behind.
     ///
     /// # Errors
-    /// When there cannot be one.
+    /// When the folder cannot be created.
     pub(crate) fn temporary() -> std::io::Result<Self> {
         static FIRST: Once = Once::new();
         let all = std::env::temp_dir();
@@ -36,10 +36,10 @@ impl ScratchFolder {
         Ok(Self { path, kept: false })
     }
 
-    /// A new folder that stays, in another one, which is made if missing.
+    /// Creates a permanent folder inside another one, which is created if missing.
     ///
     /// # Errors
-    /// When there cannot be one.
+    /// When the folder cannot be created.
     pub(crate) fn lasting(folder: &Path, prefix: &str) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         let mut new = tempfile::Builder::new();
@@ -47,12 +47,12 @@ impl ScratchFolder {
         Ok(Self { path, kept: true })
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Lets it stay.
+    /// Keeps the folder and returns its path.
     pub(crate) fn keep(mut self) -> PathBuf {
         self.kept = true;
         self.path.clone()
@@ -68,17 +68,17 @@ impl Drop for ScratchFolder {
     }
 }
 
-/// Removes the folders of runs that were given up: before this process ends itself.
+/// Deletes the folders of abandoned runs, before this process itself ends.
 pub(super) fn remove_all() {
     for path in going().iter() {
         remove(path);
     }
 }
 
-/// A process that is just ending may hold a folder for a moment, a virus scanner for longer.
+/// Deletes a folder, with retries: an ending process may hold it for a moment, a virus scanner for longer.
 fn remove(path: &Path) {
     if patiently(|| std::fs::remove_dir_all(path)).is_err() {
-        // Where it has gone already there is none to leave anything in.
+        // If the folder is already gone, this write fails without harm.
         let _ = std::fs::write(path.join(LEFTOVER), "");
     }
 }
@@ -87,7 +87,7 @@ fn going() -> MutexGuard<'static, Vec<PathBuf>> {
     GOING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the folders that were left behind.
+/// Deletes the folders left behind by earlier processes.
 fn sweep(all: &Path) {
     let Ok(entries) = std::fs::read_dir(all) else {
         return;
@@ -95,7 +95,7 @@ fn sweep(all: &Path) {
     for entry in entries.flatten() {
         let is_run = entry.file_name().to_string_lossy().starts_with(PREFIX);
         if is_run && entry.path().join(LEFTOVER).is_file() {
-            // Who still holds it holds it until the next time.
+            // A folder that is still held is left for the next time.
             let _ = std::fs::remove_dir_all(entry.path());
         }
     }
@@ -141,7 +141,7 @@ mod tests {
         let folder = ScratchFolder::temporary().unwrap();
         let path = folder.path().to_path_buf();
         let mut options = std::fs::File::options();
-        // Nobody else may delete it meanwhile.
+        // Other processes may not delete the file while it is open.
         options.write(true).create(true).share_mode(1);
         let file = options.open(path.join("console.log")).unwrap();
         let holder = std::thread::spawn(move || {

@@ -7,8 +7,8 @@ use admire_syntax::lint::Suppressed;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{CommandFile, Dataset};
 
-/// Everything there is to say of a command file: by itself, and against the decks it names, in the order of the file. `deck_of` reads
-/// a deck; `None` where it cannot be read, then less is said.
+/// Returns all diagnostics of a command file, by itself and against the decks it names, in the order of the file. `deck_of` reads a deck. If
+/// it returns `None`, the checks against this deck are omitted.
 pub fn command_file(
     commands: Checked<CommandFile>,
     mut deck_of: impl FnMut(&Path) -> Option<Dataset>,
@@ -48,7 +48,7 @@ pub fn command_file(
     found
 }
 
-/// The file a command names, if it may be read; says why not.
+/// Returns the file that a command names, if it may be read, and otherwise reports the reason.
 fn named(
     source: &Source,
     name: Span,
@@ -66,7 +66,7 @@ fn named(
         let elsewhere = written.contains(':') || written.starts_with(['/', '\\']);
         let mut missing = Diagnostic::error(Code::CannotRead, message);
         if elsewhere {
-            // It may well be on the computer that runs the file.
+            // An absolute path may exist on the computer that runs the file.
             missing.severity = Severity::Warning;
         }
         let help = "it is looked up from the folder of the command file and the working directory";

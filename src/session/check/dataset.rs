@@ -7,30 +7,30 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
 use admire_syntax::files::Files;
 use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
 
-/// Who made a complaint.
+/// Source of a diagnostic.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Told {
     /// The reader of the text.
     Reader,
     /// A rule that looks at a statement and its neighbours.
     Neighbourhood,
-    /// What looks at the whole file: rules, files beside it, the model.
+    /// A check of the whole file: rules, files next to it, the model.
     File,
 }
 
-/// A complaint and who made it.
+/// A diagnostic with its source.
 #[derive(Clone, Debug)]
 pub struct Found {
-    /// Who made it.
+    /// Source of the diagnostic.
     pub told: Told,
-    /// The complaint.
+    /// The diagnostic.
     pub diagnostic: Diagnostic,
-    /// True if a comment of the file silences it.
+    /// True if a comment of the file suppresses it.
     pub silenced: bool,
 }
 
 impl Found {
-    /// A complaint that no comment silences.
+    /// Creates a finding that no comment suppresses.
     pub fn new(told: Told, diagnostic: Diagnostic) -> Self {
         Self {
             told,
@@ -40,8 +40,8 @@ impl Found {
     }
 }
 
-/// Everything there is to say of a dataset, each fault once, in the order of the file. `files` are those it names. `None` as soon as the
-/// answer is `outdated`, which is asked between steps.
+/// Returns all findings about a dataset, each fault once, in the order of the file. `files` are the files it names. The function calls
+/// `outdated` between steps, and returns `None` as soon as it returns true.
 pub fn dataset(
     read: Checked<Dataset>,
     files: Checked<Files>,
@@ -64,7 +64,7 @@ pub fn dataset(
     let seen: BTreeSet<_> = found.iter().map(|found| place(&found.diagnostic)).collect();
     let mut own = BTreeSet::new();
     let groundless = found.iter().any(|f| f.diagnostic.code == Code::NoGround);
-    // The reader of the model meets some faults of statements again.
+    // Lowering to the model meets some faults of statements again.
     for diagnostic in resolved.diagnostics {
         let whole = diagnostic.labels.first().map(|label| label.span);
         let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
@@ -94,7 +94,7 @@ pub fn dataset(
     Some(found)
 }
 
-/// Missing files that change no answer are one note, however many they are: a deck of a CAD model names dozens.
+/// Merges harmless missing files into one note, because a deck of a CAD model names dozens of them.
 fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     let harmless = |d: &Diagnostic| d.code == Code::CannotRead && d.severity == Severity::Note;
     let (notes, mut rest): (Vec<_>, Vec<_>) = diagnostics.into_iter().partition(harmless);
@@ -109,7 +109,8 @@ fn as_one(diagnostics: Vec<Diagnostic>) -> Vec<Diagnostic> {
     rest
 }
 
-/// What is said and where that begins: one points at the keyword, the other at keyword and id.
+/// Returns the code and the start offset, by which duplicates are recognised. Two diagnostics of one fault may differ in the end of their
+/// span.
 fn place(diagnostic: &Diagnostic) -> (Code, Option<usize>) {
     let label = diagnostic.labels.first();
     (diagnostic.code, label.map(|label| label.span.start()))

@@ -1,7 +1,7 @@
-//! Everything there is to say of one file: what the reader, the lint rules and the model complain of, each fault once, without what
-//! comments of the file silence.
+//! Complete checks of one file by the reader, the lint rules and the model. Each fault is reported once, unless a comment of the file
+//! suppresses it.
 //!
-//! Knows where the files beside a deck are, not who is told.
+//! The module locates the files next to a deck, and is independent of the output of the diagnostics.
 
 mod command_file;
 mod dataset;
@@ -17,14 +17,14 @@ use std::path::Path;
 
 use crate::FilePolicy;
 
-/// True for `.acf` files, in any case of letters.
+/// Returns true for `.acf` files, in upper or lower case.
 pub fn is_command_file(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("acf"))
 }
 
-/// What a file in a folder may make this program read: files below the folder and the working directory, and where ADMIRE_ALLOW_PATH
-/// says.
+/// Returns the policy for files named in a folder's files. They may be read below the folder, below the working directory, and in the folders
+/// of ADMIRE_ALLOW_PATH.
 pub fn policy(folder: &Path) -> FilePolicy {
     let mut policy = FilePolicy::new(Path::new(""));
     policy.allow(folder);

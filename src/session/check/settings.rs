@@ -1,4 +1,4 @@
-//! What `admire.toml` says of checking: which complaints are shown, and which files are looked at.
+//! Settings of checks from `admire.toml`: which diagnostics are shown, and which files are checked.
 
 use std::path::{Path, PathBuf};
 
@@ -9,17 +9,17 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::grammar::nearest;
 use admire_syntax::text::{Source, Span};
 
-/// Who is to solve a deck.
+/// Solver for which a deck is checked.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Solver {
-    /// ADAMS: limits of the built-in solver are not reported, nor files that only graphics read.
+    /// ADAMS: limits of the built-in solver are not reported, nor missing files that only graphics read.
     Adams,
-    /// The built-in solver: statements that it does not solve are reported, files that only graphics read are not.
+    /// The built-in solver: statements that it does not solve are reported, missing files that only graphics read are not.
     Admire,
 }
 
-/// The file of settings beside decks.
+/// Name of the settings file next to decks.
 const NAME: &str = "admire.toml";
 
 #[derive(Deserialize, Default, Debug)]
@@ -41,31 +41,31 @@ struct CheckTable {
     fortran: bool,
 }
 
-/// What is shown of the complaints about one file.
+/// Settings that select the diagnostics of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Who is to solve the decks; without it everything is told.
+    /// Solver of the decks. Without it all diagnostics are shown.
     pub solver: Option<Solver>,
-    /// Only these codes are told; all of them if it is empty.
+    /// Codes that are shown; all codes if it is empty.
     pub select: Vec<Code>,
-    /// These codes are not told.
+    /// Codes that are not shown.
     pub ignore: Vec<Code>,
     exclude: Vec<glob::Pattern>,
-    /// The folder the patterns start from.
+    /// Folder that the patterns are relative to.
     folder: PathBuf,
-    /// Errors only.
+    /// True if only errors are shown.
     pub quiet: bool,
-    /// Warnings make a check fail, too.
+    /// True if warnings also make a check fail.
     pub strict: bool,
-    /// The decks are for the FORTRAN solver.
+    /// True if the decks are for the FORTRAN solver.
     pub fortran: bool,
 }
 
 impl Settings {
-    /// Reads a table, whose name is its path.
+    /// Parses a settings file; the source's name is its path.
     ///
     /// # Errors
-    /// What is wrong with it, each fault at its place.
+    /// Every fault of the file, with its position.
     pub fn parse(source: &Source) -> Result<Self, Vec<Diagnostic>> {
         let wrong = |message: String, span| {
             vec![Diagnostic::error(Code::StudySyntax, message).label(source.name(), span, "")]
@@ -123,7 +123,7 @@ impl Settings {
         })
     }
 
-    /// True if a complaint is to be told.
+    /// Returns true if a diagnostic is shown.
     pub fn shows(&self, diagnostic: &Diagnostic) -> bool {
         let code = diagnostic.code;
         let selected = self.select.is_empty() || self.select.contains(&code);
@@ -131,7 +131,7 @@ impl Settings {
         selected && loud && !self.ignore.contains(&code) && self.concerns(diagnostic)
     }
 
-    /// True if a file is to be looked at.
+    /// Returns true if a file is checked.
     pub fn includes(&self, file: &Path) -> bool {
         let inside = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
         let inside = inside.strip_prefix(&self.folder).unwrap_or(&inside);
@@ -141,7 +141,7 @@ impl Settings {
             .any(|pattern| pattern.matches_path(inside))
     }
 
-    /// True if a complaint concerns who is to solve the deck.
+    /// Returns true if a diagnostic is relevant to the chosen solver.
     fn concerns(&self, diagnostic: &Diagnostic) -> bool {
         let code = diagnostic.code;
         let of_pictures = code == Code::CannotRead && diagnostic.severity == Severity::Note;
@@ -160,7 +160,7 @@ impl Settings {
     }
 }
 
-/// The nearest table above a file.
+/// Returns the settings file in the nearest folder above a file.
 pub fn table_above(file: &Path) -> Option<PathBuf> {
     let file = std::path::absolute(file).ok()?;
     file.ancestors()
@@ -169,10 +169,10 @@ pub fn table_above(file: &Path) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// The code of this name.
+/// Returns the diagnostic code with this name.
 ///
 /// # Errors
-/// `unknown-key` with the nearest name where there is none.
+/// `unknown-key` with the nearest existing name.
 pub fn code_named(word: &str) -> Result<Code, Diagnostic> {
     Code::parse(word.trim()).ok_or_else(|| {
         let capitals: Vec<String> = Code::ALL

@@ -1,8 +1,9 @@
-//! Angles between two markers with first and second derivatives along rotations, for constraints.
+//! First and second derivatives of angles between two markers with respect to rotations, for the constraints.
 
 use crate::mechanics::{Mat3, Vec3, skew};
 
-/// Row about axis n and its derivative by v: `e_n - v_n w / (w . w)`, w = v without its n component.
+/// Returns the Jacobian row `e_n - v_n w / (w . w)` of the angle about axis n, and its derivative with respect to v. `w` is v without its n
+/// component.
 fn row(v: &Vec3, n: usize) -> (Vec3, Mat3) {
     let mut w = *v;
     w[n] = 0.0;
@@ -15,7 +16,8 @@ fn row(v: &Vec3, n: usize) -> (Vec3, Mat3) {
     (e - w * (v[n] / s), by_v)
 }
 
-/// The angle about axis n of J that an I axis v (in J axes) makes: its row and the derivative of the row by `dtheta`.
+/// Returns the Jacobian row of the angle that an I axis v (in J axes) makes about axis n of J. The second value is the derivative of the
+/// row with respect to `dtheta`.
 ///
 /// With `dv = dtheta x v` the row is `g = e_n - v_n w / (w . w)` and `dg = (dg/dv) (dtheta x v)`.
 pub(super) fn about_j(v: &Vec3, n: usize) -> (Vec3, Mat3) {
@@ -23,10 +25,11 @@ pub(super) fn about_j(v: &Vec3, n: usize) -> (Vec3, Mat3) {
     (g, -by_v * skew(v))
 }
 
-/// The angle by which I has turned about its own axis n away from axis m of J: the negative angle of u = e_m in I axes about
-/// n. Row and derivative of the row by `dtheta`, both in J axes.
+/// Returns the Jacobian row of the angle by which I has turned about its own axis n away from axis m of J. The second value is the
+/// derivative of the row with respect to `dtheta`. Both are in J axes.
 ///
-/// `du = skew(u) R' dtheta`, the row is `g = R row(u)`, hence `dg = dtheta x g + R (drow/du) skew(u) R' dtheta`.
+/// The angle is the negative of the angle of u = e_m, expressed in I axes, about n. With `du = skew(u) R' dtheta` the row is
+/// `g = R row(u)`, hence `dg = dtheta x g + R (drow/du) skew(u) R' dtheta`.
 pub(super) fn about_i(R_ji: &Mat3, m: usize, n: usize) -> (Vec3, Mat3) {
     let u: Vec3 = R_ji.row(m).transpose();
     let (row, by_u) = row(&u, n);

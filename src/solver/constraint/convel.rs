@@ -1,24 +1,25 @@
-//! The CONVEL joint. Knows no torque balance.
+//! The CONVEL joint: equations only, without a torque balance.
 
 use super::locks::add_product;
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 
-/// CONVEL: constant-velocity joint, shafts along zi and zj.
+/// CONVEL: constant-velocity joint with its shafts along zi and zj.
 ///
-/// d = 0, and for co-directed z axes `xi.yj - yi.xj = 0`, for opposed z axes (both pointing away from the joint)
-/// `xi.yj + yi.xj = 0`. With the wrong sign the last equation holds for every twist and constrains nothing, so the sense is
-/// fixed once from the design by [`Convel::for_design`]. Undefined when the shafts fold to 90 degrees. Source: Adams Solver help, `state_joint`.
+/// The equations are d = 0 and one product equation: `xi.yj - yi.xj = 0` for co-directed z axes, `xi.yj + yi.xj = 0` for opposed z axes
+/// (both pointing away from the joint). With the wrong sign the product equation holds for every twist and constrains nothing.
+/// [`Convel::for_design`] therefore fixes the sense once, from the design position. Undefined when the shafts fold to 90 degrees. Source:
+/// Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Convel {
-    /// zi.zj > 0 in the design.
+    /// The z axes are co-directed: zi.zj >= 0 in the design position.
     CoDirected,
-    /// zi.zj < 0 in the design.
+    /// The z axes are opposed: zi.zj < 0 in the design position.
     Opposed,
 }
 
 impl Convel {
-    /// The sense that fits this motion.
+    /// Returns the sense that matches the relative motion in the design position.
     pub(crate) fn for_design(motion: &RelativeMotion) -> Self {
         if motion.R_ji[(2, 2)] >= 0.0 {
             Self::CoDirected
@@ -72,7 +73,7 @@ mod tests {
     use super::*;
     use crate::mechanics::{Vec3, exp};
 
-    /// A twist by `angle` about zj of markers whose z axes are co-directed or opposed, straight.
+    /// Returns a twist by `angle` about zj of aligned markers whose z axes are co-directed or opposed.
     fn twisted(angle: f64, opposed: bool) -> RelativeMotion {
         let design = if opposed {
             exp(&Vec3::new(std::f64::consts::PI, 0.0, 0.0))
@@ -107,8 +108,8 @@ mod tests {
         }
     }
 
-    /// Constant velocity: with the shafts bent by beta in any plane, turning both by the same angle keeps the equation; a
-    /// Hooke joint would not.
+    /// Constant velocity: if the shafts are bent in any plane, turning both by the same angle still satisfies the equation. A Hooke joint
+    /// would violate it.
     #[test]
     fn both_shafts_turn_alike_when_bent() {
         let mut out = Equations::default();

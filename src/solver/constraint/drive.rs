@@ -1,15 +1,15 @@
-//! MOTION as an equation. Knows no FUNCTION: the value is given; velocity forms are the caller's to refuse or hold.
+//! MOTION as a constraint equation. The caller evaluates the FUNCTION, and integrates or rejects velocity and acceleration forms.
 
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 
-/// MOTION, displacement form: `measure - value = 0`, the value of the FUNCTION being the only parameter.
+/// MOTION in displacement form: `measure - value = 0`. The only parameter is the value of the FUNCTION.
 ///
-/// The reaction `-multiplier * row` is the force or torque that drives I, along or about an axis of J. Valid wherever the measure is.
-/// Source: Adams Solver help, `state_motion`.
+/// The reaction `-multiplier * row` is the force or torque that drives I along or about an axis of J. Valid wherever the measure is
+/// defined. Source: Adams Solver help, `state_motion`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Drive {
-    /// What is prescribed.
+    /// Displacement that the motion prescribes.
     pub measure: Measure,
 }
 

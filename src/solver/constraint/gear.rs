@@ -1,4 +1,4 @@
-//! GEAR as a sum of joint displacements. Knows no model: poses on the carrier are given.
+//! GEAR as a weighted sum of joint displacements. Independent of the model: the caller supplies the poses on the carrier.
 
 use super::Measure;
 use crate::mechanics::{Pose, Vec3};
@@ -6,13 +6,13 @@ use crate::mechanics::{Pose, Vec3};
 /// One joint displacement in a COUPLER or GEAR, with its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Term {
-    /// Displacement of the joint's I relative to its J: `Measure::Translation(2)` or `Measure::Angle(2)`.
+    /// Displacement of the joint's I marker relative to its J marker: `Measure::Translation(2)` or `Measure::Angle(2)`.
     pub measure: Measure,
-    /// Length or radians times this.
+    /// Factor of the displacement, which is a length or an angle in radians.
     pub scale: f64,
 }
 
-/// Which freedoms a geared joint has.
+/// Type of a geared joint, which determines its degrees of freedom.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub(crate) enum GearedJoint {
@@ -21,13 +21,14 @@ pub(crate) enum GearedJoint {
     Cylindrical,
 }
 
-/// The speed along z of the CV marker that a geared part has at the CV point, per unit of its joint's displacements.
+/// Returns the terms that one joint contributes to the GEAR equation, multiplied by `factor` (+1 for the first joint, -1 for the second).
 ///
-/// Both J markers and the CV marker sit on one carrier, so with `r` from the J origin to the CV origin and all axes taken in the
-/// carrier the speed of the part carrying I is `(zj x r) . z_cv` per radian and `zj . z_cv` per length, which are constant: the
-/// equality of the two parts' speeds integrates to `sum a q (first) - sum a q (second) = const`, the constant being its value
-/// in the design. Returned are the terms of one joint with `factor` (+1 for the first joint, -1 for the second); a CYLINDRICAL
-/// joint gives two. Source: derived from the common-velocity wording of Adams Solver help, `state_gear`.
+/// Each scale is the speed of the geared part along z of the CV marker at the CV origin, per unit rate of the joint displacement. Both J
+/// markers and the CV marker sit on one carrier; all axes are taken in the carrier, and `r` runs from the J origin to the CV origin. The
+/// part that carries I has the speed `(zj x r) . z_cv` per radian and `zj . z_cv` per unit length, and both are constant. Equal speeds of
+/// the two parts therefore integrate to `sum a q (first) - sum a q (second) = const`, where the constant is the value in the design
+/// position. A CYLINDRICAL joint gives two terms, the other joints one. Source: derived from the common-velocity definition in the Adams
+/// Solver help, `state_gear`.
 pub(crate) fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
     let zj: Vec3 = j.R.column(2).into_owned();
     let along: Vec3 = cv.R.column(2).into_owned();
@@ -51,7 +52,7 @@ mod tests {
     use super::*;
     use crate::mechanics::{Mat3, exp};
 
-    /// The terms are the speed of the geared part's point at the CV marker, for a carrier in general position.
+    /// The scales equal the speed of the geared part's point at the CV marker, for a carrier in general position.
     #[test]
     fn terms_are_the_speed_along_the_cv_axis() {
         let carrier = Pose {
@@ -77,7 +78,7 @@ mod tests {
         assert!(rotation.scale.abs() > 0.1 && translation.scale.abs() > 0.1);
     }
 
-    /// External spur gears of radii 30 and 60 on parallel axes: 30 q1 = -60 q2 (they turn against each other, half as fast).
+    /// External spur gears of radii 30 and 60 on parallel axes obey 30 q1 = -60 q2: the second turns backwards at half the speed.
     #[test]
     fn spur_gears_turn_against_each_other() {
         let axis = |x: f64| Pose {

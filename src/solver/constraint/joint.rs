@@ -1,6 +1,6 @@
 //! The lower-pair joints of JOINT (Adams Solver help, `state_joint`) as locked distances and scalar products.
 //!
-//! Frames: d = origin I - origin J; xi, yi, zi the axes of I, xj, yj, zj of J. Knows no pitch, no drive, no friction.
+//! Frames: d = origin of I - origin of J; xi, yi, zi are the axes of I and xj, yj, zj those of J. Contains no pitch, drive or friction.
 
 use super::Locks;
 
@@ -37,12 +37,12 @@ pub(crate) const FIXED: Locks = Locks {
     distances: &[0, 1, 2],
     products: AXES_PARALLEL,
 };
-/// HOOKE: d = 0, xi.yj = 0: shafts along zi and zj, cross pins along xi and yj.
+/// HOOKE: d = 0, xi.yj = 0. The shafts lie along zi and zj, the pins of the cross along xi and yj.
 pub(crate) const HOOKE: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[(0, 1)],
 };
-/// UNIVERSAL: d = 0, zi.zj = 0: cross pins along zi and zj.
+/// UNIVERSAL: d = 0, zi.zj = 0. The pins of the cross lie along zi and zj.
 pub(crate) const UNIVERSAL: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[(2, 2)],

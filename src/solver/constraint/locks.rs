@@ -1,20 +1,21 @@
-//! The equations most joints are made of. Knows no joint names.
+//! Locked distances and scalar products, the equations of most joints. Independent of the joint names.
 
 use super::{Constraint, Equations};
 use crate::mechanics::{Mat3, RelativeMotion, Vec6};
 
-/// A constraint that locks components of the distance along J axes and scalar products of an I axis with a J axis.
+/// Constraint that locks components of the distance vector along J axes and scalar products of an I axis with a J axis.
 ///
-/// With d = `p_ij_j`, v = an axis of I in J axes and e = an axis of J:
-/// `d . e = 0`, row `(e, 0)`; `v . e = 0`, row `(0, v x e)`, whose derivative along `dtheta` is
-/// `(dtheta x v) x e = (v e' - (v . e) 1) dtheta`. Valid for any motion; a product `v . e = 0` with `z_i` also holds when the
-/// axis has turned over. Source: Adams Solver help, `state_joint`,
-/// `state_jprim`.
+/// With d = `p_ij_j`, v an axis of I expressed in J axes and e an axis of J, the equations are:
+/// - `d . e = 0`, with the Jacobian row `(e, 0)`;
+/// - `v . e = 0`, with the row `(0, v x e)`, whose derivative along `dtheta` is `(dtheta x v) x e = (v e' - (v . e) 1) dtheta`.
+///
+/// Valid for any motion. A product equation `v . e = 0` with `z_i` also holds when that axis has flipped by 180 degrees. Source: Adams
+/// Solver help, `state_joint`, `state_jprim`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Locks {
-    /// Axes of J along which the origins may not part.
+    /// Axes of J along which the two origins must coincide.
     pub(super) distances: &'static [usize],
-    /// (axis of I, axis of J) that stay perpendicular.
+    /// Pairs (axis of I, axis of J) that must stay perpendicular.
     pub(super) products: &'static [(usize, usize)],
 }
 
@@ -63,7 +64,8 @@ impl Constraint for Locks {
     }
 }
 
-/// Adds `scale` times the derivative of (axis `i` of I) . (axis `j` of J) to row `k`, and its curvature times `multiplier`.
+/// Adds `scale` times the derivative of the scalar product of I axis `i` and J axis `j` to row `k`. Adds the corresponding curvature,
+/// multiplied by `multiplier`, to `out.curvature`.
 pub(super) fn add_product(
     motion: &RelativeMotion,
     i: usize,

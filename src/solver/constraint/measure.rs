@@ -1,43 +1,43 @@
-//! Displacements between two markers with first and second derivatives. Knows no equation.
+//! Displacements between two markers with first and second derivatives. Contains no constraint equations.
 
 use super::angle::{about_i, about_j};
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 
-/// A scalar displacement between two markers: what a MOTION prescribes and a COUPLER or GEAR combines.
+/// Scalar displacement between two markers, as prescribed by a MOTION or combined by a COUPLER or GEAR.
 ///
-/// Frames: I relative to J, right-handed, radians. Sources: Adams Solver help, `state_joint`
-/// (displacement of a joint), `state_motion`, `cfunc_az`.
+/// Frames: I relative to J, right-handed; angles in radians. Sources: Adams Solver help, `state_joint` (displacement of a joint),
+/// `state_motion`, `cfunc_az`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Measure {
-    /// Component of `p_ij_j` along an axis of J: 0, 1, 2.
+    /// Component of `p_ij_j` along the x, y or z axis of J (0, 1, 2).
     Translation(usize),
-    /// AX, AY, AZ (0, 1, 2), counting turns. 2 is the rotation of a joint about zj.
+    /// AX, AY or AZ (0, 1, 2), counted over full turns. AZ (2) is the rotation of a joint about zj.
     Angle(usize),
-    /// Body-fixed 1-2-3 angle of I in J: `R_ji = Rx(b1) Ry(b2) Rz(b3)`. b1 counts turns, b2 lies in [-pi/2, pi/2], b3 is
-    /// taken nearest to the value it is compared with. Undefined at b2 = +-pi/2.
+    /// Body-fixed 1-2-3 angle of I in J: `R_ji = Rx(b1) Ry(b2) Rz(b3)`. b1 counts full turns, b2 lies in [-pi/2, pi/2], and b3 is taken
+    /// nearest to a given value. Undefined at b2 = +-pi/2.
     Body123(usize),
-    /// Rotation of I about zi, from xi along zj (RACKPIN), taken nearest to the value it is compared with.
+    /// Rotation of I about zi, measured from the position with xi along zj (RACKPIN) and taken nearest to a given value.
     Pinion,
 }
 
-/// A measure with its derivatives by the motion.
+/// Value of a measure with its derivatives with respect to the relative motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Measured {
-    /// The displacement: length or radians.
+    /// Displacement: a length, or an angle in radians.
     pub value: f64,
-    /// Derivative by (change of `p_ij_j`, `dtheta` in J axes).
+    /// Derivative with respect to (change of `p_ij_j`, `dtheta` in J axes).
     pub row: Vec6,
-    /// Derivative of the rotational half of `row` (as a column) by `dtheta`; all else is zero.
+    /// Derivative of the rotational half of `row`, taken as a column, with respect to `dtheta`. All other second derivatives are zero.
     pub curvature: Mat3,
 }
 
 impl Measure {
-    /// Whether `RelativeMotion::angles` is read.
+    /// Returns whether the measure reads `RelativeMotion::angles`.
     pub(crate) fn uses_angles(self) -> bool {
         matches!(self, Self::Angle(_) | Self::Body123(0))
     }
 
-    /// At this motion; `near` picks the turn of the measures that keep no count.
+    /// Evaluates the measure for a relative motion. Measures that do not count full turns take the turn nearest to `near`.
     pub(crate) fn evaluate(self, motion: &RelativeMotion, near: f64) -> Measured {
         let R = &motion.R_ji;
         let turning = |value: f64, (g, curvature): (Vec3, Mat3)| Measured {
@@ -55,7 +55,7 @@ impl Measure {
                 let v = R.column(if n == 2 { 0 } else { 2 }).into_owned();
                 turning(motion.angles[n], about_j(&v, n))
             }
-            // zi has the components (sin b2, -sin b1 cos b2, cos b1 cos b2): b1 is AX.
+            // zi has the components (sin b2, -sin b1 cos b2, cos b1 cos b2), hence b1 equals AX.
             Self::Body123(0) => turning(motion.angles.x, about_j(&R.column(2).into_owned(), 0)),
             Self::Body123(1) => {
                 // sin b2 = zi . xj, db2 = g / cos b2 with g = zi x xj, and d(1 / cos b2) = sin b2 / cos^3 b2 g.

@@ -1,9 +1,9 @@
-//! All pair constraints behind one type. Knows no formula.
+//! Common enum type of all pair constraints. Contains no formulas.
 
 use super::{Constraint, Convel, Drive, Equations, Locks, RackPinion, Screw};
 use crate::mechanics::RelativeMotion;
 
-/// Any constraint between one pair of markers, without a pointer.
+/// Any constraint between one pair of markers, stored by value without a pointer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // Each variant is the constraint of its name.
 pub(crate) enum PairConstraint {

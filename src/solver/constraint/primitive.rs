@@ -1,6 +1,6 @@
 //! The joint primitives of JPRIM (Adams Solver help, `state_jprim`) as locked distances and scalar products.
 //!
-//! Frames as in the joints. Knows nothing of the statement it came from.
+//! Frames as in [`super::joint`]. Independent of the deck statement.
 
 use super::Locks;
 
@@ -9,17 +9,17 @@ pub(crate) const AT_POINT: Locks = Locks {
     distances: &[0, 1, 2],
     products: &[],
 };
-/// INLINE: d.xj = d.yj = 0, the origin of I stays on the z axis of J.
+/// INLINE: d.xj = d.yj = 0; the origin of I stays on the z axis of J.
 pub(crate) const INLINE: Locks = Locks {
     distances: &[0, 1],
     products: &[],
 };
-/// INPLANE: d.zj = 0, the origin of I stays in the xy plane of J.
+/// INPLANE: d.zj = 0; the origin of I stays in the xy plane of J.
 pub(crate) const INPLANE: Locks = Locks {
     distances: &[2],
     products: &[],
 };
-/// ORIENTATION: zi.xj = zi.yj = xi.yj = 0, the axes stay parallel.
+/// ORIENTATION: zi.xj = zi.yj = xi.yj = 0; the axes stay parallel.
 pub(crate) const ORIENTATION: Locks = Locks {
     distances: &[],
     products: &[(2, 0), (2, 1), (0, 1)],

@@ -1,19 +1,20 @@
-//! The RACKPIN joint. Knows nothing of the joints that hold rack and pinion on their carrier.
+//! The RACKPIN joint. Independent of the joints that hold rack and pinion on their carrier.
 
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 
-/// The rack moves along +zj when the pinion turns positively about zi and PD is positive: it rolls without slip on the side of -yi.
-/// No page of the help states it; the one public deck that uses the joint draws its rack there (grammar/NOTES.md).
+/// Sign of the rack motion. With +1 the rack moves along +zj when the pinion turns positively about zi and PD is positive, so it rolls
+/// without slip on the -yi side. The help does not state the sign; the only public deck with this joint draws its rack on that side
+/// (grammar/NOTES.md).
 const SENSE: f64 = 1.0;
 
-/// RACKPIN: I on the pinion, turning about zi, J on the rack, sliding along zj; xi along zj at rest.
+/// RACKPIN: I is on the pinion, which turns about zi. J is on the rack, which slides along zj. At rest xi lies along zj.
 ///
-/// Equation: `-d.zj - SENSE PD / 2 phi = 0`: the rack (J, whose displacement relative to I is `-d`) advances by the pitch radius
-/// times the rotation phi of I about zi, measured from where xi points along zj. Turns are counted by taking phi nearest to
-/// what the rack's place asks for. One equation; other joints hold the axes perpendicular. Parameter: PD, the pitch diameter,
-/// signed. Valid as long as xi does not lie along the pinion axis. Source: Adams Solver help, `state_joint`,
-/// `constraint_mod_joi_rac`; the sign as `SENSE` says.
+/// The equation is `-d.zj - SENSE PD / 2 phi = 0`, where phi is the rotation of I about zi, measured from the position with xi along zj.
+/// The rack is J, so its displacement relative to I is `-d`, and it advances by the pitch radius times phi. Full turns are counted by
+/// taking the phi nearest to the value that follows from the rack position. There is one equation; other joints keep the axes
+/// perpendicular. The parameter is PD, the signed pitch diameter. Valid as long as zj does not lie along the pinion axis zi. Source: Adams
+/// Solver help, `state_joint`, `constraint_mod_joi_rac`; for the sign see `SENSE`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct RackPinion;
 
@@ -39,7 +40,7 @@ impl Constraint for RackPinion {
     ) {
         let radius = SENSE * 0.5 * theta[0];
         let advance = -motion.p_ij_j.z;
-        // A rack without radius asks for no turn.
+        // A zero pitch radius determines no turn.
         let near = if radius == 0.0 { 0.0 } else { advance / radius };
         let turn = Measure::Pinion.evaluate(motion, near);
         out.count = 1;
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
     use crate::mechanics::{Mat3, Vec3, exp};
 
-    /// xi along zj, the rack on the side of -yi: it moves as the point of the pinion that touches it, omega x r.
+    /// With xi along zj and the rack on the -yi side, the rack moves like the contact point of the pinion: omega x r.
     #[test]
     fn the_rack_rolls_without_slip() {
         let (radius, turn) = (10.0, 1e-3);
@@ -66,7 +67,7 @@ mod tests {
         let moved = turn * (rest * Vec3::z()).cross(&touching);
         assert!(moved.z > 0.0 && moved.x == 0.0 && moved.y == 0.0);
         let motion = RelativeMotion {
-            // I from J: the rack has gone on.
+            // Position of I relative to J, after the rack has advanced.
             p_ij_j: -touching - moved,
             R_ji: rest * exp(&Vec3::new(0.0, 0.0, turn)),
             angles: Vec3::zeros(),
@@ -76,10 +77,10 @@ mod tests {
         assert!(out.residual[0].abs() < 1e-12, "{}", out.residual[0]);
     }
 
-    /// A pinion of pitch diameter 20 that turns 7.5 rad moves the rack by 75, more than a turn away.
+    /// A pinion of pitch diameter 20 that turns by 7.5 rad, more than a full turn, moves the rack by 75.
     #[test]
     fn the_rack_advances_by_radius_times_turn() {
-        // At rest xi along zj, zi along yj.
+        // At rest xi lies along zj and zi along yj.
         let rest = Mat3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0);
         let turn = 7.5;
         let motion = RelativeMotion {
@@ -90,7 +91,7 @@ mod tests {
         let mut out = Equations::default();
         RackPinion.evaluate(&motion, &[20.0], &[1.0], &mut out);
         assert!(out.residual[0].abs() < 1e-12, "{}", out.residual[0]);
-        // Only the turn about zi = yj and the travel count.
+        // Only the rotation about zi = yj and the travel contribute.
         assert!((out.jacobian[0] - Vec6::new(0.0, 0.0, -1.0, 0.0, -10.0, 0.0)).norm() < 1e-12);
     }
 }

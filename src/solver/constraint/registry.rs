@@ -1,4 +1,4 @@
-//! The list of pair constraints. Knows no values.
+//! Registry of the pair constraints. Contains no parameter values.
 
 use super::{
     Convel, Drive, Locks, Measure, PairConstraint, RackPinion, Screw,
@@ -6,18 +6,19 @@ use super::{
     primitive::{AT_POINT, INLINE, INPLANE, ORIENTATION, PARALLEL_AXES, PERPENDICULAR},
 };
 
-/// What is known of a constraint besides its equations.
+/// A pair constraint together with its deck statement, its parameter argument and the source of its equations.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct ConstraintEntry {
-    /// The statement it comes from.
+    /// Name of the deck statement, such as `JOINT`.
     pub statement: &'static str,
-    /// The type word of that statement.
+    /// Type keyword within the statement, such as `REVOLUTE`.
     pub kind: &'static str,
-    /// The constraint itself.
+    /// Equations of the constraint.
     pub constraint: PairConstraint,
-    /// The argument that holds its number: the grammar has its dimension and bounds. A MOTION's is the value of its FUNCTION.
+    /// Argument that gives the constraint's parameter, if it has one. The grammar defines its dimension and bounds. For a MOTION the
+    /// parameter is the value of its FUNCTION.
     pub argument: Option<&'static str>,
-    /// Where the equations come from.
+    /// Adams help page that defines the equations.
     pub source: &'static str,
 }
 
@@ -59,14 +60,15 @@ const fn drive(kind: &'static str, measure: Measure) -> ConstraintEntry {
     }
 }
 
-/// The constraint of a statement by its type word. CONVEL stands twice: the design position decides which it is.
+/// Returns the constraint of a statement and type keyword. CONVEL has two entries, of which this returns the first; the caller selects the
+/// sense from the design position.
 pub(crate) fn constraint(statement: &str, kind: &str) -> Option<&'static ConstraintEntry> {
     CONSTRAINTS
         .iter()
         .find(|entry| entry.statement == statement && entry.kind == kind)
 }
 
-/// Every constraint between one marker pair: one line each. The tests below run over all of them.
+/// All constraints between one marker pair, one line each. The tests below run over all of them.
 #[rustfmt::skip]
 pub(crate) const CONSTRAINTS: &[ConstraintEntry] = &[
     locks("SPHERICAL", SPHERICAL),
@@ -105,7 +107,7 @@ mod tests {
     };
     use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6, exp};
 
-    /// Markers in general position about the arrangement a constraint is made for.
+    /// Returns two markers in general position, near the arrangement for which the constraint is made.
     fn pair(entry: &ConstraintEntry, tilt: f64) -> (Pose, Pose) {
         let (mut i, j) = general_pair(tilt);
         if entry.kind == "RACKPIN" {
@@ -143,7 +145,7 @@ mod tests {
 
     #[test]
     fn the_number_of_equations_is_the_manuals() {
-        // Freedoms removed, by the help pages of JOINT, JPRIM and MOTION, in the order of the registry.
+        // Number of degrees of freedom removed, from the help pages of JOINT, JPRIM and MOTION, in the order of the registry.
         let removed = [
             3, 5, 5, 4, 3, 6, 4, 4, 4, 4, 1, 1, 3, 2, 1, 3, 2, 1, 1, 1, 1, 1, 1, 1, 1,
         ];
@@ -182,7 +184,7 @@ mod tests {
                         bent +=
                             (above.jacobian[k] - below.jacobian[k]) / (2.0 * h) * multipliers()[k];
                     }
-                    // The blocks that are said to vanish do.
+                    // The blocks documented as zero are exactly zero.
                     let rotational = bent.fixed_rows::<3>(3).into_owned();
                     assert_eq!(bent.fixed_rows::<3>(0).norm(), 0.0);
                     if a < 3 {
@@ -236,7 +238,7 @@ mod tests {
         }
     }
 
-    /// The reactions on both parts do the work `-lambda . d(residual)` for any motion of both: none where the constraint holds.
+    /// For any motion of both parts, the reactions do the work `-lambda . d(residual)`, which is zero where the constraint holds.
     #[test]
     fn reactions_do_the_work_of_the_residuals_and_balance() {
         let h = 1e-5;
@@ -290,7 +292,7 @@ mod tests {
         }
     }
 
-    /// Coincident markers satisfy all but the constraints that want zi across zj.
+    /// Coincident markers satisfy every constraint except those that require zi perpendicular to zj.
     #[test]
     fn coincident_markers_satisfy_the_joints() {
         let coincident = RelativeMotion {
@@ -303,7 +305,7 @@ mod tests {
             let worst = out.residual[..out.count]
                 .iter()
                 .fold(0.0_f64, |a, b| a.max(b.abs()));
-            // These two want zi across zj.
+            // These two require zi perpendicular to zj.
             let across = matches!(entry.kind, "UNIVERSAL" | "PERPENDICULAR");
             assert_eq!(worst, f64::from(across), "{}", name(entry));
         }

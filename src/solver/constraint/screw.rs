@@ -1,12 +1,12 @@
-//! The SCREW joint. Knows nothing of the CYLINDRICAL joint that usually goes with it.
+//! The SCREW joint. Independent of the CYLINDRICAL joint that usually accompanies it.
 
 use super::{Constraint, Equations, Measure};
 use crate::mechanics::{RelativeMotion, Vec6};
 
-/// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`, AZ the rotation of I about zj counting turns; right-handed.
+/// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`. AZ is the rotation of I about zj, counted over full turns; the thread is right-handed.
 ///
-/// One equation: ADAMS decks use it together with a CYLINDRICAL joint. Parameter: PITCH, translation per turn.
-/// Valid for any number of turns, undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
+/// The joint has one equation; ADAMS decks combine it with a CYLINDRICAL joint. The parameter is PITCH, the translation per turn. Valid for
+/// any number of turns; undefined where xi lies along zj. Source: Adams Solver help, `state_joint`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Screw;
 

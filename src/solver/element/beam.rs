@@ -1,4 +1,4 @@
-//! The BEAM law, linear formulation. Knows no mass.
+//! The elastic law of BEAM in its linear formulation. Contains no mass.
 
 use super::deflection::Deflection;
 use super::field::linear;
@@ -10,19 +10,19 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
     law: &Beam,
 }];
 
-/// BEAM, FORMULATION=LINEAR: a massless Timoshenko beam of uniform cross-section along the x axis of J, I at +x.
+/// BEAM, FORMULATION=LINEAR: a massless Timoshenko beam of uniform cross-section along the x axis of J, with I at +x.
 ///
 /// Law, in J axes, on I at the I origin: `(F, T) = -K (x - LENGTH, y, z, AX, AY, AZ)` with
 /// `Py = 12 E Izz ASY / (G A L^2)`, `Pz = 12 E Iyy ASZ / (G A L^2)`,
 /// `K11 = E A / L`, `K22 = 12 E Izz / (L^3 (1 + Py))`, `K26 = -6 E Izz / (L^2 (1 + Py))`, `K66 = (4 + Py) E Izz / (L (1 + Py))`,
 /// `K33 = 12 E Iyy / (L^3 (1 + Pz))`, `K35 = 6 E Iyy / (L^2 (1 + Pz))`, `K55 = (4 + Pz) E Iyy / (L (1 + Pz))`, `K44 = G Ixx / L`.
-/// Shear is left out where its ratio is zero. J feels `-F` and `-T - d x F` at its own origin.
+/// Shear is neglected in a plane whose shear ratio is zero. The reaction on J at its own origin is `-F` and `-T - d x F`.
 /// Parameters, in the order of the model: LENGTH, AREA, IXX, IYY, IZZ, EMODULUS, GMODULUS, ASY, ASZ.
 /// Validity: small relative deflections. Source: Adams Solver help, `state_beam`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Beam;
 
-/// The eight stiffness entries with their places in K.
+/// Positions of the eight stiffness entries in K.
 const PLACES: [(usize, usize); 8] = [
     (0, 0),
     (1, 1),
@@ -34,7 +34,7 @@ const PLACES: [(usize, usize); 8] = [
     (3, 3),
 ];
 
-/// The entries at [`PLACES`] as functions of the parameters.
+/// Returns the entries at [`PLACES`] as functions of the parameters.
 fn entries<N: Number>(theta: [N; 9]) -> [N; 8] {
     let [l, area, ixx, iyy, izz, e, g, asy, asz] = theta;
     let bending = |i: N, shear: N, sign: f64| {
@@ -65,7 +65,7 @@ fn entries<N: Number>(theta: [N; 9]) -> [N; 8] {
     ]
 }
 
-/// The stiffness matrix of these nine parameters.
+/// Assembles the symmetric matrix of the entries; `pick` selects the value or one derivative of each entry.
 fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
     let mut K = Mat6::zeros();
     for (entry, (a, b)) in entries.iter().zip(PLACES) {
@@ -76,7 +76,7 @@ fn stiffness<N>(entries: &[N; 8], pick: impl Fn(&N) -> f64) -> Mat6 {
 }
 
 impl Beam {
-    /// K of the nine parameters.
+    /// Returns the stiffness matrix K for the nine parameters.
     pub(crate) fn stiffness_matrix(theta: &[f64]) -> Mat6 {
         let values: [f64; 9] = std::array::from_fn(|n| theta[n]);
         stiffness(&entries(values), |&entry| entry)
@@ -107,14 +107,14 @@ impl Law for Beam {
             for (n, column) in columns.iter_mut().enumerate() {
                 *column = -stiffness(&entries, |entry| entry.slopes[n]) * q;
             }
-            // The relaxed place moves with the length too.
+            // The free position also changes with the length.
             columns[0] += K.column(0);
         }
         Ok(())
     }
 }
 
-/// The arithmetic the entries need, for plain numbers and for numbers with derivatives.
+/// Arithmetic needed for the entries, implemented for plain numbers and for numbers with derivatives.
 trait Number: Copy {
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
@@ -140,7 +140,7 @@ impl Number for f64 {
     }
 }
 
-/// A number with its derivatives by the nine parameters.
+/// Dual number: a value with its derivatives with respect to the nine parameters.
 #[derive(Clone, Copy)]
 struct Dual {
     value: f64,
@@ -148,7 +148,7 @@ struct Dual {
 }
 
 impl Dual {
-    /// Parameter `n` itself.
+    /// Returns parameter `n` as an independent variable.
     fn seed(value: f64, n: usize) -> Self {
         let mut slopes = [0.0; 9];
         slopes[n] = 1.0;
@@ -204,7 +204,7 @@ mod tests {
     const A: f64 = 78.5;
 
     fn tip(theta: &[f64], wrench: &Vec6) -> Vec6 {
-        // Small deflections: the law is linear with by_motion = -K at the relaxed place.
+        // For small deflections the law is linear, with by_motion = -K at the free position.
         let motion = RelativeMotion {
             p_ij_j: Vec3::new(theta[0], 0.0, 0.0),
             R_ji: Mat3::identity(),
@@ -220,7 +220,7 @@ mod tests {
             * wrench
     }
 
-    /// Euler-Bernoulli cantilever: tip load P gives P L^3 / 3 E I and P L^2 / 2 E I, tip moment M gives M L^2 / 2 E I and M L / E I.
+    /// Euler-Bernoulli cantilever: a tip load P gives P L^3 / 3 E I and P L^2 / 2 E I, a tip moment M gives M L^2 / 2 E I and M L / E I.
     #[test]
     fn a_cantilever_bends_as_in_the_textbook() {
         let theta = [L, A, 2.0 * I, I, I, E, G, 0.0, 0.0];
@@ -230,7 +230,7 @@ mod tests {
         assert!((y[5] - 10.0 * L * L / (2.0 * ei)).abs() < 1e-12);
         let z = tip(&theta, &Vec6::ith(2, 10.0));
         assert!((z[2] - 10.0 * L.powi(3) / (3.0 * ei)).abs() < 1e-12 * L);
-        // A force along z turns the tip about -y.
+        // A force along z rotates the tip about -y.
         assert!((z[4] + 10.0 * L * L / (2.0 * ei)).abs() < 1e-12);
         let m = tip(&theta, &Vec6::ith(5, 1e3));
         assert!((m[1] - 1e3 * L * L / (2.0 * ei)).abs() < 1e-12 * L);
@@ -240,7 +240,7 @@ mod tests {
         assert!((x[3] - 1e3 * L / (G * 2.0 * I)).abs() < 1e-12);
     }
 
-    /// Timoshenko: shear adds ASY P L / (G A) to the tip of the cantilever.
+    /// Timoshenko: shear adds ASY P L / (G A) to the tip deflection of the cantilever.
     #[test]
     fn shear_adds_to_the_tip() {
         let asy = 10.0 / 9.0;

@@ -1,4 +1,4 @@
-//! The BUSHING law. Knows no parts, no damping (statics) and no file.
+//! The elastic law of BUSHING. Independent of parts and files; the damping is in [`super::damping`].
 
 use super::deflection::Deflection;
 use super::{Degenerate, Law, LawEntry, Wrench};
@@ -13,10 +13,10 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 ///
 /// Law, in J axes, on I at the I origin, with (x, y, z) = `p_ij_j` and (a, b, c) = AX, AY, AZ:
 /// `F = -K (x, y, z) + FORCE`, `T = -KT (a, b, c) + TORQUE`.
-/// J feels `-F` and `-T - d x F` at its own origin, so that swapping I and J is another element.
+/// The reaction on J at its own origin is `-F` and `-T - d x F`, so swapping I and J gives a different element.
 /// Parameters: K.1..3, KT.1..3 (per radian), FORCE.1..3, TORQUE.1..3.
-/// Validity: ADAMS asks two of the three angles to stay under 10 degrees, only c may be large. The torque has no potential for
-/// finite angles. Source: Adams Solver help, `state_bushing`.
+/// Validity: ADAMS requires two of the three angles to stay below 10 degrees; only c may be large. The torque has no potential for finite
+/// angles. Source: Adams Solver help, `state_bushing`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Bushing;
 
@@ -53,7 +53,7 @@ impl Law for Bushing {
         Ok(())
     }
 
-    /// Only without rotational stiffness and torque: those have no potential for finite angles.
+    /// Defined only without rotational stiffness and torque, which have no potential for finite angles.
     #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         if theta[3..6].iter().chain(&theta[9..12]).any(|&x| x != 0.0) {

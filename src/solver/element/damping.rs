@@ -1,25 +1,25 @@
-//! What a force law adds by the velocity of I as J sees it. Knows no stiffness.
+//! Damping of a force element: the part of the wrench that depends on the velocity of I relative to J. Contains no stiffness.
 
 use super::line::Line;
 use super::{Degenerate, Wrench};
 use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};
 
-/// The damping of an element, in J axes, with u the rates of `p_ij_j` and of the rotation of I in J.
+/// Damping of an element, in J axes. u holds the rates of `p_ij_j` and of the rotation of I in J.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Damping {
     /// `(F, T) = -C u`: BUSHING, FIELD, BEAM.
     Matrix(Box<Mat6>),
-    /// `F = -c (n . u) n` along the line of the origins: SPRINGDAMPER, TRANSLATIONAL.
+    /// `F = -c (n . u) n` along the line between the origins: SPRINGDAMPER, TRANSLATIONAL.
     Line(f64),
     /// `T = -c dAZ/dt` about zj: SPRINGDAMPER, ROTATIONAL.
     Turn(f64),
 }
 
 impl Damping {
-    /// Adds to value and `by_motion` of a wrench that its law has filled, and sets `by_rate`.
+    /// Adds the damping to `value` and `by_motion` of a wrench that the force law has already filled, and sets `by_rate`.
     ///
-    /// `Line`: with r = |d| and s = n . u, `dF/dd = -c [ n u' + s 1 ] (1 - n n') / r`. `Turn`: the rate of AZ is `g . u_t`, g its row.
-    /// Where the law has no value neither has the damping: nothing is added.
+    /// `Line`: with r = |d| and s = n . u, `dF/dd = -c [ n u' + s 1 ] (1 - n n') / r`. `Turn`: the rate of AZ is `g . u_t`, where g is the
+    /// row of AZ. Where the direction or angle is undefined, nothing is added.
     pub(crate) fn add(&self, motion: &RelativeMotion, u: &Vec6, out: &mut Wrench) {
         out.by_rate = Mat6::zeros();
         match self {
@@ -54,7 +54,8 @@ impl Damping {
     }
 }
 
-/// The row of AZ and its derivative by a rotation in J axes: `g = e_z - x_z w / (w . w)`, w = xi without its z component, `dxi = dtheta x xi`.
+/// Returns the Jacobian row g of AZ and its derivative with respect to a rotation `dtheta` in J axes. `g = e_z - x_z w / (w . w)`, where w
+/// is xi without its z component, and `dxi = dtheta x xi`.
 fn turning(motion: &RelativeMotion) -> Result<(Vec3, Mat3), Degenerate> {
     let x: Vec3 = motion.R_ji.column(0).into();
     let w = Vec3::new(x.x, x.y, 0.0);
@@ -105,7 +106,7 @@ mod tests {
                     assert!((by_motion - a).norm() < 1e-8, "{damping:?} {k}");
                     assert!((by_rate - b).norm() < 1e-8, "{damping:?} {k}");
                 }
-                // It takes energy away.
+                // The damping dissipates energy.
                 if !matches!(damping, Damping::Matrix(_)) {
                     assert!(exact.value.dot(&u) < 0.0);
                 }

@@ -1,27 +1,27 @@
-//! The deflection of bushing-like elements. Knows no stiffness.
+//! Deflection of bushing-like elements. Contains no stiffness.
 
 use super::Degenerate;
 use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6};
 
-/// The six deflections (x, y, z, AX, AY, AZ) of a bushing-like element and what their angles change with.
+/// The six deflections (x, y, z, AX, AY, AZ) of a bushing-like element and the derivatives of the angles.
 ///
-/// x, y, z = `p_ij_j`; the angles are those of the functions AX, AY, AZ (`cfunc_ax`) and count turns. Their row about axis n of J, with v
-/// the turning I axis and w = v without its n component, is `e_n - v_n w / (w . w)`. Small-angle meaning is lost beyond about
-/// 10 degrees of the other two angles; at 90 degrees an angle is undefined.
+/// x, y, z equal `p_ij_j`. The angles equal the functions AX, AY, AZ (`cfunc_ax`) and count full turns. The Jacobian row of the angle about
+/// axis n of J is `e_n - v_n w / (w . w)`, where v is the rotating I axis and w is v without its n component. An angle loses its
+/// small-angle meaning when the other two exceed about 10 degrees. At 90 degrees it is undefined.
 pub(super) struct Deflection {
     pub translation: Vec3,
     pub angles: Vec3,
-    /// Row n: derivative of angle n by `dtheta` in J axes.
+    /// Row n is the derivative of angle n with respect to `dtheta` in J axes.
     pub angle_rows: Mat3,
 }
 
-/// Below this square of the sine of the remaining direction an angle has no value left.
+/// Threshold for the squared length of an axis projected onto the plane of an angle. Below it the angle is undefined.
 const VANISHING: f64 = 1e-20;
 
 impl Deflection {
     pub(super) fn of(motion: &RelativeMotion) -> Result<Self, Degenerate> {
         let R = &motion.R_ji;
-        // zi turns about xj and yj, xi about zj.
+        // The rotation of zi gives the angles about xj and yj, that of xi the angle about zj.
         for (axis, v) in [(0, R.column(2)), (1, R.column(2)), (2, R.column(0))] {
             let (a, b) = (v[(axis + 1) % 3], v[(axis + 2) % 3]);
             if a * a + b * b < VANISHING {
@@ -35,12 +35,12 @@ impl Deflection {
         })
     }
 
-    /// (x, y, z, AX, AY, AZ).
+    /// Returns (x, y, z, AX, AY, AZ).
     pub(super) fn coordinates(&self) -> Vec6 {
         Vec6::from_fn(|k, _| self.component(k))
     }
 
-    /// Component 0..6 of (x, y, z, AX, AY, AZ).
+    /// Returns component `k` (0..6) of (x, y, z, AX, AY, AZ).
     pub(super) fn component(&self, k: usize) -> f64 {
         if k < 3 {
             self.translation[k]

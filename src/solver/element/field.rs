@@ -1,4 +1,4 @@
-//! The FIELD law. Knows no user subroutine: NONLINEAR fields are refused before they get here.
+//! The law of linear FIELDs. NONLINEAR fields and fields with a user subroutine are rejected before they reach this file.
 
 use super::deflection::Deflection;
 use super::{Degenerate, Law, LawEntry, Wrench};
@@ -9,12 +9,11 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
     law: &Field,
 }];
 
-/// FIELD, linear: a full 6 by 6 spring in the axes of J, with relaxed configuration and preload.
+/// FIELD, linear: a full 6 by 6 spring in the axes of J, with a free position (LENGTH) and a preload (FORCE).
 ///
-/// Law, in J axes, on I at the I origin, with q = (x, y, z, AX, AY, AZ): `(F, T) = -K (q - LENGTH) + FORCE`; J feels `-F` and
-/// `-T - d x F` at its own origin. K need not be symmetric.
-/// Parameters: KMATRIX.1..36 column by column (as written in the dataset), LENGTH.1..6, FORCE.1..6.
-/// Validity: angles as for BUSHING. Source: Adams Solver help, `state_field`.
+/// Law, in J axes, on I at the I origin, with q = (x, y, z, AX, AY, AZ): `(F, T) = -K (q - LENGTH) + FORCE`. The reaction on J at its own
+/// origin is `-F` and `-T - d x F`. K need not be symmetric. Parameters: KMATRIX.1..36 column by column (as written in the dataset),
+/// LENGTH.1..6, FORCE.1..6. Validity: angles as for BUSHING. Source: Adams Solver help, `state_field`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Field;
 
@@ -49,7 +48,7 @@ impl Law for Field {
         Ok(())
     }
 
-    /// Only where K is symmetric and leaves the angles alone: torques of projected angles have no potential when finite.
+    /// Defined only for a symmetric K without rotational terms: torques of finite projected angles have no potential.
     #[cfg(test)]
     fn energy(&self, motion: &RelativeMotion, theta: &[f64]) -> Option<f64> {
         let K = Mat6::from_column_slice(&theta[..36]);
@@ -68,7 +67,7 @@ impl Law for Field {
     }
 }
 
-/// Fills value and `by_motion` of `-K q + preload`, q changing as the deflection does.
+/// Sets `out` to the wrench `preload - K q` and its derivative. q varies with the deflection `d`, up to a constant offset.
 pub(super) fn linear(K: &Mat6, q: &Vec6, preload: &Vec6, d: &Deflection, out: &mut Wrench) {
     out.value = preload - K * q;
     out.by_motion = -K;

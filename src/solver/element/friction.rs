@@ -1,11 +1,12 @@
-//! The coefficient of joint friction: sliding, the transition, and stiction by creep. Knows no joint and no load.
+//! Coefficient of joint friction: sliding, the transition, and stiction by creep. Independent of the joint and its load.
 
 use crate::mechanics::{Mat3, Vec3};
 
-/// FRICTION's law of the coefficient, in the components of the surface velocity v and of the creep c (its integral since sticking began).
+/// Friction law of FRICTION: the coefficient vector as a function of the surface velocity v and the creep c. The creep is the integral of v
+/// since sticking started.
 ///
-/// With S the quintic step (STEP5), u = v/|v|, e = c/|c|, vs and vd the velocities of full static and full dynamic friction, D the largest
-/// stiction deformation:
+/// S is the quintic step (STEP5), u = v/|v| and e = c/|c|. vs and vd are the velocities of full static and full dynamic friction, and D is
+/// the maximum stiction deformation:
 ///
 /// ```text
 /// |v| >= vd         mu = -mu_d u
@@ -14,37 +15,37 @@ use crate::mechanics::{Mat3, Vec3};
 ///                   beta = S(|v|, -vs, -1, vs, 1),   mu_1 = mu_s S(|c|, -D, -1, D, 1)
 /// ```
 ///
-/// Source: grammar/NOTES.md, FRICTION; found from files of real ADAMS.
+/// Source: grammar/NOTES.md, FRICTION; identified from files written by a real ADAMS run.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct FrictionLaw {
-    /// MU_STATIC.
+    /// Static friction coefficient, MU_STATIC.
     pub mu_static: f64,
-    /// MU_DYNAMIC.
+    /// Dynamic friction coefficient, MU_DYNAMIC.
     pub mu_dynamic: f64,
-    /// STICTION_TRANSITION_VELOCITY.
+    /// Speed vs below which the contact sticks, STICTION_TRANSITION_VELOCITY.
     pub stiction_velocity: f64,
-    /// TRANSITION_VELOCITY_COEFFICIENT times that.
+    /// Speed vd of full dynamic friction: TRANSITION_VELOCITY_COEFFICIENT times the stiction velocity.
     pub sliding_velocity: f64,
-    /// MAX_STICTION_DEFORMATION.
+    /// Maximum stiction deformation D, MAX_STICTION_DEFORMATION.
     pub deformation: f64,
 }
 
-/// A coefficient, with its derivatives.
+/// Value of the friction coefficient vector with its derivatives.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Coefficient {
-    /// mu: against the velocity or the creep.
+    /// Vector mu, directed against the velocity or the creep.
     pub value: Vec3,
-    /// By the surface velocity.
+    /// Derivative with respect to the surface velocity.
     pub by_velocity: Mat3,
-    /// By the creep.
+    /// Derivative with respect to the creep.
     pub by_creep: Mat3,
-    /// beta, the share of the velocity; one where it slides.
+    /// Weight beta of the velocity term; 1 when sliding.
     pub beta: f64,
-    /// mu_1, the share of the creep.
+    /// Coefficient mu_1 of the creep term; 0 when sliding.
     pub mu_1: f64,
 }
 
-/// S(x, -1, -1, 1, 1) over x, and the derivative of that quotient, for x in 0..1; S is odd.
+/// Returns the quotient S(x, -1, -1, 1, 1) / x and its derivative for x in 0..1. S is odd, so the quotient is regular at 0.
 fn quotient(x: f64) -> (f64, f64) {
     let x2 = x * x;
     (
@@ -53,7 +54,7 @@ fn quotient(x: f64) -> (f64, f64) {
     )
 }
 
-/// `g(|x|) x` has the derivative `g 1 + g' x x'/|x|`.
+/// Returns the Jacobian of `g(|x|) x`, which is `g 1 + g' x x'/|x|`. `size` is |x| and `slope` is g'.
 fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
     let mut out = Mat3::from_diagonal_element(g);
     if size > 0.0 {
@@ -63,7 +64,8 @@ fn radial(x: &Vec3, size: f64, g: f64, slope: f64) -> Mat3 {
 }
 
 impl FrictionLaw {
-    /// The same transitions with both coefficients one: the direction of a preload that no coefficient multiplies.
+    /// Returns a law with the same transition velocities and both coefficients equal to 1. It gives the direction of a preload friction
+    /// force that no coefficient multiplies.
     #[must_use]
     pub(crate) fn direction(&self) -> Self {
         Self {
@@ -73,12 +75,13 @@ impl FrictionLaw {
         }
     }
 
-    /// True if a surface velocity of this size is one of stiction.
+    /// Returns whether a surface speed lies in the stiction range.
     pub(crate) fn sticks(&self, speed: f64) -> bool {
         speed < self.stiction_velocity
     }
 
-    /// The coefficient. At rest its slope by the velocity is the mean of those of both directions.
+    /// Computes the coefficient at surface velocity `v` and creep `c`. At rest, the derivative with respect to the velocity is the mean of
+    /// the one-sided derivatives in opposite directions.
     pub(crate) fn coefficient(&self, v: &Vec3, c: &Vec3) -> Coefficient {
         let speed = v.norm();
         if !self.sticks(speed) {
@@ -141,7 +144,7 @@ mod tests {
         deformation: 0.01,
     };
 
-    /// S(x, x0, h0, x1, h1) as the help of STEP5 has it.
+    /// S(x, x0, h0, x1, h1) as defined in the help page of STEP5.
     fn step5(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
         let t = ((x - x0) / (x1 - x0)).clamp(0.0, 1.0);
         h0 + (h1 - h0) * t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)

@@ -1,32 +1,34 @@
-//! What a force law is. Knows no particular law and no part coordinates.
+//! Interface of a force law. Independent of any particular law and of the part coordinates.
 
 use super::Degenerate;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
-/// The wrench on marker I at the I origin, in J axes, and its derivatives.
+/// Wrench on marker I at the I origin, in J axes, with its derivatives.
 ///
-/// J feels the opposite force at the I origin, that is `-F` and `-T - d x F` at the J origin (`state_bushing`).
+/// The opposite force acts on J at the I origin, that is `-F` and `-T - d x F` at the J origin (`state_bushing`).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Wrench {
-    /// (force, torque).
+    /// Force and torque (first and last three components).
     pub value: Vec6,
-    /// Derivative by (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
+    /// Derivative with respect to (change of `p_ij_j`, rotation `dtheta` in J axes with `R_ji <- exp(dtheta) R_ji`).
     pub by_motion: Mat6,
-    /// Derivative by the rates of the same; of an element with damping that moves, else left alone.
+    /// Derivative with respect to the rates of the same six quantities. Set only for an element with damping in motion, otherwise left
+    /// unchanged.
     pub by_rate: Mat6,
-    /// Derivative by each parameter of the law; as long as the law's parameter list when asked for, else left alone.
+    /// Derivative with respect to each parameter of the law. Its length is the law's parameter count; it is left unchanged unless
+    /// requested.
     pub by_parameter: Vec<Vec6>,
 }
 
 impl Wrench {
-    /// No wrench: zero, with a column for one parameter.
+    /// Sets wrench and derivatives to zero, with a column for one parameter.
     pub(crate) fn clear(&mut self) {
         self.value = Vec6::zeros();
         self.by_motion = Mat6::zeros();
         self.parameter_columns(1);
     }
 
-    /// Zeroed columns for `count` parameters. Allocates only the first time.
+    /// Returns zeroed derivative columns for `count` parameters. Allocates only the first time.
     pub(super) fn parameter_columns(&mut self, count: usize) -> &mut [Vec6] {
         self.by_parameter.clear();
         self.by_parameter.resize(count, Vec6::zeros());
@@ -34,21 +36,22 @@ impl Wrench {
     }
 }
 
-/// A force law between two markers.
+/// Force law between two markers.
 pub(crate) trait Law: std::fmt::Debug + Send + Sync {
-    /// How many numbers of `theta` are this law's.
+    /// Returns the number of entries of `theta` that this law reads.
     fn parameter_count(&self) -> usize;
 
-    /// Whether `RelativeMotion::angles` is read; if not, the caller need not work it out.
+    /// Returns whether the law reads `RelativeMotion::angles`. If not, the caller need not compute them.
     fn uses_angles(&self) -> bool {
         true
     }
 
-    /// Wrench and `by_motion` at this motion; `by_parameter` too when `with_parameters`. `theta` holds the law's parameters in
-    /// the order of its arguments (`law` in the grammar). `out` is reused: implementations overwrite every field they return.
+    /// Computes the wrench and `by_motion` at a relative motion, and also `by_parameter` if `with_parameters` is set. `theta` holds the
+    /// law's parameters in the order of its arguments (`law` in the grammar). `out` is reused: implementations overwrite every field they
+    /// compute.
     ///
     /// # Errors
-    /// [`Degenerate`] where the law has no value at this motion; `out` is then unspecified.
+    /// [`Degenerate`] where the law is undefined at this motion; `out` is then unspecified.
     fn evaluate(
         &self,
         motion: &RelativeMotion,
@@ -57,7 +60,7 @@ pub(crate) trait Law: std::fmt::Debug + Send + Sync {
         out: &mut Wrench,
     ) -> Result<(), Degenerate>;
 
-    /// Elastic energy, where the law has a potential; preloads count as dead loads of the deflection.
+    /// Returns the elastic energy if the law has a potential. Preloads count as dead loads of the deflection.
     #[cfg(test)]
     fn energy(&self, _motion: &RelativeMotion, _theta: &[f64]) -> Option<f64> {
         None

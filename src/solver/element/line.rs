@@ -1,15 +1,15 @@
-//! Forces along the line of two origins, with the turning of the line. Knows no law for the magnitude.
+//! Forces along the line between two origins, with the derivative due to the rotation of the line. Independent of the law of the magnitude.
 
 use super::{Degenerate, Wrench};
 use crate::mechanics::{Mat3, Mat6, RelativeMotion, Vec3, Vec6};
 
-/// The line from the origin of J to the origin of I: direction in J axes and length.
+/// Line from the origin of J to the origin of I: its direction in J axes and its length.
 pub(super) struct Line {
     pub direction: Vec3,
     pub length: f64,
 }
 
-/// Lengths below this many length units have no direction.
+/// Length, in length units of the model, up to which a line has no direction.
 const ZERO_LENGTH: f64 = 1e-12;
 
 impl Line {
@@ -24,13 +24,14 @@ impl Line {
         })
     }
 
-    /// Unit force along the line, pushing I away from J.
+    /// Returns the wrench of a unit force along the line, pushing I away from J.
     pub(super) fn unit_wrench(&self) -> Vec6 {
         let n = &self.direction;
         Vec6::new(n.x, n.y, n.z, 0.0, 0.0, 0.0)
     }
 
-    /// F = f n with f depending on the length by `slope`: dF/dp = slope n n' + f / r (1 - n n').
+    /// Sets `out` to the force F = f n and its derivative dF/dp = slope n n' + f / r (1 - n n'). `slope` is the derivative of f with
+    /// respect to the length.
     pub(super) fn force(&self, f: f64, slope: f64, out: &mut Wrench) {
         let n = &self.direction;
         out.value = self.unit_wrench() * f;

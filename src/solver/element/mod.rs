@@ -1,10 +1,10 @@
 //! Force laws: one file per element.
 //!
-//! A new law is one entry in the grammar, whose `law` line names it and its arguments; one file here, whose `LAWS` hold it; and its
-//! `mod` line and place in `FILES` below.
+//! A new law needs three additions: an entry in the grammar whose `law` line gives its name and arguments, one file here with a `LAWS`
+//! constant, and a `mod` line with an entry in `FILES` below.
 //!
-//! A law sees only the relative motion of its marker pair and its own parameters; it returns a wrench on I with exact
-//! derivatives. Reaction on J, chain rule to part coordinates and geometric stiffness are written once, in `system`.
+//! A law depends only on the relative motion of its marker pair and on its own parameters. It returns a wrench on I with exact derivatives.
+//! `system` computes the reaction on J, the chain rule to the part coordinates and the geometric stiffness once for all laws.
 
 mod beam;
 mod bushing;
@@ -34,7 +34,7 @@ pub(crate) use registry::law;
 pub(crate) use scalar_force::ScalarForce;
 pub use slip::Slip;
 
-/// The laws of every file.
+/// Law tables of all element files.
 const FILES: &[&[LawEntry]] = &[
     beam::LAWS,
     bushing::LAWS,

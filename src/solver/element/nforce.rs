@@ -1,34 +1,35 @@
-//! The NFORCE law. Knows no parts and no damping.
+//! The elastic law of NFORCE. Independent of parts; contains no damping.
 
 use super::Degenerate;
 use super::deflection::Deflection;
 use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
-/// NFORCE, linear: one stiffness matrix between n markers and a reference marker J.
+/// NFORCE, linear: one stiffness matrix that couples n markers with a reference marker J.
 ///
-/// Law, in J axes, with q the stacked (x, y, z, AX, AY, AZ) of each I marker relative to J: the stacked wrenches on the I
-/// markers, each at its own origin, are `-K (q - LENGTH) + FORCE`. J feels the opposite of each at that marker's origin.
-/// Parameters: KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n.
-/// Validity: angles as for BUSHING. Source: the law of FIELD for several markers, as Adams Solver help, `state_nforce` describes it.
+/// Law, in J axes, with q the stacked (x, y, z, AX, AY, AZ) of each I marker relative to J: the stacked wrenches on the I markers, each at
+/// its own origin, are `-K (q - LENGTH) + FORCE`. The reaction of each wrench acts on J at the origin of that I marker. Parameters:
+/// KMATRIX.1..(6n)^2 column by column, LENGTH.1..6n, FORCE.1..6n. Validity: angles as for BUSHING. Source: the law of FIELD extended to
+/// several markers, as described in the Adams Solver help, `state_nforce`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct MultiPoint {
-    /// How many I markers.
+    /// Number of I markers.
     pub markers: usize,
 }
 
-/// The wrenches of a multi-point force and their derivatives.
+/// Wrenches of a multi-point force with their derivatives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MultiWrench {
-    /// (force, torque) on each I marker at its origin, in J axes.
+    /// Wrench (force, torque) on each I marker at its origin, in J axes.
     pub value: Vec<Vec6>,
-    /// Block `a * markers + b`: derivative of wrench a by the motion of marker b relative to J (as in [`super::Wrench`]).
+    /// Block `a * markers + b` is the derivative of wrench a with respect to the motion of marker b relative to J (as in
+    /// [`super::Wrench`]).
     pub by_motion: Vec<Mat6>,
-    /// `q - LENGTH`, stacked; kept for [`MultiPoint::by_parameter`].
+    /// Stacked deflections `q - LENGTH`, kept for [`MultiPoint::by_parameter`].
     pub deflection: Vec<f64>,
 }
 
 impl MultiPoint {
-    /// Wrenches and derivatives at these motions, one per I marker. Allocates only the first time `out` is used.
+    /// Computes the wrenches and derivatives at the given motions, one per I marker. Allocates only the first time `out` is used.
     ///
     /// # Errors
     /// [`Degenerate`] where an angle is undefined.
@@ -69,7 +70,8 @@ impl MultiPoint {
         Ok(())
     }
 
-    /// The derivative of all wrenches by parameter `p`, into `columns` (one per marker), after [`Self::evaluate`].
+    /// Writes the derivatives of all wrenches with respect to parameter `p` into `columns`, one per marker. Must be called after
+    /// [`Self::evaluate`].
     pub(crate) fn by_parameter(
         self,
         theta: &[f64],

@@ -1,22 +1,22 @@
-//! The list of force laws. Knows no formula and no values; arguments, dimensions and bounds are in the grammar.
+//! Registry of the force laws. Contains no formulas and no values; arguments, dimensions and bounds are in the grammar.
 
 use super::{FILES, Law};
 
-/// A force law by name.
+/// Force law with its name.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LawEntry {
-    /// The name in the grammar's `law` lines. Laws whose one number is a FUNCTION have no such line.
+    /// Name used in the `law` lines of the grammar. Laws whose only parameter is a FUNCTION have no such line.
     pub name: &'static str,
-    /// The law itself.
+    /// Implementation of the law.
     pub law: &'static dyn Law,
 }
 
-/// Every force law.
+/// Returns all force laws.
 pub(crate) fn laws() -> impl Iterator<Item = &'static LawEntry> {
     FILES.iter().copied().flatten()
 }
 
-/// A law by its name in the grammar.
+/// Returns the law with a given name in the grammar.
 pub(crate) fn law(name: &str) -> Option<&'static dyn Law> {
     laws()
         .find(|entry| entry.name == name)
@@ -35,7 +35,7 @@ mod tests {
     use crate::mechanics::{Mat3, Mat6, Pose, RelativeMotion, Vec3, Vec6, exp};
     use admire_syntax::grammar::STATEMENTS;
 
-    /// General parameters, all of size one.
+    /// Returns generic parameters, all of order one.
     fn theta(entry: &LawEntry) -> Vec<f64> {
         (0..entry.law.parameter_count()).map(number).collect()
     }
@@ -96,7 +96,7 @@ mod tests {
                     "{}: {exact} {difference}",
                     entry.name
                 );
-                // Constant laws have no derivative; all others have one that was not made by differences.
+                // Constant laws have a zero derivative. All others have an exact one, which differs from the difference quotient.
                 let constant = matches!(entry.name, "axial_force" | "axial_torque");
                 assert_eq!(exact == Mat6::zeros(), constant, "{}", entry.name);
                 assert!(constant || exact != difference, "{}", entry.name);
@@ -119,7 +119,7 @@ mod tests {
                         evaluate(entry, &motion, &theta).value
                     };
                     let difference = (at(h) - at(-h)) / (2.0 * h);
-                    // Central differences of a beam's 1/L^3 err by h^2 times a large third derivative.
+                    // The central difference of a beam's 1/L^3 has an error of h^2 times a large third derivative.
                     assert!(
                         (column - difference).norm() < 2e-8 * column.norm().max(1.0),
                         "{} {n}: {column} {difference}",
@@ -184,7 +184,7 @@ mod tests {
                     Vec6::from_column_slice(&theta[6..12]),
                 ),
                 "field" => (
-                    // The law reads positions and angles; that these angles fit the rotation does not matter here.
+                    // The law reads positions and angles only; consistency of these angles with the rotation does not matter here.
                     place(
                         Vec3::from_column_slice(&theta[36..39]),
                         Mat3::identity(),
@@ -223,13 +223,13 @@ mod tests {
         }
     }
 
-    /// Where a law has a potential, the work of its two wrenches is what the potential loses, for any motion of both parts.
+    /// Where a law has a potential, the work of its two wrenches equals the loss of potential for any motion of both parts.
     #[test]
     fn work_is_what_the_potential_loses() {
         let mut seen = 0;
         for entry in laws() {
             let mut theta = theta(entry);
-            // Translational stiffness only: finite projected angles have no potential.
+            // Only translational stiffness is used: finite projected angles have no potential.
             match entry.name {
                 "bushing" => {
                     theta[3..6].fill(0.0);
@@ -291,7 +291,7 @@ mod tests {
         }
     }
 
-    /// AZ counts turns: a torsion spring two turns past its reference pulls back with two turns' torque.
+    /// AZ counts full turns: a torsion spring two turns past its reference returns the torque of two turns.
     #[test]
     fn a_torsion_spring_counts_turns() {
         let turns = 2.0 * std::f64::consts::TAU;

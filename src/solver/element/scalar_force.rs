@@ -1,4 +1,4 @@
-//! The directions of SFORCE. Knows no FUNCTION: the magnitude is given.
+//! Directions of SFORCE. The magnitude is given by the caller, who evaluates the FUNCTION.
 
 use super::line::Line;
 use super::{Degenerate, Law, LawEntry, Wrench};
@@ -19,23 +19,25 @@ pub(super) const LAWS: &[LawEntry] = &[
     },
 ];
 
-/// SFORCE: a force or torque of given magnitude. The magnitude is the only parameter; the caller fills it from the FUNCTION and
-/// adds `by_parameter` times the function's own gradient.
+/// SFORCE: a force or torque of given magnitude.
 ///
-/// Laws, on I, with e the magnitude:
-/// * `Line` (TRANSLATIONAL): `F = e n`, n the direction from J to I; positive pushes apart; the turning of the line is in
-///   `by_motion`. Undefined where the origins coincide.
-/// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at I; J feels nothing, which is the caller's part.
-/// * `AboutZj` (ROTATIONAL, with or without ACTIONONLY): `T = e zj`. zi is expected parallel to zj and co-directed.
+/// The magnitude is the only parameter. The caller sets it to the value of the FUNCTION and adds `by_parameter` times the gradient of the
+/// function.
+///
+/// Laws on I, with e the magnitude:
+/// * `Line` (TRANSLATIONAL): `F = e n`, with n the direction from J to I; positive e pushes the markers apart. `by_motion` includes the
+///   rotation of the line. Undefined where the origins coincide.
+/// * `AlongZj` (TRANSLATIONAL, ACTIONONLY): `F = e zj` at I. No reaction acts on J; the caller omits it.
+/// * `AboutZj` (ROTATIONAL, with or without ACTIONONLY): `T = e zj`. zi must be parallel to zj and point the same way.
 ///
 /// Source: Adams Solver help, `state_sforce`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum ScalarForce {
-    /// Along the line of the origins.
+    /// Force along the line between the origins.
     Line,
-    /// Along the z axis of J.
+    /// Force along the z axis of J.
     AlongZj,
-    /// About the z axis of J.
+    /// Torque about the z axis of J.
     AboutZj,
 }
 

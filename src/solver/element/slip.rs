@@ -1,30 +1,30 @@
-//! Dry friction with memory. Knows no solver: when a state is accepted, and the anchor moves, is the caller's choice.
+//! Dry friction with memory. The caller decides when a state is accepted and the anchor moves.
 
-/// Dry friction with memory: a spring in series with a slider (Prandtl element), its force against a displacement u.
+/// Dry friction with memory: a spring in series with a slider (Prandtl element), with its force as a function of a displacement u.
 ///
-/// `f = K (u - ANCHOR)` while `|f| <= LIMIT` and `f = +-LIMIT` beyond (sliding). While it is evaluated the anchor stands still;
-/// `anchor_after` is where it goes once an equilibrium is accepted (return mapping), which is what makes the force depend on the
-/// path. The derivatives are the consistent ones: K when sticking, 0 when sliding. At the very limit it sticks.
-/// K > 0, LIMIT >= 0. Not an ADAMS element: ADAMS decks express it with a user routine or not at all.
-/// Source: L. Prandtl, 1928, spring-slider element; return mapping as in one-dimensional perfect plasticity.
+/// `f = K (u - ANCHOR)` while `|f| <= LIMIT` (sticking, including the limit itself), and `f = +-LIMIT` beyond (sliding). The anchor is
+/// constant during an evaluation. `anchor_after` is its new position once an equilibrium is accepted (return mapping), which makes the
+/// force depend on the path. The derivatives are consistent with the return mapping: K when sticking, 0 when sliding. K > 0, LIMIT >= 0.
+/// This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider element;
+/// return mapping as in one-dimensional perfect plasticity.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slip {
-    /// `f`, the force of the spring.
+    /// Spring force f.
     pub force: f64,
-    /// df/du.
+    /// Derivative of the force with respect to the displacement, df/du.
     pub by_displacement: f64,
-    /// df/dK.
+    /// Derivative of the force with respect to the stiffness, df/dK.
     pub by_stiffness: f64,
-    /// df/dLIMIT.
+    /// Derivative of the force with respect to the force limit, df/dLIMIT.
     pub by_limit: f64,
-    /// df/dANCHOR.
+    /// Derivative of the force with respect to the anchor, df/dANCHOR.
     pub by_anchor: f64,
-    /// The anchor once this displacement is accepted.
+    /// Anchor position after this displacement is accepted.
     pub anchor_after: f64,
 }
 
 impl Slip {
-    /// At displacement `u` from the parameters K, LIMIT, ANCHOR.
+    /// Evaluates the element at displacement `u`; `theta` holds K, LIMIT and ANCHOR.
     pub fn at(u: f64, theta: &[f64]) -> Self {
         let (k, limit, anchor) = (theta[0], theta[1], theta[2]);
         let trial = k * (u - anchor);
@@ -50,7 +50,7 @@ impl Slip {
         }
     }
 
-    /// True if the slider moved.
+    /// Returns whether the slider moved away from `anchor`.
     pub fn slides(&self, anchor: f64) -> bool {
         self.anchor_after != anchor
     }
@@ -60,7 +60,7 @@ impl Slip {
 mod tests {
     use super::*;
 
-    /// A full cycle of amplitude U beyond the limit encloses 4 LIMIT (U - LIMIT / K).
+    /// A full cycle with an amplitude U beyond the limit encloses the area 4 LIMIT (U - LIMIT / K).
     #[test]
     fn a_cycle_dissipates_what_the_hysteresis_loop_encloses() {
         let (k, limit, amplitude) = (100.0, 50.0, 2.0);
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_branch() {
-        // u = -0.7 lies beyond the anchor at 0.2 by more than 3 / 100: it slides; at 0.21 it sticks.
+        // u = -0.7 differs from the anchor at 0.2 by more than 3 / 100, so the element slides; at 0.21 it sticks.
         for u in [-0.7, 0.21] {
             let theta = [100.0, 3.0, 0.2];
             let slip = Slip::at(u, &theta);
@@ -124,7 +124,7 @@ mod tests {
         assert!(slip.slides(0.0));
         let again = Slip::at(3.0, &[100.0, 50.0, slip.anchor_after]);
         assert_eq!((slip.force, again.force), (50.0, 50.0));
-        // Turning round sticks at once, with the full stiffness.
+        // A reversal sticks at once, with the full stiffness.
         let back = Slip::at(2.9, &[100.0, 50.0, slip.anchor_after]);
         assert!((back.force - 40.0).abs() < 1e-12 && back.by_displacement == 100.0);
     }

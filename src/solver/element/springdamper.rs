@@ -1,4 +1,4 @@
-//! The two SPRINGDAMPER laws. They know no damping: velocities are zero in statics.
+//! The elastic laws of the two SPRINGDAMPER types. Velocities are zero in statics; the damping is in [`super::damping`].
 
 use super::line::Line;
 use super::{Degenerate, Law, LawEntry, Wrench};
@@ -15,11 +15,11 @@ pub(super) const LAWS: &[LawEntry] = &[
     },
 ];
 
-/// SPRINGDAMPER, TRANSLATIONAL: a spring along the line of the two origins.
+/// SPRINGDAMPER, TRANSLATIONAL: a spring along the line between the two origins.
 ///
-/// Law, with r = |d|, n = d / r: `F = f n` on I at the I origin, `f = -K (r - LENGTH) + FORCE`; positive f repels. The
-/// derivative holds the turning of the line, `dF/dd = -K n n' + f / r (1 - n n')`. No torque on either marker.
-/// Parameters: K, LENGTH, FORCE. Validity: r > 0; at r = 0 ADAMS stops and so does this. Source: Adams Solver help, `state_springdamper`.
+/// Law, with r = |d| and n = d / r: `F = f n` on I at the I origin, with `f = -K (r - LENGTH) + FORCE`; positive f repels. The derivative
+/// includes the rotation of the line: `dF/dd = -K n n' + f / r (1 - n n')`. No torque acts on either marker. Parameters: K, LENGTH, FORCE.
+/// Validity: r > 0; at r = 0 ADAMS stops, and this law returns an error. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct TranslationalSpring;
 
@@ -62,9 +62,9 @@ impl Law for TranslationalSpring {
 
 /// SPRINGDAMPER, ROTATIONAL: a torsion spring about the z axis of J.
 ///
-/// Law: `T = (-KT (theta - ANGLE) + TORQUE) zj` on I, theta the rotation of xi about zj (AZ, counting turns).
-/// Parameters: KT (per radian), ANGLE, TORQUE. Validity: zi parallel to zj, which ADAMS demands and does not enforce; the angle
-/// is undefined where xi lies along zj. Source: Adams Solver help, `state_springdamper`.
+/// Law: `T = (-KT (theta - ANGLE) + TORQUE) zj` on I. theta is the rotation of xi about zj (AZ, counted over full turns). Parameters: KT
+/// (per radian), ANGLE, TORQUE. Validity: zi parallel to zj, which ADAMS requires but does not enforce; the angle is undefined where xi
+/// lies along zj. Source: Adams Solver help, `state_springdamper`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct RotationalSpring;
 

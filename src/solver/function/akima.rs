@@ -1,14 +1,15 @@
-/// Slopes at the knots by Akima's rule (J. ACM 17, 1970): x strictly increasing, as long as y, at least two.
+/// Returns the slopes at the knots by Akima's rule (J. ACM 17, 1970). x must be strictly increasing, as long as y, with at least two
+/// points.
 ///
 /// ```text
 /// m_i = (y_(i+1) - y_i) / (x_(i+1) - x_i)
 /// t_i = (|m_(i+1) - m_i| m_(i-1) + |m_(i-1) - m_(i-2)| m_i) / (|m_(i+1) - m_i| + |m_(i-1) - m_(i-2)|)
 /// ```
-/// and the mean of `m_(i-1)` and `m_i` when both weights vanish. Two chords are added at each end: `m_0 = 2 m_1 - m_2`,
-/// `m_(-1) = 2 m_0 - m_1`, and mirrored.
+/// If both weights vanish, t_i is the mean of `m_(i-1)` and `m_i`. Two chords are added at each end: `m_0 = 2 m_1 - m_2`,
+/// `m_(-1) = 2 m_0 - m_1`, and the mirror images at the other end.
 pub(super) fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
-    // Two chords before and two after: chord k of the data is m[k + 2].
+    // Two extra chords before and two after: chord k of the data is m[k + 2].
     let mut m = vec![0.0; n + 3];
     for k in 0..n - 1 {
         m[k + 2] = (y[k + 1] - y[k]) / (x[k + 1] - x[k]);

@@ -1,9 +1,9 @@
-//! The times at which a function of the time is not smooth: ends of steps and sweeps, zeros of tests.
+//! Times at which a function of time is not smooth: ends of steps and sweeps, zeros of tests.
 
 use admire_syntax::Expression;
 use admire_syntax::expression::{BinaryOperator, Constant, Node};
 
-/// Functions of a first argument that is compared with the others at these places.
+/// Functions that compare one argument, given first, with the arguments at the listed positions.
 const ENDS: [(&str, &[usize]); 4] = [
     ("STEP", &[1, 3]),
     ("STEP5", &[1, 3]),
@@ -11,8 +11,8 @@ const ENDS: [(&str, &[usize]); 4] = [
     ("SWEEP", &[2, 4]),
 ];
 
-/// Breaks of an expression by the time alone, in no order: where an argument that is linear in TIME meets what it is compared with. Splines
-/// have none: their pieces meet smoothly.
+/// Returns the break times of an expression, in no particular order. A break occurs where an argument that is linear in TIME reaches the
+/// value it is compared with. Splines have no breaks, because their pieces join smoothly.
 pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     let mut found = Vec::new();
     for node in expression.root.walk() {
@@ -54,18 +54,19 @@ pub(crate) fn time_breaks(expression: &Expression) -> Vec<f64> {
     found
 }
 
-/// The times at which the largest of lines `a TIME + b` becomes another: the corners of their upper envelope, found by slopes.
+/// Returns the times at which the largest of the lines `a TIME + b` changes: the corners of their upper envelope, found by sorting the
+/// slopes.
 fn corners(lines: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
     let mut lines: Vec<(f64, f64)> = lines.filter(|(a, b)| (a * b).is_finite()).collect();
     lines.sort_by(|(a, b), (c, d)| a.total_cmp(c).then(b.total_cmp(d)));
-    // The lines of the envelope, each with the time from which it is the largest.
+    // Lines of the envelope, each with the time from which it is the largest.
     let mut hull: Vec<((f64, f64), f64)> = Vec::new();
     for line in lines {
         let mut from = f64::NEG_INFINITY;
         while let Some(&((a, b), before)) = hull.last() {
             from = (b - line.1) / (line.0 - a);
             if a == line.0 || from <= before {
-                // A later one of the same slope is not lower.
+                // A later line of the same slope is not higher.
                 hull.pop();
                 from = f64::NEG_INFINITY;
             } else {
@@ -77,19 +78,19 @@ fn corners(lines: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
     hull.into_iter().skip(1).map(|(_, from)| from).collect()
 }
 
-/// The time at which a node that is linear in TIME has a value.
+/// Returns the time at which a node that is linear in TIME reaches `value`.
 fn meeting(expression: &Expression, node: &Node, value: f64) -> Option<f64> {
     let (slope, start) = linear(expression, node)?;
     zero((slope, start - value))
 }
 
-/// The zero of `slope TIME + start`.
+/// Returns the zero of `slope TIME + start`.
 fn zero((slope, start): (f64, f64)) -> Option<f64> {
     let time = -start / slope;
     (slope != 0.0 && time.is_finite()).then_some(time)
 }
 
-/// (a, b) of a node that is `a TIME + b`.
+/// Returns (a, b) if the node equals `a TIME + b`.
 pub(super) fn linear(expression: &Expression, node: &Node) -> Option<(f64, f64)> {
     let of = |node: &Node| linear(expression, node);
     Some(match node {
@@ -130,7 +131,7 @@ mod tests {
             ("ABS(TIME-2)+HAVSIN(-TIME,-4,0,-3,1)", &[2.0, 3.0, 4.0]),
             ("SWEEP(TIME,1,0.5,2,8,3,0.1)", &[0.5, 8.0]),
             ("SIGN(TIME-3,1-TIME)", &[1.0, 3.0]),
-            // At 2.5 the two others meet below the largest.
+            // At 2.5 the two other lines intersect below the largest.
             ("MAX(0,TIME-2,2*TIME-5)+MIN(1,1,DX(1))", &[2.0, 3.0]),
             ("MIN(3,TIME,4*TIME-3,DX(1),2)", &[1.0, 2.0]),
             ("DIM(1,0.25*TIME)+DIM(TIME,DX(1))", &[4.0]),

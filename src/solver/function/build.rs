@@ -11,7 +11,7 @@ use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::expression::{BinaryOperator, Constant, Node};
 
-/// Where a value stands while the sizes of the tables are not known yet.
+/// Location of a value during compilation, before the sizes of the tables are known.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Place {
     Input(usize),
@@ -20,24 +20,24 @@ pub(super) enum Place {
     Target(usize),
 }
 
-/// One expression on its way to a program.
+/// Compilation state of one expression.
 pub(super) struct Build<'a> {
     pub(super) compiler: &'a Compiler<'a>,
     pub(super) expression: &'a Expression,
     inputs: Vec<Input>,
-    /// Where each input stands.
+    /// Index of each input in `inputs`.
     places: HashMap<Input, usize>,
     parameters: Vec<usize>,
     constants: Vec<f64>,
-    /// Steps with their targets counted from 0.
+    /// Steps; their targets are numbered from 0.
     steps: Vec<Step>,
     operands: Vec<Place>,
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     targets: usize,
     branches: bool,
-    /// Of each switch whether the time alone chooses its piece.
+    /// Whether the piece of each switch depends on time alone.
     switches: Vec<bool>,
-    /// How often something else than the time was read.
+    /// Number of reads of inputs other than time.
     pub(super) readings: usize,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Build<'a> {
     pub(super) fn node(&mut self, node: &Node) -> Result<Place, Diagnostic> {
         match node {
             Node::Literal(literal) => {
-                // Every literal stands once in the tree.
+                // Every literal occurs once in the tree.
                 self.parameters.push(*literal);
                 Ok(Place::Literal(self.parameters.len() - 1))
             }
@@ -108,13 +108,13 @@ impl<'a> Build<'a> {
         }
     }
 
-    /// IF: the test, then three pieces of which one runs; each moves its value to the same target.
+    /// Compiles an IF: the test, then three parts of which one runs. Each part moves its value to the same target.
     fn choice(
         &mut self,
         [test, negative, zero, positive]: &[Node; 4],
     ) -> Result<Place, Diagnostic> {
         self.branches = true;
-        // Where the time alone decides, the times of its zeros are known beforehand.
+        // If the test is linear in time, the times of its zeros are known in advance.
         let known = linear(self.expression, test).is_some();
         let before = self.readings;
         let test = self.node(test)?;
@@ -178,14 +178,14 @@ impl<'a> Build<'a> {
         self.operands.extend_from_slice(operands);
     }
 
-    /// The last step has pieces that a motion can be held on; the time alone may choose among them.
+    /// Marks the last step as a switch, whose piece a simulation can hold fixed. `of_time` states whether its piece depends on time alone.
     pub(super) fn switch(&mut self, of_time: bool) {
         let step = self.steps.last_mut().expect("a step was pushed");
         step.switch = self.switches.len() as u32;
         self.switches.push(of_time);
     }
 
-    /// A step with a result of its own; computed now if all operands are constants and the value exists.
+    /// Adds a step with its own target. If all operands are constants and the value exists, it is computed now and returned as a constant.
     pub(super) fn step(&mut self, kind: Kind, operands: &[Place]) -> Place {
         let constants: Vec<f64> = operands
             .iter()
@@ -208,7 +208,7 @@ impl<'a> Build<'a> {
         let (inputs, parameters) = (self.inputs.len(), self.parameters.len());
         for place in self.operands.iter().chain([&result]) {
             if let Place::Constant(value) = place {
-                // Zeros of either sign are kept apart, hence the bits.
+                // Comparing bits keeps +0 and -0 apart.
                 if !self
                     .constants
                     .iter()
@@ -252,7 +252,7 @@ impl<'a> Build<'a> {
     }
 }
 
-/// The value of one step of constants.
+/// Returns the value of a step whose operands are all constants, if it exists.
 fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)]) -> Option<f64> {
     let count = constants.len() as u32;
     let program = Program {

@@ -16,7 +16,7 @@ use admire_syntax::expression::Node;
 use admire_syntax::grammar;
 use admire_syntax::grammar::{FunctionDef, Solved};
 
-/// The arguments of a call.
+/// Arguments of a call.
 type Arguments<'a> = &'a [Node];
 
 impl Build<'_> {
@@ -34,7 +34,7 @@ impl Build<'_> {
                 .collect::<Result<Vec<_>, _>>()?;
             let of_time = self.readings == before;
             let place = self.step(kind, &places);
-            // Where the time alone chooses the piece, when is known beforehand, if it does not do so over and over.
+            // If a piece depends on time alone, its switching times are known in advance, unless the function switches repeatedly.
             let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
             let watched = kind.is_watched(arguments.iter().map(slope));
             if watched && matches!(place, Place::Target(_)) {
@@ -84,7 +84,7 @@ impl Build<'_> {
         }
     }
 
-    /// VX(i, j, k, l) and its like: the frame whose derivative is taken comes last.
+    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. The last argument is the frame of the time derivative.
     fn rate(
         &mut self,
         function: &'static FunctionDef,
@@ -117,7 +117,7 @@ impl Build<'_> {
         Ok(self.input(Input::Measure(measure)))
     }
 
-    /// ORIENT(type, component, i[, j]).
+    /// Compiles ORIENT(type, component, i[, j]).
     fn orient(
         &mut self,
         function: &'static FunctionDef,
@@ -150,7 +150,7 @@ impl Build<'_> {
         self.measure(function, kind, &arguments[2..])
     }
 
-    /// AKISPL(x, z, id[, iord]) and CUBSPL.
+    /// Compiles AKISPL(x, z, id[, iord]) and CUBSPL.
     fn spline(
         &mut self,
         function: &'static FunctionDef,
@@ -162,7 +162,7 @@ impl Build<'_> {
         self.interpolate(function, method, &[x, z], arguments, 2)
     }
 
-    /// INTERP(x, method, id[, iord]).
+    /// Compiles INTERP(x, method, id[, iord]).
     fn interp(
         &mut self,
         function: &'static FunctionDef,
@@ -182,7 +182,7 @@ impl Build<'_> {
         self.interpolate(function, method, &[x], arguments, 2)
     }
 
-    /// `id_at` is the place of the spline's id; the order of the derivative may follow.
+    /// Compiles a spline lookup. `id_at` is the position of the spline's id; the order of the derivative may follow it.
     fn interpolate(
         &mut self,
         function: &'static FunctionDef,
@@ -221,7 +221,7 @@ impl Build<'_> {
         Ok(self.step(Kind::Interpolate(index, function.name), operands))
     }
 
-    /// ARYVAL(id, component).
+    /// Compiles ARYVAL(id, component).
     fn array(
         &mut self,
         function: &'static FunctionDef,
@@ -257,7 +257,7 @@ impl Build<'_> {
         }
     }
 
-    /// FRICTION(id, index).
+    /// Compiles FRICTION(id, index).
     fn friction(
         &mut self,
         function: &'static FunctionDef,
@@ -275,7 +275,7 @@ impl Build<'_> {
         Ok(self.input(Input::Friction { friction, which }))
     }
 
-    /// PINVAL(id, component) and POUVAL: a variable of the list.
+    /// Compiles PINVAL(id, component) and POUVAL, which read a variable of the list.
     fn plant(
         &mut self,
         function: &'static FunctionDef,
@@ -306,7 +306,7 @@ impl Build<'_> {
         Ok(self.input(Input::Variable(variable)))
     }
 
-    /// BUSH(id, jflag, comp, rm) and its like; NFORCE(id, marker, comp, rm).
+    /// Compiles BUSH(id, jflag, comp, rm) and similar functions, and NFORCE(id, marker, comp, rm).
     fn element(
         &mut self,
         function: &'static FunctionDef,
@@ -354,7 +354,7 @@ impl Build<'_> {
         self.force_of(function, arguments, (element, on_j))
     }
 
-    /// The jflag of a force measure.
+    /// Returns the jflag of a force measure.
     fn on_j(
         &self,
         function: &'static FunctionDef,
@@ -367,7 +367,7 @@ impl Build<'_> {
         }
     }
 
-    /// A component of the force of an element, as the last arguments of a force measure say.
+    /// Compiles the force component of an element from the last arguments of a force measure.
     fn force_of(
         &mut self,
         function: &'static FunctionDef,
@@ -393,7 +393,7 @@ impl Build<'_> {
         Ok(self.input(Input::Force(measure)))
     }
 
-    /// The marker named by an argument; `None` if it is absent or 0, which is ground.
+    /// Returns the marker given by an argument; `None` if it is absent or 0, which denotes ground.
     fn marker(
         &self,
         function: &'static FunctionDef,
@@ -436,7 +436,7 @@ impl Build<'_> {
             .ok_or_else(|| undefined(function, space.keyword(), id))
     }
 
-    /// An argument that is an id or a code: a whole number that is not negative.
+    /// Returns an argument that is an id or a code: a non-negative integer.
     fn code_or_id(
         &self,
         function: &'static FunctionDef,
@@ -463,7 +463,7 @@ impl Build<'_> {
     }
 }
 
-/// Functions whose arguments are all values.
+/// Returns the step kind of a function whose arguments are all values.
 fn plain_kind(name: &'static str) -> Option<Kind> {
     if let Some(function) = Unary::named(name) {
         return Some(Kind::Unary(function, name));
@@ -539,8 +539,7 @@ fn wrong(function: &FunctionDef, what: impl std::fmt::Display) -> Diagnostic {
     )
 }
 
-/// Why a function is not evaluated here.
-/// Vectors are read, not evaluated.
+/// Returns the diagnostic for a vector expression. Vectors are parsed but not evaluated.
 pub(super) fn vector_refusal() -> Diagnostic {
     Diagnostic::error(
         Code::NotSolvedNatively,
@@ -549,6 +548,7 @@ pub(super) fn vector_refusal() -> Diagnostic {
     .help("give the components FX, FY, FZ, or use a command backend that runs ADAMS")
 }
 
+/// Returns the diagnostic for a function that the built-in solver does not evaluate.
 pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
     if function.name == "USER" {
         return Diagnostic::error(
@@ -564,7 +564,7 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
         .help("use a command backend that runs ADAMS, or replace the function")
 }
 
-/// The velocity or acceleration a function measures.
+/// Returns the velocity or acceleration that a function measures.
 fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
     if name == "VR" {
         return Some((RateKind::Velocity, RateAxis::Along));
@@ -586,11 +586,11 @@ fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
     Some((kind, axis))
 }
 
-/// Which of I, J, K, L each argument is: a magnitude has no K, an angular velocity no L.
+/// Returns the marker role (I, J, K, L) of each argument. A magnitude has no K, an angular velocity no L.
 fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
     match (kind, axis) {
         (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],
-        // VR is the same in every frame: its L is not looked at.
+        // VR is the same in every frame, so its L is ignored.
         (RateKind::AngularVelocity, _) | (_, RateAxis::Along) => &[0, 1],
         (_, RateAxis::Magnitude) => &[0, 1, 3],
         (_, RateAxis::Axis(_)) => &[0, 1, 2, 3],

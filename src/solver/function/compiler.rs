@@ -9,7 +9,7 @@ use crate::model::{Model, VectorForceKind};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// Compiles expressions against the objects of one model; looks ids up fast and shares prepared splines.
+/// Compiler of expressions for the objects of one model. It indexes ids for fast lookup and shares prepared splines.
 #[derive(Debug)]
 pub struct Compiler<'m> {
     pub(super) model: &'m Model,
@@ -18,7 +18,7 @@ pub struct Compiler<'m> {
     interpolants: RefCell<BTreeMap<(usize, Method), Arc<Interpolant>>>,
 }
 
-/// A list of the model whose objects have ids of their own.
+/// List of the model whose objects share one id space.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Space {
     Marker,
@@ -123,7 +123,7 @@ impl Space {
 }
 
 impl<'m> Compiler<'m> {
-    /// A compiler for the objects of `model`.
+    /// Creates a compiler for the objects of `model`.
     pub fn new(model: &'m Model) -> Self {
         Self {
             model,
@@ -136,8 +136,8 @@ impl<'m> Compiler<'m> {
     /// Compiles one expression.
     ///
     /// # Errors
-    /// A diagnostic without a place: an id that the model does not define, an argument that has to be an id or a code and is none, or
-    /// a function that only real ADAMS evaluates, by name.
+    /// A diagnostic without a source position, in three cases: an id that the model does not define, an argument that must be an id or a
+    /// code and is not, or a function that only real ADAMS evaluates.
     pub fn compile(&self, expression: &Expression) -> Result<Program, Diagnostic> {
         Build::new(self, expression).whole()
     }
@@ -149,7 +149,7 @@ impl<'m> Compiler<'m> {
             .copied()
     }
 
-    /// Where the model has a force by a law, by its statement and id.
+    /// Returns the index of a pair force in the model, given its statement and id.
     pub(super) fn find_pair_force(&self, kind: &str, id: u32) -> Option<usize> {
         let all = || self.model.pair_forces.iter().enumerate();
         self.pair_forces

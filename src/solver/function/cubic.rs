@@ -1,14 +1,14 @@
-/// Slopes at the knots of the cubic spline with continuous second derivative that is zero at both ends (the natural spline): x
-/// strictly increasing, as long as y, at least two.
+/// Returns the slopes at the knots of the natural cubic spline, whose second derivative is continuous and zero at both ends. x must be
+/// strictly increasing, as long as y, with at least two points.
 ///
-/// With `h_i = x_(i+1) - x_i` and chords `m_i`, continuity of the second derivative at inner knots is
-/// `t_(i-1) / h_(i-1) + 2 t_i (1/h_(i-1) + 1/h_i) + t_(i+1) / h_i = 3 (m_(i-1) / h_(i-1) + m_i / h_i)`, and at the ends
-/// `2 t_0 + t_1 = 3 m_0`, `t_(n-2) + 2 t_(n-1) = 3 m_(n-2)`: a tridiagonal system, diagonally dominant.
+/// With `h_i = x_(i+1) - x_i` and chord slopes `m_i`, continuity of the second derivative at inner knots gives
+/// `t_(i-1) / h_(i-1) + 2 t_i (1/h_(i-1) + 1/h_i) + t_(i+1) / h_i = 3 (m_(i-1) / h_(i-1) + m_i / h_i)`. The end conditions are
+/// `2 t_0 + t_1 = 3 m_0` and `t_(n-2) + 2 t_(n-1) = 3 m_(n-2)`. The system is tridiagonal and diagonally dominant.
 pub(super) fn slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let n = x.len();
     let chord = |k: usize| (y[k + 1] - y[k]) / (x[k + 1] - x[k]);
     let inverse = |k: usize| 1.0 / (x[k + 1] - x[k]);
-    // Thomas' elimination: `upper` holds the scaled upper diagonal, `t` the scaled right side, then the answer.
+    // Thomas algorithm: `upper` holds the scaled upper diagonal, `t` the scaled right-hand side and finally the solution.
     let mut upper = vec![0.0; n];
     let mut t = vec![0.0; n];
     for i in 0..n {

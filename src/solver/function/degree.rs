@@ -1,21 +1,21 @@
-//! How a program depends on some of its inputs.
+//! Degree of a program as a polynomial in some of its inputs.
 
 use super::Input;
 use super::program::{Kind, Program};
 
-/// The degree in some inputs taken together.
+/// Degree of an expression in a group of inputs taken together.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) enum Degree {
-    /// Not at all.
+    /// Independent of these inputs.
     Nothing,
-    /// Linear, with coefficients and a rest that do not depend on them.
+    /// Linear: coefficients and constant term are independent of these inputs.
     Linear,
-    /// Any other way, or one that the text does not tell.
+    /// Nonlinear, or not recognisable as linear from the text.
     Higher,
 }
 
 impl Degree {
-    /// Of a product.
+    /// Returns the degree of a product.
     fn times(self, other: Self) -> Self {
         match (self, other) {
             (Self::Nothing, of) | (of, Self::Nothing) => of,
@@ -23,15 +23,15 @@ impl Degree {
         }
     }
 
-    /// Of a function that is neither sum nor product.
+    /// Returns the degree of a nonlinear function whose argument has this degree.
     fn inside(self) -> Self {
         self.times(self)
     }
 }
 
 impl Program {
-    /// The degree of its value, from those of its inputs. Sums, products, quotients and the parts of an IF are followed; in any other
-    /// function an input is of higher degree.
+    /// Returns the degree of the program's value, given the degree of each input. The analysis follows sums, products, quotients and the
+    /// parts of an IF. Any other function of an input counts as nonlinear.
     pub(crate) fn degree(&self, of: impl FnMut(&Input) -> Degree) -> Degree {
         let mut degrees: Vec<Degree> = self.inputs.iter().map(of).collect();
         let slots = self.slots.max(self.result as usize + 1);
@@ -45,7 +45,7 @@ impl Program {
                     None | Some(Degree::Nothing) => continue,
                     Some(_) => return Degree::Higher,
                 },
-                // Every part of an IF has its own step to the same place.
+                // Every part of an IF has its own step with the same target.
                 Kind::Move => each
                     .next()
                     .unwrap_or(Degree::Nothing)

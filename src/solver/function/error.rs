@@ -1,15 +1,15 @@
-/// Why a function has no value.
+/// Reason why a function has no value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fault {
-    /// The arguments lie outside of where the function is defined.
+    /// The arguments lie outside the domain of the function.
     NotDefined,
-    /// The value is too large for a double.
+    /// The value exceeds the range of a double.
     TooLarge,
     /// The two ends of a step or sweep are equal.
     EqualEnds,
 }
 
-/// A function without a value at the present state. Its text, address and state are known to the caller.
+/// Function without a value at the present state. The caller adds the expression text, its address and the state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 #[error("{function} {}", match fault {
     Fault::NotDefined => "is not defined for its arguments",
@@ -17,8 +17,8 @@ pub enum Fault {
     Fault::EqualEnds => "has x0 equal to x1",
 })]
 pub struct EvalError {
-    /// The function or operator, as written in expressions.
+    /// Name of the function or operator, as written in expressions.
     pub function: &'static str,
-    /// What is wrong.
+    /// Reason of the failure.
     pub fault: Fault,
 }

@@ -1,14 +1,14 @@
 use super::Sequence;
 use crate::mechanics::{Mat3, Vec3};
 
-/// Below this sine (or cosine) of the middle angle the first and third axis are one line: the whole turn is put into the first
-/// angle, as ADAMS does for PSI (guide/formats.md 4.1).
+/// Threshold for the sine (or cosine) of the middle angle. Below it the first and third axes coincide, and the whole rotation is assigned
+/// to the first angle, as ADAMS does for PSI (guide/formats.md 4.1).
 const PARALLEL: f64 = 1e-12;
 
 impl Sequence {
     /// Body-fixed 3-1-3: PSI, THETA, PHI.
     pub(crate) const BODY_313: Self = Self::body([2, 0, 2]);
-    /// Body-fixed 3-2-1: YAW, minus PITCH, ROLL.
+    /// Body-fixed 3-2-1: YAW, negative PITCH, ROLL.
     pub(crate) const BODY_321: Self = Self::body([2, 1, 0]);
 
     const fn body(axes: [usize; 3]) -> Self {
@@ -18,7 +18,8 @@ impl Sequence {
         }
     }
 
-    /// How many components an ORIENT type has. Direction cosines have nine; which of 25 and 26 has them is on no page seen.
+    /// Returns the number of components of an ORIENT type. Direction cosines have nine; the available help does not state whether type 25
+    /// or type 26 holds them, so both return 9.
     pub(crate) const fn components_of_orient(kind: u32) -> u32 {
         match kind {
             27 => 4,
@@ -27,7 +28,7 @@ impl Sequence {
         }
     }
 
-    /// The sequence of an ORIENT type: 1 to 12 body-fixed, 13 to 24 the same sequences fixed in space.
+    /// Returns the sequence of an ORIENT type: 1 to 12 are body-fixed, 13 to 24 the same sequences fixed in space.
     pub(crate) fn of_orient(kind: u32) -> Option<Self> {
         const AXES: [[usize; 3]; 12] = [
             [0, 1, 2],
@@ -50,11 +51,13 @@ impl Sequence {
         })
     }
 
-    /// Angle `which` of the rotation R, in radians, and its derivative by a rotation vector `dtheta` in the axes of the base
-    /// (`R <- exp(dtheta) R`). The middle angle lies in [0, pi] if the first and last axis are the same, else in [-pi/2, pi/2].
-    /// Where the sequence is singular the derivative is returned as zero.
+    /// Returns angle `which` of the rotation R, in radians, and its derivative with respect to a rotation vector `dtheta` in the base axes
+    /// (`R <- exp(dtheta) R`).
     ///
-    /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. About axes fixed in space the order of the product is reversed.
+    /// The middle angle lies in [0, pi] if the first and last axis are the same, otherwise in [-pi/2, pi/2]. Where the sequence is singular
+    /// the derivative is returned as zero.
+    ///
+    /// Body-fixed: `R = R_a(t1) R_b(t2) R_c(t3)`. For axes fixed in space the order of the product is reversed.
     pub(crate) fn angle(self, R: &Mat3, which: usize) -> (f64, Vec3) {
         let ([a, b, c], which) = if self.space_fixed {
             let [a, b, c] = self.axes;
@@ -85,7 +88,7 @@ impl Sequence {
 }
 
 fn body_angles(R: &Mat3, [a, b, c]: [usize; 3]) -> [f64; 3] {
-    // The axis that b turns toward about a: e_a x e_b = sign e_third.
+    // Axis towards which b rotates about a: e_a x e_b = sign e_third.
     let third = 3 - a - b;
     let sign = if (b + 3 - a) % 3 == 1 { 1.0 } else { -1.0 };
     let (sin, cos, last) = if a == c {

@@ -1,12 +1,12 @@
 use super::Fault;
 use super::step::{Shape, step};
 
-/// IMPACT(x, xdot, x1, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
+/// Evaluates IMPACT(x, xdot, x1, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
 ///
 /// ```text
 /// x < x1:  max(0, k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot),  else 0
 /// ```
-/// d = 0 is the limit of small d: full damping at once.
+/// d = 0 is the limit of small d: full damping from the first contact.
 pub(super) fn impact(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     let &[x, xdot, x1, k, e, cmax, d] = a else {
         unreachable!("the grammar gives IMPACT seven arguments");
@@ -27,7 +27,7 @@ pub(super) fn impact(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(stop.force)
 }
 
-/// BISTOP(x, xdot, x1, x2, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
+/// Evaluates BISTOP(x, xdot, x1, x2, k, e, cmax, d) with partial derivatives (guide/formats.md 3.6).
 ///
 /// ```text
 /// x < x1:        max(0,  k (x1 - x)^e - STEP(x, x1 - d, cmax, x1, 0) xdot)
@@ -39,7 +39,7 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
         unreachable!("the grammar gives BISTOP eight arguments");
     };
     by.fill(0.0);
-    // The upper stop is the lower one seen in a mirror: x, xdot and the force change sign.
+    // The upper stop is the mirror image of the lower one: x, xdot and the force change sign.
     let (p, rate, sign, bound) = if x < x1 {
         (x1 - x, xdot, 1.0, 2)
     } else if x > x2 {
@@ -51,7 +51,7 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     if stop.force <= 0.0 {
         return Ok(0.0);
     }
-    // Lower: p = x1 - x, F = f. Upper: p = x - x2, F = -f. Either way dF/dx = -df/dp, dF/dxdot = df/drate.
+    // Lower stop: p = x1 - x, F = f. Upper stop: p = x - x2, F = -f. In both cases dF/dx = -df/dp and dF/dxdot = df/drate.
     by[0] = -stop.by_p;
     by[1] = stop.by_rate;
     by[bound] = stop.by_p;
@@ -61,12 +61,13 @@ pub(super) fn bistop(a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(sign * stop.force)
 }
 
-/// `k p^e - c(p) rate` for a penetration p, where c grows from 0 at p = 0 to cmax at p = d. Below p = 0 `p^e` is odd, with e = 0 one as above.
+/// Contact force `k p^e - c(p) rate` at a penetration p, where c grows from 0 at p = 0 to cmax at p = d. For p < 0, `p^e` is continued as
+/// an odd function, or as 1 if e = 0.
 pub(super) struct Stop {
     pub force: f64,
     pub by_p: f64,
     pub by_rate: f64,
-    /// By k, e, cmax, d.
+    /// Derivatives with respect to k, e, cmax, d.
     pub by_law: [f64; 4],
 }
 

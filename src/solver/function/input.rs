@@ -1,141 +1,142 @@
 use crate::model::MarkerIx;
 
-/// A state quantity that a program reads.
+/// State quantity that a program reads.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum Input {
-    /// TIME.
+    /// Simulation time, TIME.
     Time,
-    /// MODE: 1 kinematics, 3 initial conditions, 4 dynamics, 5 statics, 6 quasi-statics, 7 linear.
+    /// Analysis mode, MODE: 1 kinematics, 3 initial conditions, 4 dynamics, 5 statics, 6 quasi-statics, 7 linear.
     Mode,
-    /// A geometric quantity of markers.
+    /// Geometric quantity of markers.
     Measure(Measure),
-    /// A velocity or acceleration of markers: zero in statics.
+    /// Velocity or acceleration of markers; zero in statics.
     Rate(RateMeasure),
-    /// VARVAL: index into `Model::variables`.
+    /// Value of a VARIABLE, VARVAL: index into `Model::variables`.
     Variable(usize),
-    /// DIF: index into `Model::diffs`.
+    /// State of a DIFF, DIF: index into `Model::diffs`.
     Dif(usize),
-    /// DIF1, the time derivative of a DIF: index into `Model::diffs`. Zero in statics unless the state is held.
+    /// Time derivative of a DIFF, DIF1: index into `Model::diffs`. Zero in statics unless the state is held constant.
     DifRate(usize),
-    /// ARYVAL of a state or output array: index into `Model::arrays` and which element, from 0.
+    /// Element of a state or output array, ARYVAL.
     ArrayValue {
         /// Index into `Model::arrays`.
         array: usize,
-        /// Which element, from 0.
+        /// Element index, from 0.
         element: usize,
     },
-    /// SENVAL: index into `Model::sensors`. Zero until the sensor has fired.
+    /// Value of a SENSOR, SENVAL: index into `Model::sensors`. Zero until the sensor has triggered.
     SensorValue(usize),
-    /// A force of an element or between two markers.
+    /// Force of an element or between two markers.
     Force(ForceMeasure),
-    /// FRICTION: zero in statics.
+    /// Quantity of a FRICTION; zero in statics.
     Friction {
         /// Index into `Model::frictions`.
         friction: usize,
-        /// Which number, from 0: force and torque, coefficients, that of stiction, surface velocities, creeps, the share of the velocity.
+        /// Index of the quantity, from 0 to 25: force and torque (6), coefficients (6), stiction coefficient (1), surface velocities (6),
+        /// creep components (6), weight of the velocity term (1).
         which: usize,
     },
 }
 
-/// How many numbers FRICTION gives: as many as its component of a result has.
+/// Number of quantities that FRICTION returns, equal to the components of its result.
 pub(super) const FRICTION_NUMBERS: u32 = 26;
 
-/// A geometric quantity of up to three markers. An absent marker is the ground frame.
+/// Geometric quantity of up to three markers. An absent marker is the ground frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Measure {
-    /// What is measured.
+    /// Kind of quantity.
     pub kind: MeasureKind,
-    /// The I marker; ground if absent (INCANG may name ground).
+    /// I marker; ground if absent (INCANG may name ground).
     pub i: Option<MarkerIx>,
-    /// The J marker.
+    /// J marker; ground if absent.
     pub j: Option<MarkerIx>,
-    /// The K marker.
+    /// K marker; ground if absent.
     pub k: Option<MarkerIx>,
 }
 
-/// What a [`Measure`] measures.
+/// Kind of quantity of a [`Measure`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum MeasureKind {
-    /// DX, DY, DZ: component 0, 1, 2 of the displacement of I from J along an axis of K.
+    /// DX, DY, DZ (0, 1, 2): displacement of I from J along an axis of K.
     Displacement(usize),
-    /// DM: the distance of I from J.
+    /// DM: distance between I and J.
     Distance,
-    /// AX, AY, AZ: projected angle 0, 1, 2 of I with respect to J, counting turns.
+    /// AX, AY, AZ (0, 1, 2): projected angle of I relative to J, counted over full turns.
     ProjectedAngle(usize),
-    /// One angle of a rotation sequence of I with respect to J: PSI, THETA, PHI, YAW, PITCH, ROLL and most of ORIENT.
+    /// One angle of a rotation sequence of I relative to J: PSI, THETA, PHI, YAW, PITCH, ROLL and most types of ORIENT.
     Angle {
-        /// The sequence.
+        /// Rotation sequence.
         sequence: Sequence,
-        /// Which angle, from 0.
+        /// Index of the angle in the sequence, from 0.
         which: usize,
-        /// PITCH is minus the second angle.
+        /// Whether the sign is reversed: PITCH is minus the second angle.
         minus: bool,
     },
-    /// INCANG: the angle at J between the lines to I and K; the first that is not zero is positive, and turns are counted.
+    /// INCANG: angle at J between the lines to I and K, counted over full turns. The first nonzero value is positive.
     IncludedAngle,
-    /// ORIENT type 27: Euler parameter e0, e1, e2, e3 of I with respect to J, e0 not negative.
+    /// ORIENT type 27: Euler parameter e0, e1, e2 or e3 of I relative to J, with e0 not negative.
     EulerParameter(usize),
 }
 
 impl MeasureKind {
-    /// True if the value goes on from that of the solution before.
+    /// Returns whether the value continues from that of the previous solution.
     pub(crate) fn counts_turns(self) -> bool {
         matches!(self, Self::ProjectedAngle(_) | Self::IncludedAngle)
     }
 }
 
-/// A velocity or acceleration of I from J. An absent marker is the ground frame.
+/// Velocity or acceleration of I relative to J. An absent marker is the ground frame.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct RateMeasure {
-    /// Which vector.
+    /// Measured vector.
     pub kind: RateKind,
-    /// Which number of it.
+    /// Component or magnitude of the vector.
     pub axis: RateAxis,
-    /// I, J, K whose axes resolve it, L in which the derivative is taken.
+    /// Markers I, J, K (whose axes resolve the vector) and L (the frame of the time derivative).
     pub markers: [Option<MarkerIx>; 4],
 }
 
-/// Which vector a [`RateMeasure`] measures.
+/// Vector measured by a [`RateMeasure`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum RateKind {
-    /// VX, VY, VZ, VM, VR: the first derivative of the displacement of I from J in the frame of L.
+    /// VX, VY, VZ, VM, VR: first time derivative, in the frame of L, of the displacement of I from J.
     Velocity,
-    /// WX, WY, WZ, WM: the angular velocity of I less that of J.
+    /// WX, WY, WZ, WM: angular velocity of I minus that of J.
     AngularVelocity,
-    /// ACCX, ACCY, ACCZ, ACCM: the second derivative of the displacement in the frame of L.
+    /// ACCX, ACCY, ACCZ, ACCM: second time derivative, in the frame of L, of the displacement of I from J.
     Acceleration,
-    /// WDTX, WDTY, WDTZ, WDTM: the derivative of the difference of the angular velocities in the frame of L.
+    /// WDTX, WDTY, WDTZ, WDTM: time derivative, in the frame of L, of the difference of the angular velocities of I and J.
     AngularAcceleration,
 }
 
 impl RateKind {
-    /// True for accelerations.
+    /// Returns whether this is an acceleration.
     pub(crate) const fn is_second(self) -> bool {
         matches!(self, Self::Acceleration | Self::AngularAcceleration)
     }
 }
 
-/// Which number of a vector.
+/// Component or magnitude of a vector.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum RateAxis {
-    /// Along an axis of K.
+    /// Component along an axis of K (0, 1, 2).
     Axis(usize),
-    /// Its length.
+    /// Magnitude.
     Magnitude,
-    /// VR: along the line from J to I.
+    /// VR: component along the line from J to I.
     Along,
 }
 
-/// A sequence of three rotations about axes 0, 1, 2.
+/// Sequence of three rotations about axes 0, 1, 2.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Sequence {
-    /// The axes in the order they are turned about.
+    /// Rotation axes in the order of the rotations.
     pub axes: [usize; 3],
-    /// True if the axes stay in space, false if they move with the body.
+    /// Whether the axes are fixed in space (true) or rotate with the body (false).
     pub space_fixed: bool,
 }
 
-/// A component of a force and torque, in the order of the manual's component numbers 1 to 8.
+/// Component of a force and torque, in the order of the manual's component numbers 1 to 8.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum ForceComponent {
@@ -150,7 +151,7 @@ pub enum ForceComponent {
 }
 
 impl ForceComponent {
-    /// All, component number 1 first.
+    /// All components, starting with component number 1.
     pub(crate) const ALL: [Self; 8] = [
         Self::Fm,
         Self::Fx,
@@ -163,58 +164,58 @@ impl ForceComponent {
     ];
 }
 
-/// The element a force measure asks; indices into the lists of the model.
+/// Element of a force measure, given by its index in a list of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum ElementIx {
-    /// `Model::bushings`.
+    /// BUSHING: index into `Model::bushings`.
     Bushing(usize),
-    /// `Model::pair_forces`: FIELD, BEAM.
+    /// FIELD or BEAM: index into `Model::pair_forces`.
     PairForce(usize),
-    /// `Model::springdampers`.
+    /// SPRINGDAMPER: index into `Model::springdampers`.
     SpringDamper(usize),
-    /// `Model::sforces`.
+    /// SFORCE: index into `Model::sforces`.
     Sforce(usize),
-    /// `Model::vector_forces`: GFORCE, VFORCE, VTORQUE.
+    /// GFORCE, VFORCE or VTORQUE: index into `Model::vector_forces`.
     VectorForce(usize),
-    /// `Model::nforces`, at one of its markers.
+    /// NFORCE at one of its markers.
     Nforce {
         /// Index into `Model::nforces`.
         nforce: usize,
-        /// The marker the force acts at.
+        /// Marker at which the force acts.
         at: MarkerIx,
     },
-    /// `Model::joints`.
+    /// JOINT: index into `Model::joints`.
     Joint(usize),
-    /// `Model::primitives`.
+    /// JPRIM: index into `Model::primitives`.
     Primitive(usize),
-    /// `Model::motions`.
+    /// MOTION: index into `Model::motions`.
     Motion(usize),
 }
 
-/// A component of a force.
+/// Force component that a function measures.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub enum ForceMeasure {
-    /// FX to TM: the force on I, or torque about the I origin, by all elements and constraints that act directly between I and J;
-    /// with J absent, by all that act at I (C++ solver, `cfunc_fx`; the FORTRAN solver counts action-only forces there, `func_fx`).
+    /// FM to TZ: force on I, or torque about the I origin, by all elements and constraints that act directly between I and J. With J
+    /// absent, the sum of all that act at I (C++ solver, `cfunc_fx`; the FORTRAN solver counts action-only forces there, `func_fx`).
     Between {
-        /// Which component.
+        /// Force or torque component.
         component: ForceComponent,
-        /// The marker that feels the force.
+        /// Marker on which the force acts.
         i: MarkerIx,
-        /// The other marker.
+        /// Opposite marker.
         j: Option<MarkerIx>,
-        /// The marker whose axes resolve it; ground if absent.
+        /// Marker whose axes resolve the force; ground if absent.
         k: Option<MarkerIx>,
     },
-    /// BUSH, JOINT and so on: the force of one element.
+    /// BUSH, JOINT and similar functions: the force of one element.
     Element {
-        /// The element.
+        /// Element that exerts the force.
         element: ElementIx,
-        /// jflag: the force on J at the J origin instead of that on I.
+        /// jflag: selects the force on J at the J origin instead of the force on I.
         on_j: bool,
-        /// Which component.
+        /// Force or torque component.
         component: ForceComponent,
-        /// The marker whose axes resolve it; ground if absent.
+        /// Marker whose axes resolve the force; ground if absent.
         rm: Option<MarkerIx>,
     },
 }

@@ -1,18 +1,18 @@
 use super::{akima, cubic};
 use crate::model::Spline;
 
-/// How a SPLINE is interpolated in x.
+/// Interpolation method of a SPLINE in x.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Method {
-    /// AKISPL.
+    /// Akima's method: AKISPL.
     Akima,
-    /// CUBSPL, INTERP method 3.
+    /// Natural cubic spline: CUBSPL, INTERP method 3.
     Cubic,
-    /// INTERP method 1.
+    /// Linear interpolation: INTERP method 1.
     Linear,
 }
 
-/// The data of a SPLINE made ready: slopes at the knots of every row.
+/// SPLINE data prepared for interpolation, with the slopes at the knots of every row.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Interpolant {
     x: Vec<f64>,
@@ -24,12 +24,13 @@ pub(super) struct Interpolant {
 #[derive(Clone, PartialEq, Debug)]
 struct Row {
     y: Vec<f64>,
-    /// Empty for linear interpolation.
+    /// Slopes at the knots; empty for linear interpolation.
     slopes: Vec<f64>,
 }
 
 impl Interpolant {
-    /// `None` if the data are no curve: fewer than two points, rows of another length, x or z not strictly increasing.
+    /// Prepares the data. Returns `None` if they define no curve: fewer than two points, rows of different length, or x or z not strictly
+    /// increasing.
     pub(super) fn new(spline: &Spline, method: Method) -> Option<Self> {
         let n = spline.x.len();
         let rising = |values: &[f64]| values.windows(2).all(|pair| pair[0] < pair[1]);
@@ -58,13 +59,13 @@ impl Interpolant {
         })
     }
 
-    /// True for a surface.
+    /// Returns whether the spline is a surface.
     pub(super) fn is_surface(&self) -> bool {
         self.rows.len() > 1
     }
 
-    /// The derivative of the given order by x at (x, z), and its derivatives by x and z. Linear in z between the rows of a surface;
-    /// outside of them the line through the two nearest rows goes on.
+    /// Returns the derivative of the given order with respect to x at (x, z), and the derivatives of that result with respect to x and z. A
+    /// surface is linear in z between its rows and is extrapolated linearly from the two nearest rows outside.
     pub(super) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
         let local = self.locate(x);
         let of = |row: &Row| {
@@ -113,11 +114,11 @@ impl Interpolant {
 
 #[derive(Clone, Copy)]
 enum Polynomial {
-    /// Between knots `first` and `first + 1`.
+    /// Cubic or linear segment between knots `first` and `first + 1`.
     Segment,
-    /// Through knots `first` and `first + 1`.
+    /// Line through knots `first` and `first + 1`.
     Line,
-    /// Through knots `first` to `first + 2`.
+    /// Parabola through knots `first` to `first + 2`.
     Parabola,
 }
 
@@ -129,7 +130,7 @@ struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// Value and derivatives of order 1, 2, 3.
+    /// Returns the value and the derivatives of order 1, 2, 3.
     fn derivatives(&self, row: &Row) -> [f64; 4] {
         let k = self.first;
         let (x0, x1) = (self.knots[k], self.knots[k + 1]);

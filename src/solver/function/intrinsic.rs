@@ -1,4 +1,4 @@
-/// A FORTRAN function of one argument.
+/// FORTRAN function of one argument.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Unary {
     Abs,
@@ -20,7 +20,7 @@ pub(super) enum Unary {
 }
 
 impl Unary {
-    /// The function by its name in capitals.
+    /// Returns the function with this name, given in capitals.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
             "ABS" => Self::Abs,
@@ -43,9 +43,8 @@ impl Unary {
         })
     }
 
-    /// Value and derivative. A value that is not a number says that x lies outside of the domain. Where the derivative does not
-    /// exist or is infinite (kinks, jumps, the ends of SQRT, ASIN, ACOS) it is returned as the caller finds it useful: kinks and
-    /// jumps as zero, ends as infinity.
+    /// Returns value and derivative. A NaN value means that x lies outside the domain. The derivative is returned as zero at kinks and
+    /// jumps, and as infinity at the ends of the domains of SQRT, ASIN and ACOS.
     pub(super) fn at(self, x: f64) -> (f64, f64) {
         match self {
             Self::Abs => (x.abs(), if x == 0.0 { 0.0 } else { x.signum() }),
@@ -63,7 +62,7 @@ impl Unary {
             }
             Self::Ln => (libm::log(x), 1.0 / x),
             Self::Log10 => (libm::log10(x), 1.0 / (x * std::f64::consts::LN_10)),
-            // Halves go away from zero, as in FORTRAN.
+            // Halves round away from zero, as in FORTRAN.
             Self::Nearest => (x.round(), 0.0),
             Self::Sin => libm::sincos(x),
             Self::Sinh => (libm::sinh(x), libm::cosh(x)),
@@ -84,7 +83,7 @@ impl Unary {
     }
 }
 
-/// A FORTRAN function of two arguments.
+/// FORTRAN function of two arguments.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Binary {
     Atan2,
@@ -94,7 +93,7 @@ pub(super) enum Binary {
 }
 
 impl Binary {
-    /// The function by its name in capitals.
+    /// Returns the function with this name, given in capitals.
     pub(super) fn named(name: &str) -> Option<Self> {
         Some(match name {
             "ATAN2" => Self::Atan2,
@@ -105,13 +104,14 @@ impl Binary {
         })
     }
 
-    /// Value and derivatives by a and b (guide/formats.md 3.5).
+    /// Returns the value and the derivatives with respect to a and b (guide/formats.md 3.5).
     pub(super) fn at(self, a: f64, b: f64) -> (f64, [f64; 2]) {
         match self {
             Self::Atan2 => {
                 let square = a * a + b * b;
                 if square == 0.0 {
-                    // Zero at the origin, as the C++ solver since 2016 (cfunc_atan2); too small to be squared is no origin.
+                    // Zero at the origin, as in the C++ solver since 2016 (cfunc_atan2). Arguments whose squares underflow are not the
+                    // origin.
                     let value = if a == 0.0 && b == 0.0 {
                         0.0
                     } else {
@@ -128,7 +128,7 @@ impl Binary {
                     (0.0, [0.0, 0.0])
                 }
             }
-            // The operator keeps the sign of a, like FORTRAN's MOD; it is exact.
+            // The operator keeps the sign of a, as FORTRAN's MOD does, and is exact.
             Self::Modulo => (a % b, [1.0, -(a / b).trunc()]),
             Self::Sign => {
                 let sign = if b < 0.0 { -1.0 } else { 1.0 };
@@ -139,14 +139,14 @@ impl Binary {
     }
 }
 
-/// Powers that are products.
+/// Exponents for which the power is computed by multiplication.
 const PRODUCTS: [f64; 4] = [2.0, 3.0, 4.0, 5.0];
 
-/// `x ** y` and its derivatives. Negative x with whole y is defined; where the value or a derivative is not defined it is not a
-/// finite number, except that the derivative by y is taken as zero for x <= 0, where only whole y are meant.
+/// Returns `x ** y` and its derivatives with respect to x and y. Negative x with integer y is defined. Undefined values and derivatives are
+/// not finite. The exception is the derivative with respect to y, which is zero for x <= 0, because only integer y make sense there.
 pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
     let (value, by_x) = if PRODUCTS.contains(&y) {
-        // What laws of rubber have: many times as fast as the general case.
+        // Common in rubber laws; many times faster than the general case.
         let before = (1..y as u32 - 1).fold(x, |product, _| product * x);
         (before * x, y * before)
     } else {
@@ -161,7 +161,7 @@ pub(super) fn power(x: f64, y: f64) -> (f64, [f64; 2]) {
     (value, [by_x, by_y])
 }
 
-/// The largest, or smallest, of several; only the one chosen (the first of equals) has a derivative.
+/// Returns the largest or smallest of several values. Only the selected argument (the first among equals) has a nonzero derivative.
 pub(super) fn extreme(largest: bool, a: &[f64], by: &mut [f64]) -> f64 {
     let mut chosen = 0;
     for k in 1..a.len() {

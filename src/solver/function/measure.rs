@@ -1,39 +1,41 @@
-//! Geometric measures of markers: value and derivatives by the motion of each marker.
+//! Geometric measures of markers: value and derivatives with respect to the motion of each marker.
 //!
-//! Knows poses only: not which part a marker is on, nor what the coordinates of parts are.
+//! Depends on poses only, not on the part of a marker or on the part coordinates.
 
 use super::{Measure, MeasureKind};
 use crate::mechanics::{Mat3, Pose, Vec3, Vec6, projected_angles, unwrap_near};
 
-/// A measure and its derivatives by the world motion of each of its markers: (translation of the marker's origin in ground axes,
-/// rotation vector in ground axes with `R <- exp(dphi) R`). Those of absent markers are to be left out by the caller.
+/// Value of a measure and its derivatives with respect to the motion of each of its markers.
+///
+/// The motion consists of the translation of the marker's origin in ground axes and a rotation vector in ground axes with
+/// `R <- exp(dphi) R`. The caller must omit the derivatives of absent markers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Measured {
-    /// Length units or radians.
+    /// Value, in length units or radians.
     pub value: f64,
-    /// By the motion of I.
+    /// Derivative with respect to the motion of I.
     pub by_i: Vec6,
-    /// By the motion of J.
+    /// Derivative with respect to the motion of J.
     pub by_j: Vec6,
-    /// By the motion of K.
+    /// Derivative with respect to the motion of K.
     pub by_k: Vec6,
 }
 
-/// Sine below which two lines are in one direction: half of the digits of their normal are round-off.
+/// Sine of the angle below which two lines count as parallel, because half of the digits of their normal are round-off.
 const STRAIGHT: f64 = 1.5e-8;
 
-/// An angle of the previous solution, from which turns are counted.
+/// Angle of the previous solution, the reference for counting full turns.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Reference {
-    /// Its value, radians.
+    /// Angle, in radians.
     pub angle: f64,
-    /// Of INCANG the unit vector, ground axes, about which the line to I turned by a positive angle onto the line to K; zero before the first
-    /// angle that is not zero.
+    /// For INCANG, the unit vector in ground axes about which a positive angle turns the line to I onto the line to K. Zero until the first
+    /// nonzero angle.
     pub normal: Vec3,
 }
 
 impl Reference {
-    /// Nothing was measured yet.
+    /// Reference before the first measurement.
     pub const NONE: Self = Self {
         angle: 0.0,
         normal: Vec3::new(0.0, 0.0, 0.0),
@@ -42,9 +44,9 @@ impl Reference {
 
 /// Evaluates a measure at the world poses of its markers; for absent ones pass [`Pose::identity`].
 ///
-/// AX, AY, AZ and INCANG are taken nearest to the reference, so that they count turns (guide/formats.md 4.3). Other measures do not use it.
-/// Where a measure has no derivative (distance zero, angles of a singular sequence, lines of INCANG in one direction at first) the
-/// derivative is returned as zero.
+/// AX, AY, AZ and INCANG are taken nearest to the reference, so that they count full turns (guide/formats.md 4.3). Other measures ignore
+/// it. The derivative is returned as zero where it does not exist: at zero distance, for angles of a singular sequence, and for INCANG
+/// while its lines are still parallel at the start.
 pub fn evaluate(
     measure: &Measure,
     i: &Pose,
@@ -105,7 +107,7 @@ fn pair(translation: &Vec3, rotation: &Vec3) -> Vec6 {
     )
 }
 
-/// A measure of the rotation of I in J, from its derivative by a rotation `dtheta` in J axes:
+/// Returns a measure of the rotation of I in J, given its derivative `row_j` with respect to a rotation `dtheta` in J axes:
 /// `dtheta = R_jg (dphi_i - dphi_j)`.
 fn relative(j: &Pose, value: f64, row_j: &Vec3) -> Measured {
     let by_rotation = pair(&Vec3::zeros(), &(j.R * row_j));
@@ -117,7 +119,7 @@ fn relative(j: &Pose, value: f64, row_j: &Vec3) -> Measured {
     }
 }
 
-/// `(p_i - p_j) . e` with e an axis of K, de = dphi_k x e.
+/// Returns `(p_i - p_j) . e`, where e is an axis of K and de = dphi_k x e.
 fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
     let d = i.p - j.p;
     let e: Vec3 = k.R.column(axis).into();
@@ -129,7 +131,7 @@ fn displacement(axis: usize, i: &Pose, j: &Pose, k: &Pose) -> Measured {
     }
 }
 
-/// The reference for the next solution, with the markers at these poses.
+/// Returns the reference for the next solution, with the markers at these poses.
 pub(crate) fn next_reference(
     measure: &Measure,
     i: &Pose,
@@ -145,8 +147,9 @@ pub(crate) fn next_reference(
     Reference { angle, normal }
 }
 
-/// The angle from `a = p_i - p_j` to `b = p_k - p_j` about n, the normal of both that continues the one before: `dangle/da = a x n / a^2`,
-/// `dangle/db = n x b / b^2`. And n.
+/// Returns the angle from `a = p_i - p_j` to `b = p_k - p_j` about their common normal n, and n itself.
+///
+/// The sign of n continues that of the previous solution. The derivatives are `dangle/da = a x n / a^2` and `dangle/db = n x b / b^2`.
 fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measured, Vec3) {
     let (a, b) = (i.p - j.p, k.p - j.p);
     let (cross, cos) = (a.cross(&b), a.dot(&b));
@@ -160,7 +163,7 @@ fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measu
     let normal = if sin > STRAIGHT * a.norm() * b.norm() {
         cross * (side / sin)
     } else {
-        // Lines in one direction have no normal of their own: the last one, at right angles to them.
+        // Parallel lines define no normal: use the previous one, made perpendicular to them.
         let along = a.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         let left = reference.normal - along * along.dot(&reference.normal);
         left.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
@@ -180,8 +183,8 @@ fn included_angle(i: &Pose, j: &Pose, k: &Pose, reference: &Reference) -> (Measu
     (measured, normal)
 }
 
-/// Derivative of AX, AY or AZ by a rotation in J axes: for v = zi (AX, AY) or xi (AZ) in J axes, dv = dtheta x v, and
-/// `d atan2(p, q) = (q dp - p dq) / (p^2 + q^2)`.
+/// Returns the derivative of AX, AY or AZ with respect to a rotation in J axes. For v = zi (AX, AY) or xi (AZ) in J axes, dv = dtheta x v
+/// and `d atan2(p, q) = (q dp - p dq) / (p^2 + q^2)`.
 fn projected_row(R_ji: &Mat3, axis: usize) -> Vec3 {
     let v: Vec3 = R_ji.column(if axis == 2 { 0 } else { 2 }).into();
     // atan2(p, q) with p, q along the J axes `up` and `along`.
@@ -198,7 +201,7 @@ fn projected_row(R_ji: &Mat3, axis: usize) -> Vec3 {
     (v.cross(&up) * q - v.cross(&along) * p) / square
 }
 
-/// e0 or a component of e, and its derivative: `de0 = -e . dtheta / 2`, `de = (e0 dtheta + dtheta x e) / 2`.
+/// Returns e0 or a component of e, and its derivative: `de0 = -e . dtheta / 2`, `de = (e0 dtheta + dtheta x e) / 2`.
 fn euler_parameter(R: &Mat3, which: usize) -> (f64, Vec3) {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
         &nalgebra::Rotation3::from_matrix_unchecked(*R),
@@ -328,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_singular_sequence_puts_the_turn_into_its_first_angle() {
-        // guide/formats.md 4.1: at theta = 0 or pi the sum stands in psi and phi is 0.
+        // guide/formats.md 4.1: at theta = 0 or pi, psi holds the sum and phi is 0.
         for theta in [0.0, std::f64::consts::PI] {
             let R = euler313(0.4, theta, 0.3);
             let angles = [0, 1, 2].map(|k| Sequence::BODY_313.angle(&R, k));
@@ -422,7 +425,7 @@ mod tests {
         assert_eq!(angle(at(9.0, 1.0)), 0.0);
     }
 
-    /// Real output runs on: 156.98, 182.25, 325.06, 354.53 degrees.
+    /// Real ADAMS output continues past 180 degrees: 156.98, 182.25, 325.06, 354.53 degrees.
     #[test]
     fn included_angle_runs_on_past_180_degrees() {
         let at = |degrees: f64| Pose {
@@ -433,7 +436,7 @@ mod tests {
         let (centre, kind) = (Pose::identity(), measure(MeasureKind::IncludedAngle));
         for way in [1.0, -1.0] {
             let mut reference = Reference::NONE;
-            // The first value is positive whichever way the lines turn; the line back to the start lies on the other at 0 and 180.
+            // The first value is positive for either sense of rotation. On the way back, the two lines are parallel at 0 and 180 degrees.
             for degrees in (0..=36)
                 .map(|k| 20.0 * f64::from(k))
                 .chain([710.0, 600.0, 480.0, 360.0, 300.0, 180.0, 90.0, 0.0, -30.0])
@@ -446,7 +449,7 @@ mod tests {
         }
     }
 
-    /// Its derivatives are those of differences on either side of 180 degrees, and there.
+    /// The derivatives agree with central differences on both sides of 180 degrees and at 180 degrees.
     #[test]
     fn included_angle_is_smooth_at_180_degrees() {
         let kind = measure(MeasureKind::IncludedAngle);
@@ -463,7 +466,7 @@ mod tests {
                 |poses: &[Pose; 3]| evaluate(&kind, &poses[0], &poses[1], &poses[2], &reference);
             let exact = at(&poses);
             for (which, by) in [exact.by_i, exact.by_j, exact.by_k].into_iter().enumerate() {
-                // Along z the lines leave the plane of the turn.
+                // A displacement along z would move the lines out of the plane of rotation.
                 for axis in 0..2 {
                     let moved = |h: f64| {
                         let mut poses = poses;

@@ -1,8 +1,8 @@
 //! FUNCTION expressions compiled to flat programs: value and exact derivatives.
 //!
-//! A program sees numbers only: the state quantities it reads ([`Input`]) and the literals of its text, both passed in by the
-//! caller. It does not know where parts are, what forces act, or how a system is assembled. The geometric quantities are evaluated
-//! in [`measure`] from given poses; forces of other elements enter as inputs that the caller fills.
+//! A program works on numbers only: the state quantities it reads ([`Input`]) and the literals of its text, both passed in by the caller.
+//! It is independent of part positions, of forces and of the assembly of a system. The geometric quantities are evaluated in [`measure`]
+//! from given poses. Forces of other elements enter as inputs that the caller fills.
 
 mod akima;
 mod breaks;

@@ -9,16 +9,16 @@ use super::switch::{
 };
 use super::{EvalError, Fault, Input, impact, series};
 
-/// A FUNCTION expression compiled to a flat list of steps over numbered slots.
+/// FUNCTION expression compiled to a flat list of steps over numbered slots.
 ///
-/// Slots hold, in this order, the inputs, the literals in use, the constants, and the results of the steps. Every step stores the
-/// partial derivatives by its operands while it runs; going back over the steps that ran gives all derivatives at once (reverse
-/// accumulation). Only the chosen branch of an IF runs.
+/// The slots hold, in this order, the inputs, the literals in use, the constants, and the results of the steps. Every step stores its
+/// partial derivatives with respect to its operands while it runs. A backward pass over the executed steps then gives all derivatives at
+/// once (reverse accumulation). Only the selected branch of an IF runs.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The distinct state quantities it reads, in the order `eval` takes them.
+    /// Distinct state quantities that the program reads, in the order in which `eval` takes them.
     pub inputs: Vec<Input>,
-    /// The literals it uses as values, as indices into `Expression::literals`; the others are ids and codes.
+    /// Literals used as values, as indices into `Expression::literals`. The other literals are ids and codes.
     pub parameters: Vec<usize>,
     pub(super) constants: Vec<f64>,
     pub(super) steps: Vec<Step>,
@@ -27,25 +27,25 @@ pub struct Program {
     pub(super) slots: usize,
     pub(super) result: u32,
     pub(super) branches: bool,
-    /// How many of its steps have pieces that a motion is held on.
+    /// For each step whose piece can be held fixed (switch), whether its piece depends on time alone.
     pub(super) switches: Vec<bool>,
 }
 
-/// The number of a step that is no switch.
+/// Switch number of a step that is not a switch.
 pub(super) const NO_SWITCH: u32 = u32::MAX;
 
-/// One step: its operands are `operands[first..first + count]`, its result goes to slot `target`.
+/// Step of a program. Its operands are `operands[first..first + count]`; its result is stored in slot `target`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     pub(super) kind: Kind,
     pub(super) first: u32,
     pub(super) count: u32,
     pub(super) target: u32,
-    /// Its number among those that have pieces, or [`NO_SWITCH`].
+    /// Number of the step among the switches, or [`NO_SWITCH`].
     pub(super) switch: u32,
 }
 
-/// What a step does.
+/// Operation of a step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Kind {
     Negate,
@@ -54,7 +54,7 @@ pub(super) enum Kind {
     Multiply,
     Divide,
     Power,
-    /// The function, and its name.
+    /// Function of one argument, with its name.
     Unary(Unary, &'static str),
     Binary(Binary, &'static str),
     Max,
@@ -68,21 +68,21 @@ pub(super) enum Kind {
     Forsin,
     Cheby,
     Sweep,
-    /// Which interpolant of the program, and the function's name.
+    /// Spline interpolation: index of the interpolant in the program, and the function name.
     Interpolate(u32, &'static str),
-    /// Goes on with the next step if the operand is negative, else jumps.
+    /// Conditional jump: continues with the next step if the operand is negative, otherwise jumps to `zero` or `positive`.
     Branch {
         zero: u32,
         positive: u32,
     },
     Jump(u32),
-    /// The value of a branch becomes that of its IF.
+    /// Copies the value of a branch to the target of its IF.
     Move,
 }
 
 impl Kind {
-    /// True for functions of several formulas of which the arguments choose one, but for those that change it at times known beforehand. The
-    /// slopes are those of arguments that are linear in the time.
+    /// Returns whether a step must be watched as a switch: a function with several formulas, of which the arguments select one. Steps whose
+    /// switching times are known in advance are excluded. `slopes` holds the time slope of each argument that is linear in time.
     pub(super) fn is_watched(self, mut slopes: impl Iterator<Item = Option<f64>>) -> bool {
         match self {
             Self::Impact | Self::Bistop => true,
@@ -90,7 +90,7 @@ impl Kind {
             | Self::Min
             | Self::Unary(Unary::Abs, _)
             | Self::Binary(Binary::Dim | Binary::Sign, _) => slopes.any(|slope| slope.is_none()),
-            // A steady argument passes one piece after the other.
+            // An argument that varies linearly in time crosses one piece after another.
             Self::Unary(Unary::Nearest | Unary::Truncate, _) | Self::Binary(Binary::Modulo, _) => {
                 slopes.any(|slope| slope != Some(0.0))
             }
@@ -105,7 +105,7 @@ impl Kind {
         }
     }
 
-    /// As written in expressions.
+    /// Returns the name as written in expressions.
     fn name(self) -> &'static str {
         match self {
             Self::Negate | Self::Subtract => "-",
@@ -132,7 +132,7 @@ impl Kind {
     }
 }
 
-/// Working memory of evaluations, shared by any number of programs. It grows to the largest and stays.
+/// Working memory of evaluations, shared by any number of programs. It grows to the largest program and is then reused.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pub(super) values: Vec<f64>,
@@ -142,27 +142,29 @@ pub struct Scratch {
     pub(super) trace: Vec<u32>,
     blends: Vec<Blend>,
     seen: Vec<Seen>,
-    /// Rates of all slots, from one call to the next.
+    /// Time derivatives of all slots, kept to avoid reallocation.
     pub(super) rates: Vec<[f64; 2]>,
 }
 
-/// An IF that is held between its negative and its positive part while it is evaluated.
+/// State of an IF that is held between its negative and its positive part during an evaluation.
 #[derive(Clone, Copy, Debug)]
 struct Blend {
-    /// Where its value goes, and where its derivative by the test.
+    /// Target slot of the value.
     target: u32,
+    /// Index of the partial derivative with respect to the test.
     by_test: usize,
-    /// Where the positive part begins; none once it has.
+    /// Start of the positive part; `None` once that part has started.
     positive: Option<u32>,
-    /// What each part counts, and how that changes with the test.
+    /// Weights of the negative and the positive part.
     weights: [f64; 2],
+    /// Derivative of the second weight with respect to the test.
     slope: f64,
-    /// The value of the negative part.
+    /// Value of the negative part.
     negative: f64,
 }
 
 impl Scratch {
-    /// What the last evaluation that was held on pieces saw of them.
+    /// Returns the observed switch states of the last evaluation with held pieces.
     pub(crate) fn seen(&self) -> &[Seen] {
         &self.seen
     }
@@ -180,18 +182,18 @@ impl Scratch {
 }
 
 impl Program {
-    /// True if an IF chooses between its parts.
+    /// Returns whether the program contains an IF that selects between its parts.
     pub(crate) fn has_branches(&self) -> bool {
         self.branches
     }
 
-    /// How many steps a motion can be held on pieces of: those of IMPACT, BISTOP, AINT, ANINT, MOD, and where not the time alone chooses, ABS,
-    /// SIGN, DIM, MAX, MIN and IF. Of each, whether the time alone chooses its piece.
+    /// Returns, for each switch, whether its piece depends on time alone. Switches are the steps whose piece can be held fixed: IMPACT,
+    /// BISTOP, AINT, ANINT and MOD always; ABS, SIGN, DIM, MAX, MIN and IF unless their switching times are known in advance.
     pub(crate) fn switches(&self) -> &[bool] {
         &self.switches
     }
 
-    /// Whether the value may jump where one of its switches changes, so that its sides can push against each other: SIGN and IF.
+    /// Returns whether the value can jump at a switch (SIGN and IF), so that its two sides can oppose each other.
     pub(crate) fn may_jump(&self, switch: usize) -> bool {
         let steps = &self.steps;
         steps.iter().any(|step| {
@@ -203,10 +205,10 @@ impl Program {
         })
     }
 
-    /// The value at the given inputs (in the order of `inputs`) and literals (all of the expression, angles in radians).
+    /// Returns the value for the given inputs (in the order of `inputs`) and literals (all literals of the expression, angles in radians).
     ///
     /// # Errors
-    /// The function that has no value there, and why.
+    /// The function that has no value there, and the reason.
     pub fn eval(
         &self,
         inputs: &[f64],
@@ -219,10 +221,10 @@ impl Program {
         self.forward(inputs, literals, &[], scratch)
     }
 
-    /// The value, and its derivatives by each input and by each literal (in radians for those in degrees); literals that are ids or
-    /// codes have derivative zero.
+    /// Returns the value and its derivatives with respect to each input and each literal (in radians for those in degrees). Literals that
+    /// are ids or codes have derivative zero.
     ///
-    /// A derivative that is infinite at the very point (SQRT at 0, ASIN at 1) is taken as zero, so that an iteration can move on.
+    /// A derivative that is infinite at the evaluation point (SQRT at 0, ASIN at 1) is replaced by zero, so that an iteration can continue.
     ///
     /// # Errors
     /// As [`eval`](Self::eval).
@@ -237,8 +239,8 @@ impl Program {
         self.eval_on_pieces(inputs, literals, &[], scratch, (by_input, by_literal))
     }
 
-    /// The same with its switches held on these pieces, one each; with no pieces at all every switch is as its arguments have it. What is
-    /// seen of the switches is left in the scratch.
+    /// Returns value and derivatives as [`Self::eval_with_derivatives`], with each switch held on its entry of `pieces`. If `pieces` is
+    /// empty, the arguments select the piece of every switch. The observed switch states are left in the scratch.
     ///
     /// # Errors
     /// As [`eval`](Self::eval).
@@ -270,7 +272,7 @@ impl Program {
         Ok(value)
     }
 
-    /// The result of a program without steps.
+    /// Returns the result of a program without steps.
     fn plain(&self, inputs: &[f64], literals: &[f64]) -> f64 {
         let slot = self.result as usize;
         if let Some(&input) = inputs.get(slot) {
@@ -423,7 +425,7 @@ impl Program {
         Ok(values[self.result as usize])
     }
 
-    /// A function with more than two arguments.
+    /// Evaluates a function with more than two arguments.
     fn call(&self, kind: Kind, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
         Ok(match kind {
             Kind::Max => intrinsic::extreme(true, a, by),
@@ -448,7 +450,7 @@ impl Program {
         })
     }
 
-    /// Adjoints of all slots from the partial derivatives of the steps that ran.
+    /// Computes the adjoints of all slots from the partial derivatives of the executed steps.
     fn backward(&self, scratch: &mut Scratch) {
         let Scratch {
             adjoints,
@@ -459,7 +461,7 @@ impl Program {
         adjoints[..self.slots].fill(0.0);
         adjoints[self.result as usize] = 1.0;
         let mut pull = |step: &Step| {
-            // What the chosen result does not depend on passes nothing back.
+            // Slots that do not affect the result contribute nothing.
             let adjoint = adjoints[step.target as usize];
             if adjoint == 0.0 || matches!(step.kind, Kind::Jump(_)) {
                 return;
@@ -483,7 +485,7 @@ impl Program {
     }
 }
 
-/// A function that has pieces, on the one it is held on.
+/// Evaluates a piecewise function on the piece on which it is held.
 fn held_on(kind: Kind, a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched, Fault> {
     Ok(match kind {
         Kind::Max => extreme_on(true, a, held, by),

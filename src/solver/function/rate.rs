@@ -1,14 +1,14 @@
-//! Velocities and accelerations of markers: value, and derivatives by position, velocity and acceleration of each marker.
+//! Velocities and accelerations of markers: value, and derivatives with respect to position, velocity and acceleration of each marker.
 //!
-//! Knows the motion of the markers only: not which part a marker is on, nor what the coordinates of parts are.
+//! Depends on the motion of the markers only, not on the part of a marker or on the part coordinates.
 
 use super::{RateAxis, RateKind, RateMeasure};
 use crate::mechanics::{Pose, Vec3};
 
-/// A frame and how it moves, ground axes.
+/// Frame with its velocity and acceleration, in ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MovingFrame {
-    /// Where it is.
+    /// Pose of the frame.
     pub pose: Pose,
     /// Velocity of its origin.
     pub v: Vec3,
@@ -21,7 +21,7 @@ pub struct MovingFrame {
 }
 
 impl MovingFrame {
-    /// The ground frame, at rest.
+    /// Returns the ground frame, at rest.
     pub(crate) fn ground() -> Self {
         Self {
             pose: Pose::identity(),
@@ -33,7 +33,8 @@ impl MovingFrame {
     }
 }
 
-/// Derivatives by the motion of one marker: by a displacement of its origin, a rotation vector, and the four vectors of its motion.
+/// Derivatives with respect to the motion of one marker: a displacement of its origin, a rotation vector, and the four vectors of its
+/// motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
 #[allow(missing_docs)] // The letters are those of `MovingFrame`.
 pub struct ByMotion {
@@ -59,22 +60,27 @@ impl Default for ByMotion {
     }
 }
 
-/// A rate and its derivatives by the motion of I, J, K, L. Those of absent markers are to be left out by the caller.
+/// Velocity or acceleration with its derivatives with respect to the motion of I, J, K, L. The caller must omit the derivatives of absent
+/// markers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct MeasuredRate {
-    /// Its value.
+    /// Value of the measure.
     pub value: f64,
-    /// By the motion of I, J, K, L.
+    /// Derivatives with respect to the motion of I, J, K, L.
     pub by: [ByMotion; 4],
 }
 
-/// Evaluates a rate; for absent markers pass [`MovingFrame::ground`].
+/// Evaluates a velocity or acceleration; for absent markers pass [`MovingFrame::ground`].
 ///
-/// With d = p_i - p_j, u the vector that is measured and w, b of the frame L in which the derivative is taken:
-/// velocity `u = v_i - v_j - w x d`; angular velocity `u = w_i - w_j`;
-/// acceleration `u = a_i - a_j - b x d - 2 w x (v_i - v_j) + w x (w x d)`; angular acceleration `u = b_i - b_j - w x (w_i - w_j)`.
-/// The component along an axis of K, the magnitude, or (VR) the component along d. A magnitude of zero and a line of no length have the
-/// derivative zero. Source: Adams Solver help, `cfunc_vx`, `cfunc_accx`, `cfunc_wdtx`; the formulas are those of a moving frame.
+/// d = p_i - p_j, w and b are the angular velocity and acceleration of the frame L of the time derivative, and u is the measured vector:
+/// - velocity: `u = v_i - v_j - w x d`;
+/// - angular velocity: `u = w_i - w_j`;
+/// - acceleration: `u = a_i - a_j - b x d - 2 w x (v_i - v_j) + w x (w x d)`;
+/// - angular acceleration: `u = b_i - b_j - w x (w_i - w_j)`.
+///
+/// The value is the component of u along an axis of K, its magnitude, or (VR) its component along d. The derivative of the magnitude or of
+/// the direction is zero where the vector vanishes. Source: Adams Solver help, `cfunc_vx`, `cfunc_accx`, `cfunc_wdtx`; the formulas are
+/// those of a moving frame.
 pub fn evaluate(measure: &RateMeasure, [i, j, k, l]: [&MovingFrame; 4]) -> MeasuredRate {
     let d = i.pose.p - j.pose.p;
     let v = i.v - j.v;
@@ -89,7 +95,7 @@ pub fn evaluate(measure: &RateMeasure, [i, j, k, l]: [&MovingFrame; 4]) -> Measu
         RateKind::AngularAcceleration => i.b - j.b - w.cross(&turning),
     };
     let mut by = [ByMotion::default(); 4];
-    // The weight e of u in the value, and what the direction of e adds.
+    // Weight e of u in the value, and the contribution of the direction of e.
     let (value, e) = match measure.axis {
         RateAxis::Axis(axis) => {
             let e: Vec3 = k.pose.R.column(axis).into();
@@ -219,13 +225,13 @@ mod tests {
         }
     }
 
-    /// The rates are those of the positions of markers that move on circles: derivatives taken in a turning frame.
+    /// For markers that move on curved paths, the rates equal the derivatives of the positions, taken in a rotating frame.
     #[test]
     fn rates_are_the_derivatives_of_what_the_frame_sees() {
         let (wl, h) = (Vec3::new(0.3, -0.8, 0.5), 1e-3);
         let path = |t: f64| Vec3::new((2.0 * t).sin(), t * t, (3.0 * t).cos());
         let at = 0.4;
-        // L turns about a fixed axis, J is ground; seen by L: R_l(t)' p(t).
+        // L rotates about a fixed axis and J is ground; the position seen from L is R_l(t)' p(t).
         let seen = |t: f64| exp(&(wl * t)).transpose() * path(t);
         let R = exp(&(wl * at));
         let rate = |f: &dyn Fn(f64) -> Vec3| {

@@ -1,17 +1,18 @@
-//! Second rates of programs along a motion of their inputs.
+//! Second time derivatives of programs along a motion of their inputs.
 
 use super::intrinsic::{Binary, Unary};
 use super::program::{Kind, Program, Scratch};
 use super::series;
 
-/// First and second rate of a quantity, by the time.
+/// First and second time derivative of a quantity.
 pub(crate) type Rates = [f64; 2];
 
 impl Program {
-    /// First and second rate of the value where the inputs move with these, exact: after an evaluation of this program with the same scratch.
+    /// Returns the exact first and second time derivatives of the value for given derivatives of the inputs. This program must have been
+    /// evaluated before with the same scratch.
     ///
-    /// Of a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they are those of the
-    /// side that the derivatives are of. `None` where a step has no second derivatives here.
+    /// For a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they belong to the
+    /// side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
     pub(crate) fn rates_along(&self, inputs: &[Rates], scratch: &mut Scratch) -> Option<Rates> {
         if self.steps.is_empty() {
             return Some(
@@ -40,7 +41,7 @@ impl Program {
             arguments.extend(taken.map(|slot| (scratch.values[slot], slots[slot])));
             let mut rates = [0.0; 2];
             for (by, (_, [first, second])) in by.iter().zip(&arguments) {
-                // A derivative that is infinite counts where its argument moves.
+                // An infinite derivative contributes only if its argument moves.
                 for (rate, along) in rates.iter_mut().zip([first, second]) {
                     *rate += if *along == 0.0 { 0.0 } else { by * along };
                 }
@@ -64,11 +65,11 @@ impl Program {
         found.then_some(rates)
     }
 
-    /// `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from values and rates of its arguments.
+    /// Returns `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from the values and time derivatives of its arguments.
     fn bend(&self, kind: Kind, arguments: &[(f64, Rates)]) -> Option<f64> {
         let (x, [dx, _]) = arguments[0];
         let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
-        // True where all beyond the first stand still.
+        // True if all arguments after the first are constant.
         let alone = arguments[1..].iter().all(|(_, [first, _])| *first == 0.0);
         let values = || -> Vec<f64> { arguments.iter().map(|(value, _)| *value).collect() };
         let of_first = |second: f64| alone.then_some(second * dx * dx);
@@ -144,7 +145,7 @@ impl Program {
     }
 }
 
-/// The second derivative of a function of one argument; zero at kinks and jumps.
+/// Returns the second derivative of a function of one argument; zero at kinks and jumps.
 fn second(function: Unary, x: f64) -> f64 {
     let (value, slope) = function.at(x);
     match function {

@@ -1,7 +1,7 @@
 use super::Fault;
 use super::step::{Shape, step};
 
-/// POLY(x, x0, a0, ..., an): `sum a_j (x - x0)^j`.
+/// Evaluates POLY(x, x0, a0, ..., an) = `sum a_j (x - x0)^j` with partial derivatives.
 pub(super) fn poly(a: &[f64], by: &mut [f64]) -> f64 {
     let u = a[0] - a[1];
     let (mut value, mut slope) = (0.0, 0.0);
@@ -19,18 +19,18 @@ pub(super) fn poly(a: &[f64], by: &mut [f64]) -> f64 {
     value
 }
 
-/// The second derivative of [`poly`] by x: `sum j (j - 1) a_j (x - x0)^(j-2)`.
+/// Returns the second derivative of [`poly`] with respect to x: `sum j (j - 1) a_j (x - x0)^(j-2)`.
 pub(super) fn poly_second(a: &[f64]) -> f64 {
     let u = a[0] - a[1];
     let terms = a[2..].iter().enumerate().skip(2).rev();
     terms.fold(0.0, |sum, (j, a)| sum * u + (j * (j - 1)) as f64 * a)
 }
 
-/// CHEBY(x, x0, a0, ..., an): `sum a_j T_j(x - x0)` with `T_0 = 1, T_1 = u, T_j = 2 u T_(j-1) - T_(j-2)`.
+/// Evaluates CHEBY(x, x0, a0, ..., an) = `sum a_j T_j(x - x0)` with partial derivatives. `T_0 = 1, T_1 = u, T_j = 2 u T_(j-1) - T_(j-2)`.
 pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
     let u = a[0] - a[1];
     let (mut value, mut slope) = (0.0, 0.0);
-    // T_j and T_j' of this and the next j.
+    // T_j and T_j' for this j and the next.
     let (mut t, mut dt) = ((1.0, 0.0), (u, 1.0));
     for (&coefficient, out) in a[2..].iter().zip(&mut by[2..]) {
         *out = t.0;
@@ -45,10 +45,10 @@ pub(super) fn cheby(a: &[f64], by: &mut [f64]) -> f64 {
     value
 }
 
-/// The second derivative of [`cheby`] by x, `T_j'' = 4 T_(j-1)' + 2 u T_(j-1)'' - T_(j-2)''`.
+/// Returns the second derivative of [`cheby`] with respect to x, using `T_j'' = 4 T_(j-1)' + 2 u T_(j-1)'' - T_(j-2)''`.
 pub(super) fn cheby_second(a: &[f64]) -> f64 {
     let u = a[0] - a[1];
-    // T_j, T_j' and T_j'' of this and the next j.
+    // T_j, T_j' and T_j'' for this j and the next.
     let (mut t, mut next) = ([1.0, 0.0, 0.0], [u, 1.0, 0.0]);
     let mut sum = 0.0;
     for &coefficient in &a[2..] {
@@ -63,8 +63,8 @@ pub(super) fn cheby_second(a: &[f64]) -> f64 {
     sum
 }
 
-/// FORCOS(x, x0, w, a0, ..., an): `a0 + sum_(j>0) a_j cos(j w (x - x0))`; FORSIN with sin instead. The term a0 is a constant in
-/// both.
+/// Evaluates FORCOS(x, x0, w, a0, ..., an) = `a0 + sum_(j>0) a_j cos(j w (x - x0))` with partial derivatives. FORSIN uses sin instead; a0
+/// is a constant term in both.
 pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
     let (u, w) = (a[0] - a[1], a[2]);
     let (mut value, mut by_phase) = (a[3], 0.0);
@@ -83,7 +83,7 @@ pub(super) fn fourier(sine: bool, a: &[f64], by: &mut [f64]) -> f64 {
     value
 }
 
-/// The second derivative of [`fourier`] by x: `-w^2 sum_(j>0) j^2 a_j cos(j w (x - x0))`, or sin.
+/// Returns the second derivative of [`fourier`] with respect to x: `-w^2 sum_(j>0) j^2 a_j cos(j w (x - x0))`, or with sin.
 pub(super) fn fourier_second(sine: bool, a: &[f64]) -> f64 {
     let (u, w) = (a[0] - a[1], a[2]);
     let terms = a.iter().enumerate().skip(4).map(|(j, coefficient)| {
@@ -94,7 +94,7 @@ pub(super) fn fourier_second(sine: bool, a: &[f64]) -> f64 {
     -w * w * terms.sum::<f64>()
 }
 
-/// SHF(x, x0, a, w, phi[, b]): `a sin(w (x - x0) - phi) + b`.
+/// Evaluates SHF(x, x0, a, w, phi[, b]) = `a sin(w (x - x0) - phi) + b` with partial derivatives.
 pub(super) fn shf(a: &[f64], by: &mut [f64]) -> f64 {
     let (u, amplitude, w, phi) = (a[0] - a[1], a[2], a[3], a[4]);
     let (sin, cos) = libm::sincos(w * u - phi);
@@ -109,8 +109,8 @@ pub(super) fn shf(a: &[f64], by: &mut [f64]) -> f64 {
     amplitude * sin + a.get(5).copied().unwrap_or(0.0)
 }
 
-/// SWEEP(x, a, x0, f0, x1, f1, dx): a sine of amplitude a whose instantaneous frequency goes linearly from f0 at x0 to f1 at x1,
-/// with a smooth start from x0 to x0 + dx.
+/// Evaluates SWEEP(x, a, x0, f0, x1, f1, dx) with partial derivatives: a sine of amplitude a with a smooth start from x0 to x0 + dx. Its
+/// instantaneous frequency varies linearly from f0 at x0 to f1 at x1.
 ///
 /// ```text
 /// STEP5(x, x0, 0, x0 + dx, 1) a sin(2 pi h(x))
@@ -130,7 +130,7 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     } else {
         step(Shape::Quintic, &[x, x0, 0.0, x0 + dx, 1.0], &mut by_step)?
     };
-    // h and its derivatives by x, x0, f0, x1, f1.
+    // h and its derivatives with respect to x, x0, f0, x1, f1.
     let u = x - x0;
     let rise = f1 - f0;
     let (h, by_h) = if x <= x0 {
@@ -159,7 +159,7 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     let grow = a * sin;
     by[0] = swing * by_h[0] + grow * by_step[0];
     by[1] = envelope * sin;
-    // x0 moves both ends of the start.
+    // x0 shifts both ends of the start-up step.
     by[2] = swing * by_h[1] + grow * (by_step[1] + by_step[3]);
     by[3] = swing * by_h[2];
     by[4] = swing * by_h[3];
@@ -168,7 +168,7 @@ pub(super) fn sweep(args: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     Ok(envelope * grow)
 }
 
-/// Second derivative of SWEEP by x.
+/// Returns the second derivative of SWEEP with respect to x.
 ///
 /// With y = E sin p, p = 2 pi h: `y'' = (E'' - E p'^2) sin p + (2 E' p' + E p'') cos p`.
 pub(super) fn sweep_second(args: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
 use super::Fault;
 
-/// The shape of a step between two levels.
+/// Shape of a step between two levels.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Shape {
     /// STEP: `u^2 (3 - 2u)`.
@@ -12,7 +12,7 @@ pub(super) enum Shape {
 }
 
 impl Shape {
-    /// s(u) and its derivative for u in [0, 1].
+    /// Returns s(u) and its derivative for u in [0, 1].
     pub(super) fn at(self, u: f64) -> (f64, f64) {
         match self {
             Self::Cubic => (u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)),
@@ -27,7 +27,7 @@ impl Shape {
         }
     }
 
-    /// The second derivative for u in [0, 1].
+    /// Returns the second derivative of s for u in [0, 1].
     pub(super) fn second(self, u: f64) -> f64 {
         use std::f64::consts::PI;
         match self {
@@ -38,9 +38,10 @@ impl Shape {
     }
 }
 
-/// STEP, STEP5, HAVSIN of (x, x0, h0, x1, h1) with partial derivatives by the five arguments (guide/formats.md 3.6).
+/// Evaluates STEP, STEP5 or HAVSIN of (x, x0, h0, x1, h1) with partial derivatives with respect to the five arguments (guide/formats.md
+/// 3.6).
 ///
-/// x0 > x1 is the mirrored step. Equal ends are an error.
+/// x0 > x1 gives the mirrored step. Equal ends are an error.
 pub(super) fn step(shape: Shape, a: &[f64], by: &mut [f64]) -> Result<f64, Fault> {
     let &[x, x0, h0, x1, h1] = a else {
         unreachable!("the grammar gives steps five arguments");

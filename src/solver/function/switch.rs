@@ -1,56 +1,59 @@
-//! Pieces of functions that are not smooth: on which one a motion is, and how far it is from the end of it.
+//! Pieces of functions that are not smooth: the active piece, and the distance of the arguments from its end.
 //!
-//! A step of an integrator is smooth only if every function stays on one formula in it. So a motion holds each IMPACT, BISTOP, ABS, SIGN,
-//! DIM, MAX, MIN, AINT, ANINT, MOD and IF on the piece it began with, beyond its end too, and looks after each step whether that end was passed.
+//! An integrator step is smooth only if every function keeps one formula during the step. The integrator therefore holds each piecewise
+//! function on the piece active at the start of the step, even beyond the end of that piece. The functions are IMPACT, BISTOP, ABS, SIGN,
+//! DIM, MAX, MIN, AINT, ANINT, MOD and IF. After each step the integrator checks whether the end of a piece was passed (event location).
 
 use super::Fault;
 use super::impact::Stop;
 use super::intrinsic::extreme;
 
-/// The piece that a function is held on; none: that of its arguments.
+/// Piece on which a function is held; `None` selects the piece from the arguments.
 pub(crate) type Piece = Option<i64>;
 
-/// What was seen of a function that has pieces.
+/// Observed state of a piecewise function after an evaluation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Seen {
-    /// The piece of its arguments; none if it was not evaluated, as in the parts of an IF that are not chosen.
+    /// Piece to which the arguments belong; `None` if the function was not evaluated, as in the parts of an IF that are not selected.
     pub piece: Piece,
-    /// Below zero on the piece that it is held on, zero at its end, above zero beyond.
+    /// Event function: negative on the piece on which the function is held, zero at its end, positive beyond.
     pub excess: f64,
 }
 
 impl Seen {
-    /// Not evaluated.
+    /// State of a function that was not evaluated.
     pub(crate) const NOTHING: Self = Self {
         piece: None,
         excess: f64::NEG_INFINITY,
     };
 }
 
-/// The value of a function on a piece.
+/// Value of a function on a piece, with the observed state.
 pub(super) struct Switched {
     pub value: f64,
     pub seen: Seen,
 }
 
-/// The piece of a function that is held between its two sides, which push against each other: its value goes from one to the other in a line
-/// over this half width of the argument, or the power of two below. What sticks creeps by less than that.
+/// Returns the piece code of a function that is held between its two sides, where both sides push towards the switching point (sliding
+/// mode). The value then varies linearly from one side to the other over the half width `width` of the argument, rounded down to a power of
+/// two. A sticking motion creeps by less than that width.
 pub(crate) fn between(width: f64) -> i64 {
     (libm::log2(width).floor() as i64).clamp(-1000, -1)
 }
 
-/// The half width of a function that is held between its sides.
+/// Returns the half width of a function that is held between its sides, or `None` if it is not.
 pub(crate) fn half_width(held: Piece) -> Option<f64> {
     let between = held.filter(|piece| *piece < 0)?;
     Some(libm::exp2(between as f64))
 }
 
-/// IF: negative, zero, positive. ABS and DIM: negative, positive.
+/// Piece codes of the sign of an argument. IF uses all three, ABS and DIM only negative and positive.
 const NEGATIVE: i64 = 0;
 const ZERO: i64 = 1;
 const POSITIVE: i64 = 2;
 
-/// The part of an IF: that of the sign of its test, or the one it is held on; the first of the two it is held between.
+/// Returns the part of an IF and its observed state. The part follows the sign of the test, or is the one on which the IF is held. An IF
+/// held between its sides returns the negative part.
 pub(super) fn part_of(test: f64, held: Piece) -> (i64, Seen) {
     let piece = match test {
         test if test < 0.0 => NEGATIVE,
@@ -69,21 +72,25 @@ pub(super) fn part_of(test: f64, held: Piece) -> (i64, Seen) {
     (on, seen(piece, held, excess))
 }
 
-/// IMPACT and BISTOP: no contact, pressed against the lower stop, in it without a force (the damping would pull), the same of the upper.
+/// Piece code of IMPACT and BISTOP without contact.
 const APART: i64 = 0;
+/// Piece codes of contact with a force at the lower and at the upper stop.
 const PRESSED: [i64; 2] = [1, 3];
+/// Piece codes of penetration without force, because the damping would pull, at the lower and at the upper stop.
 const LEAVING: [i64; 2] = [2, 4];
 
-/// IMPACT(x, xdot, x1, k, e, cmax, d) or BISTOP(x, xdot, x1, x2, k, e, cmax, d) on the piece it is held on, with partial derivatives.
+/// Evaluates IMPACT(x, xdot, x1, k, e, cmax, d) or BISTOP(x, xdot, x1, x2, k, e, cmax, d) on the piece on which it is held, with partial
+/// derivatives.
 ///
-/// Beyond the end of the piece the penetration is negative: the spring pulls as it would push, and there is no damping unless d = 0.
+/// Beyond the end of the piece the penetration is negative: the spring force then pulls symmetrically, and the damping is zero unless d =
+/// 0.
 pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched, Fault> {
     by.fill(0.0);
     let (x, rate) = (a[0], a[1]);
     let both = a.len() == 8;
     let law = if both { 4 } else { 3 };
     let (k, e, cmax, d) = (a[law], a[law + 1], a[law + 2], a[law + 3]);
-    // Penetrations of the lower and the upper stop.
+    // Penetrations into the lower and the upper stop.
     let depth = [a[2] - x, if both { x - a[3] } else { f64::NEG_INFINITY }];
     let at = |side: usize| {
         let rate = if side == 0 { rate } else { -rate };
@@ -103,7 +110,7 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
         let stop = at(side)?;
         let pressed = on == PRESSED[side];
         if pressed {
-            // Either way dF/dx = -df/dp, dF/dxdot = df/drate.
+            // On both sides dF/dx = -df/dp and dF/dxdot = df/drate.
             let sign = if side == 0 { 1.0 } else { -1.0 };
             value = sign * stop.force;
             by[0] = -stop.by_p;
@@ -121,7 +128,8 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
     })
 }
 
-/// What is seen of a function held on a piece, of which `excess` is zero at the end.
+/// Returns the observed state of a function on a piece. `excess` is zero at the end of that piece and is ignored if the function is not
+/// held.
 fn seen(piece: i64, held: Piece, excess: f64) -> Seen {
     Seen {
         piece: Some(piece),
@@ -129,7 +137,7 @@ fn seen(piece: i64, held: Piece, excess: f64) -> Seen {
     }
 }
 
-/// ABS(x) on the piece it is held on: x or -x.
+/// Evaluates ABS(x) on the piece on which it is held: x or -x.
 pub(super) fn abs_on(x: f64, held: Piece, by: &mut [f64]) -> Switched {
     let piece = if x < 0.0 { NEGATIVE } else { POSITIVE };
     let sign = if held.unwrap_or(piece) == NEGATIVE {
@@ -144,7 +152,7 @@ pub(super) fn abs_on(x: f64, held: Piece, by: &mut [f64]) -> Switched {
     }
 }
 
-/// DIM(a, b) on the piece it is held on: a - b or zero.
+/// Evaluates DIM(a, b) on the piece on which it is held: a - b or zero.
 pub(super) fn dim_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     let piece = if a > b { POSITIVE } else { NEGATIVE };
     let round_off = rounding(a, b);
@@ -163,7 +171,7 @@ pub(super) fn dim_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     }
 }
 
-/// SIGN(a, b) on the piece it is held on. A piece is which of the two are negative: 1 for a, 2 for b.
+/// Evaluates SIGN(a, b) on the piece on which it is held. The piece code is the sum of 1 if a is negative and 2 if b is negative.
 pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     let piece = i64::from(a < 0.0) + 2 * i64::from(b < 0.0);
     if let Some(width) = half_width(held) {
@@ -183,14 +191,14 @@ pub(super) fn sign_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     }
 }
 
-/// AINT(x), or ANINT(x), on the piece it is held on: a whole number.
+/// Evaluates AINT(x) or ANINT(x) on the piece on which it is held, which is an integer.
 pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Switched {
     let own = if nearest { x.round() } else { x.trunc() };
     let piece = own as i64;
     let on = held.unwrap_or(piece);
     by[0] = 0.0;
     Switched {
-        // Beyond the range of whole numbers, and where x is no number, its own value.
+        // The exact value is kept beyond the range of integers and for NaN.
         value: if on == piece || own.is_nan() {
             own
         } else {
@@ -200,7 +208,7 @@ pub(super) fn whole_on(nearest: bool, x: f64, held: Piece, by: &mut [f64]) -> Sw
     }
 }
 
-/// MOD(a, b) on the piece it is held on: the whole part of a/b.
+/// Evaluates MOD(a, b) on the piece on which it is held, which is the integer part of a/b.
 pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched {
     let quotient = a / b;
     let piece = quotient.trunc() as i64;
@@ -208,13 +216,13 @@ pub(super) fn modulo_on(a: f64, b: f64, held: Piece, by: &mut [f64]) -> Switched
     let whole = on as f64;
     by.copy_from_slice(&[1.0, -whole]);
     Switched {
-        // Its own value has no round-off, and none where b is zero.
+        // On its own piece the exact remainder is used: it has no round-off, and is NaN where b is zero.
         value: if on == piece { a % b } else { a - b * whole },
         seen: seen(piece, held, beyond_whole(false, quotient, whole)),
     }
 }
 
-/// How far x is beyond the numbers that a whole one stands for.
+/// Returns the distance by which x lies beyond the interval of numbers that round or truncate to `whole`.
 fn beyond_whole(nearest: bool, x: f64, whole: f64) -> f64 {
     let (below, above) = match (nearest, whole) {
         (true, _) => (0.5, 0.5),
@@ -226,7 +234,7 @@ fn beyond_whole(nearest: bool, x: f64, whole: f64) -> f64 {
     (lower - x - rounding(lower, x)).max(x - upper - rounding(upper, x))
 }
 
-/// MAX, or MIN, on the piece it is held on: which of its arguments it is.
+/// Evaluates MAX or MIN on the piece on which it is held, which is the index of an argument.
 pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) -> Switched {
     extreme(largest, a, by);
     let piece = by.iter().position(|partial| *partial != 0.0).unwrap_or(0);
@@ -249,7 +257,7 @@ pub(super) fn extreme_on(largest: bool, a: &[f64], held: Piece, by: &mut [f64]) 
     }
 }
 
-/// Arguments that are equal but for round-off change no side.
+/// Returns the tolerance within which two arguments count as equal, so that round-off causes no switch.
 fn rounding(a: f64, b: f64) -> f64 {
     4.0 * f64::EPSILON * a.abs().max(b.abs())
 }

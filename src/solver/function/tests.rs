@@ -1,4 +1,4 @@
-//! Every function against closed form values and central differences.
+//! Tests of every function against closed-form values and central differences.
 
 use super::{Compiler, EvalError, Fault, Input, Program, Scratch};
 use crate::mechanics::{Mat3, Vec3};
@@ -31,12 +31,12 @@ fn spline(id: u32, x: &[f64], z: &[f64], y: &[&[f64]], linear_extrapolate: bool)
     }
 }
 
-/// The example of Akima's paper (J. ACM 17, 1970, p. 600).
+/// Example of Akima's paper (J. ACM 17, 1970, p. 600).
 const AKIMA_Y: [f64; 11] = [
     10.0, 10.0, 10.0, 10.0, 10.0, 10.0, 10.5, 15.0, 50.0, 60.0, 85.0,
 ];
 
-/// Markers 1 to 5, variables 1 to 3, an array, a bushing and splines.
+/// Returns a model with markers 1 to 5, variables 1 to 3, an array, a bushing and splines.
 fn model() -> Model {
     let count: Vec<f64> = (0..11).map(f64::from).collect();
     let function =
@@ -83,7 +83,7 @@ fn model() -> Model {
         }],
         splines: vec![
             spline(1, &count, &[0.0], &[&AKIMA_Y], false),
-            // y = x^2 and y = 3 - x^2 on an even grid: Akima's rule is exact for parabolas there.
+            // y = x^2 and y = 3 - x^2 on a uniform grid, where Akima's rule is exact for parabolas.
             spline(
                 2,
                 &[0.0, 1.0, 2.0, 3.0],
@@ -136,7 +136,7 @@ fn compile(text: &str) -> Case {
 }
 
 impl Case {
-    /// Inputs from the values of VARIABLE/1, 2, 3 and TIME.
+    /// Returns the inputs for given values of VARIABLE/1, 2, 3 and TIME.
     fn inputs(&self, state: [f64; 4]) -> Vec<f64> {
         self.program
             .inputs
@@ -256,7 +256,7 @@ fn intrinsics_have_their_fortran_values() {
 
 #[test]
 fn steps_have_their_levels_and_middle() {
-    // guide/formats.md 3.6; the midpoint of every shape is the mean, the quarter points are 5/32, 53/512, (1 - cos 45)/2.
+    // guide/formats.md 3.6. The midpoint of every shape is the mean; the quarter points are 5/32, 53/512, (1 - cos 45)/2.
     for (name, quarter) in [
         ("STEP", 5.0 / 32.0),
         ("STEP5", 53.0 / 512.0),
@@ -267,7 +267,7 @@ fn steps_have_their_levels_and_middle() {
         near(&format!("{name}(9,1,10,3,20)"), 20.0);
         near(&format!("{name}(2,1,10,3,20)"), 15.0);
         near(&format!("{name}(1.5,1,10,3,20)"), 10.0 + 10.0 * quarter);
-        // Descending ends are the mirrored step.
+        // Descending ends give the mirrored step.
         near(&format!("{name}(1.5,3,20,1,10)"), 10.0 + 10.0 * quarter);
         assert_eq!(fault(&format!("{name}(1,2,0,2,1)")).fault, Fault::EqualEnds);
     }
@@ -279,7 +279,7 @@ fn impacts_push_and_never_pull() {
     near("IMPACT(3,0,2,100,1.5,10,0.1)", 0.0);
     near("IMPACT(1,0,2,100,1.5,10,0.1)", 100.0);
     near("IMPACT(-2,0,2,100,1.5,10,0.1)", 800.0);
-    // Full damping beyond d; approaching speeds add, separating ones subtract down to zero.
+    // Full damping applies beyond d. Approach speeds add to the force, separation speeds reduce it down to zero.
     near("IMPACT(1,-2,2,100,1.5,10,0.1)", 120.0);
     near("IMPACT(1,2,2,100,1.5,10,0.1)", 80.0);
     near("IMPACT(1,20,2,100,1.5,10,0.1)", 0.0);
@@ -302,7 +302,7 @@ fn series_are_their_sums() {
         10.0 * (std::f64::consts::PI * 5.0 / 6.0).sin() + 3.0,
     );
     near("SHF(1,1,10,PI,30D)", -5.0);
-    // The worked example of the FORSIN page: no constant term enters but a0.
+    // Worked example of the FORSIN page: a0 is the only constant term.
     let w = std::f64::consts::PI;
     let sum = |f: fn(f64) -> f64| f(w) + 2.0 * f(2.0 * w) + 3.0 * f(3.0 * w);
     near("FORSIN(0.75,-0.25,PI,7,1,2,3)", 7.0 + sum(f64::sin));
@@ -436,7 +436,7 @@ fn rates_know_their_markers_and_equal_inputs_are_read_once() {
                 RateAxis::Axis(2),
                 [Some(2), None, None, None]
             ),
-            // A magnitude has no axes: its third argument is the frame of the derivative.
+            // A magnitude has no axes, so its third argument is the frame of the time derivative.
             (
                 RateKind::Acceleration,
                 RateAxis::Magnitude,
@@ -466,7 +466,7 @@ fn constants_follow_their_literals() {
 #[test]
 fn ids_are_no_parameters() {
     let case = compile("BUSH(7,0,2,3)*2.5 + AKISPL(TIME,0,1)");
-    // 2.5 and the z of AKISPL; neither ids nor codes.
+    // The parameters are 2.5 and the z of AKISPL, without ids and codes.
     let values: Vec<f64> = case
         .program
         .parameters
@@ -478,7 +478,7 @@ fn ids_are_no_parameters() {
 
 #[test]
 fn a_function_of_a_real_deck_reads_as_meant() {
-    // The form of guide/formats.md 1.3: steps inside an IF on an angle in degrees.
+    // Form given in guide/formats.md 1.3: steps inside an IF on an angle in degrees.
     let case = compile(
         "IF( MOD(AZ(4,3),PI/2)-89D: STEP(TIME,0,0,1,28.57), 28.57, STEP(TIME,1,28.57,2,0) )",
     );

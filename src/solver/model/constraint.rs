@@ -1,6 +1,6 @@
 use super::{Function, Header, MarkerIx};
 
-/// The type of a JOINT.
+/// Type of a JOINT.
 #[derive(Clone, Copy, PartialEq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum JointKind {
@@ -13,18 +13,18 @@ pub enum JointKind {
     Hooke,
     Universal,
     Convel,
-    /// PITCH: translation per turn.
+    /// Screw joint with its PITCH, the translation per turn.
     Screw {
         pitch: f64,
     },
-    /// PD: pitch diameter.
+    /// Rack-and-pinion joint with its pitch diameter PD.
     RackPin {
         pitch_diameter: f64,
     },
 }
 
 impl JointKind {
-    /// Its flag in the statement.
+    /// Returns the type keyword in the statement.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Spherical => "SPHERICAL",
@@ -41,7 +41,7 @@ impl JointKind {
         }
     }
 
-    /// PITCH or PD.
+    /// Returns PITCH or PD, if the joint has one.
     pub(crate) const fn number(self) -> Option<f64> {
         match self {
             Self::Screw { pitch } => Some(pitch),
@@ -51,7 +51,7 @@ impl JointKind {
     }
 }
 
-/// JOINT.
+/// JOINT statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Joint {
     /// Id, name, origin.
@@ -62,13 +62,13 @@ pub struct Joint {
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// IC or ICTRAN of the displacement along zj: value, and rate if given.
+    /// Initial displacement along zj and, if given, its rate (IC or ICTRAN).
     pub initial_translation: Option<(f64, Option<f64>)>,
-    /// IC or ICROT of the rotation about zj, radians.
+    /// Initial rotation about zj in radians and, if given, its rate (IC or ICROT).
     pub initial_rotation: Option<(f64, Option<f64>)>,
 }
 
-/// The type of a JPRIM.
+/// Type of a JPRIM.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum PrimitiveKind {
@@ -81,7 +81,7 @@ pub enum PrimitiveKind {
 }
 
 impl PrimitiveKind {
-    /// Its flag in the statement.
+    /// Returns the type keyword in the statement.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::AtPoint => "ATPOINT",
@@ -94,7 +94,7 @@ impl PrimitiveKind {
     }
 }
 
-/// JPRIM.
+/// JPRIM statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Primitive {
     /// Id, name, origin.
@@ -107,50 +107,50 @@ pub struct Primitive {
     pub j: MarkerIx,
 }
 
-/// Which displacement of a joint a COUPLER term takes.
+/// Displacement of a joint that enters a COUPLER.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum CouplerKind {
-    /// Along zj.
+    /// Translation along zj.
     Translation,
-    /// About zj.
+    /// Rotation about zj.
     Rotation,
 }
 
-/// COUPLER: sum of scale times joint displacement is zero.
+/// COUPLER: the sum of the joint displacements, each times its scale, is zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Coupler {
     /// Id, name, origin.
     pub header: Header,
-    /// Index into `Model::joints`, which displacement, scale.
+    /// Terms: index into `Model::joints`, displacement, scale.
     pub terms: Vec<(usize, CouplerKind, f64)>,
 }
 
-/// GEAR.
+/// GEAR statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gear {
     /// Id, name, origin.
     pub header: Header,
-    /// Indices into `Model::joints`.
+    /// The two joints, as indices into `Model::joints`.
     pub joints: [usize; 2],
-    /// The common-velocity marker.
+    /// Common-velocity marker.
     pub cv: MarkerIx,
 }
 
-/// GCON: the function is zero.
+/// GCON: constrains a function to zero.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Gcon {
     /// Id, name, origin.
     pub header: Header,
-    /// I: where the reaction is reported.
+    /// I marker, at which the reaction is reported.
     pub i: Option<MarkerIx>,
-    /// The constrained function.
+    /// Constrained function.
     pub function: Function,
 }
 
-/// What a MOTION prescribes.
+/// Displacement that a MOTION prescribes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MotionAxis {
-    /// Component of the displacement along an axis of J: 0, 1, 2 for X, Y, Z.
+    /// Displacement component along an axis of J: 0, 1, 2 for X, Y, Z.
     Translation(usize),
     /// Rotation about zj (joint motions).
     RotationZ,
@@ -159,7 +159,7 @@ pub enum MotionAxis {
 }
 
 impl MotionAxis {
-    /// Its flag in the statement.
+    /// Returns the keyword in the statement.
     pub(crate) const fn word(self) -> &'static str {
         match self {
             Self::Translation(axis) => ["X", "Y", "Z"][axis],
@@ -169,7 +169,7 @@ impl MotionAxis {
     }
 }
 
-/// The order of a MOTION.
+/// Time derivative that a MOTION prescribes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum MotionOrder {
@@ -178,25 +178,25 @@ pub enum MotionOrder {
     Acceleration,
 }
 
-/// MOTION, resolved to its markers.
+/// MOTION statement, resolved to its markers.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Motion {
     /// Id, name, origin.
     pub header: Header,
-    /// The joint it drives (index into `Model::joints`), if given by joint.
+    /// Driven joint (index into `Model::joints`), if the motion names a joint.
     pub joint: Option<usize>,
     /// I marker.
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// What it prescribes.
+    /// Prescribed displacement.
     pub axis: MotionAxis,
-    /// Displacement, velocity or acceleration.
+    /// Prescribed time derivative: displacement, velocity or acceleration.
     pub order: MotionOrder,
-    /// ICDISP.
+    /// Initial displacement, ICDISP.
     pub initial_displacement: Option<f64>,
-    /// ICVEL.
+    /// Initial velocity, ICVEL.
     pub initial_velocity: Option<f64>,
-    /// FUNCTION.
+    /// Prescribed value, FUNCTION.
     pub function: Function,
 }

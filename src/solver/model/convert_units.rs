@@ -1,4 +1,4 @@
-//! A dataset in other units: the same mechanism, number by number.
+//! Conversion of a dataset to other units.
 
 use super::Model;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
@@ -8,12 +8,14 @@ use admire_syntax::text::{Edit, Span};
 use admire_syntax::units::{Dimension, Unit, Units};
 use admire_syntax::{Address, Argument, Dataset, Expression, Number, Statement, Value, spell_like};
 
-/// The edits that give a dataset other units. Numbers with a dimension are scaled; functions keep their own numbers: what they measure
-/// is given to them in the old units, and what they yield is scaled. Variables, splines and arrays, which functions use, stay as
-/// they are. Diagnostics name tolerances that stay because they judge lengths and angles alike.
+/// Returns the edits that convert a dataset to other units.
+///
+/// Numbers with a dimension are scaled. Functions keep their own numbers: the quantities they measure are converted back to the old units,
+/// and their result is scaled. Variables, splines and arrays, which functions use, stay unchanged. Diagnostics list tolerances that stay
+/// unchanged because they apply to lengths and angles alike.
 ///
 /// # Errors
-/// Every statement and function that cannot be converted, at its place.
+/// A diagnostic for every statement and function that cannot be converted, with its position.
 pub fn convert_units(
     dataset: &Dataset,
     model: &Model,
@@ -53,13 +55,13 @@ struct Conversion<'a> {
     old: Units,
     new: [Unit; 4],
     edits: Vec<Edit>,
-    /// What keeps its number though it depends on units.
+    /// Warnings about numbers that stay unchanged although they depend on units.
     stays: Vec<Diagnostic>,
     refused: Vec<Diagnostic>,
 }
 
 impl Conversion<'_> {
-    /// What a number of a dimension is multiplied with.
+    /// Returns the conversion factor of a dimension.
     fn factor(&self, dimension: Dimension) -> f64 {
         let [force, mass, length, time] = self.new;
         (self.old.force.si / force.si).powi(i32::from(dimension.force))
@@ -81,7 +83,7 @@ impl Conversion<'_> {
         Address::of(statement).map_or_else(String::new, |address| address.to_string())
     }
 
-    /// The UNITS statement itself.
+    /// Converts the UNITS statement itself.
     fn units(&mut self) {
         let dataset = self.dataset;
         let Some(units) = dataset.statement("UNITS", None) else {
@@ -121,7 +123,7 @@ impl Conversion<'_> {
             | "CONTACT" | "CURVE" | "SURFACE" | "PTCV" | "CVCV" | "SECTION" => true,
             "SPLINE" => statement.has("FILE"),
             "COUPLER" => self.is_mixed(statement),
-            // Their coefficients hold the unit of time.
+            // Their coefficients depend on the unit of time.
             "DIFF" | "LSE" | "GSE" | "TFSISO" => self.factor(Dimension::TIME) != 1.0,
             _ => false,
         };
@@ -164,7 +166,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// Says which tolerances keep their numbers.
+    /// Reports tolerances that keep their numbers.
     fn tolerances(&mut self, statement: &Statement, kind: &str) {
         let names = match kind {
             "IC" | "KINEMATICS" => &["AERROR", "ERROR", "VERROR"][..],
@@ -188,14 +190,14 @@ impl Conversion<'_> {
         }
     }
 
-    /// What a FRICTION does not state has a default that is a number of the unit: it is written out.
+    /// Writes out the defaults of a FRICTION that depend on the units.
     fn defaults_of_friction(&mut self, statement: &Statement) {
         let joint = statement.first("JOINT").map(|id| id as u32);
         let joint = joint.and_then(|id| self.dataset.statement("JOINT", Some(id)));
         let Some((def, joint)) = statement.def.zip(joint) else {
             return;
         };
-        // Which arguments belong to which joint: `state_friction`.
+        // Arguments that belong to each joint type: `state_friction`.
         let of_pins = &["PIN_RADIUS", "FRICTION_ARM", "BENDING_REACTION_ARM"][..];
         let own = [
             ("SPHERICAL", &["BALL_RADIUS"][..]),
@@ -226,7 +228,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// The dimension of one number of an argument, those too that differ within one list.
+    /// Returns the dimension of one number of an argument. Some arguments mix dimensions within one list.
     fn dimension(&self, statement: &Statement, def: &ArgumentDef, at: usize) -> Dimension {
         let angular = |k: usize| k % 6 >= 3;
         let of_wrench = |torque| {
@@ -245,7 +247,7 @@ impl Conversion<'_> {
         match (statement.kind(), def.name) {
             (Some("FIELD"), "FORCE") => of_wrench(angular(at)),
             (Some("FIELD"), "LENGTH") if !angular(at) => Dimension::LENGTH,
-            // Row by force or torque, column by length or angle.
+            // The row sets force or torque, the column length or angle.
             (Some("FIELD"), "KMATRIX") => per(
                 of_wrench(angular(at % 6)),
                 if at / 6 < 3 { -1 } else { 0 },
@@ -257,12 +259,12 @@ impl Conversion<'_> {
                 1,
             ),
             (Some("BEAM"), "CMATRIX") => {
-                // Upper half by columns: place k stands in column c, row k - c (c + 1) / 2.
+                // Upper half by columns: entry k is in column c, row k - c (c + 1) / 2.
                 let column = (0..6).find(|c| at < (c + 1) * (c + 2) / 2).unwrap_or(5);
                 let row = at - column * (column + 1) / 2;
                 per(of_wrench(row >= 3), if column < 3 { -1 } else { 0 }, 1)
             }
-            // A displacement and its rate.
+            // A displacement followed by its rate.
             (Some("JOINT"), "IC") => {
                 Dimension::new(0, 0, i8::from(statement.has("TRANSLATIONAL")), -rate(at), 0)
             }
@@ -283,7 +285,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// What a function yields.
+    /// Returns the dimension of a function's result.
     fn yielded(&self, statement: &Statement, argument: &Argument) -> Dimension {
         match (statement.kind(), argument.kind()) {
             (Some("SFORCE"), _) if statement.has("ROTATIONAL") => Dimension::TORQUE,
@@ -300,7 +302,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// A displacement of a motion, or its first or second derivative.
+    /// Returns the dimension of a motion's displacement, or of its first or second time derivative.
     fn of_motion(&self, motion: &Statement, order: i8) -> Dimension {
         let joint = motion.numbers("JOINT").first().map(|id| id.value as u32);
         let joint = joint.and_then(|id| self.dataset.statement("JOINT", Some(id)));
@@ -371,7 +373,7 @@ impl Conversion<'_> {
         }
     }
 
-    /// True for couplers of translations and rotations: only the ratio of their scales has a unit.
+    /// Returns whether a coupler mixes translations and rotations and cannot be converted: only the ratio of its scales has a unit.
     fn is_mixed(&self, coupler: &Statement) -> bool {
         let translate: Vec<bool> = coupler
             .numbers("JOINTS")
@@ -390,7 +392,7 @@ impl Conversion<'_> {
     }
 }
 
-/// The dimension of what a call measures; `NONE` for all that only reckons.
+/// Returns the dimension of the quantity that a call measures, and `NONE` for purely arithmetic functions.
 fn measured(
     function: &FunctionDef,
     arguments: &[Node],
@@ -429,7 +431,7 @@ fn measured(
     })
 }
 
-/// Fifteen digits: factors of units are not exact in binary.
+/// Rounds to fifteen digits, because unit factors are not exact in binary.
 fn rounded(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }

@@ -2,31 +2,31 @@ use super::{Function, Header, MarkerIx};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 
-/// VARIABLE: v = e, possibly implicit.
+/// VARIABLE: v = e, where e may depend on v (implicit).
 #[derive(Clone, PartialEq, Debug)]
 pub struct Variable {
     /// Id, name, origin.
     pub header: Header,
-    /// IC: the starting guess.
+    /// Starting guess, IC.
     pub ic: f64,
-    /// FUNCTION.
+    /// Value, FUNCTION.
     pub function: Function,
 }
 
-/// DIFF.
+/// DIFF statement: a first-order differential equation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Diff {
     /// Id, name, origin.
     pub header: Header,
-    /// IC.
+    /// Initial value of the state, IC.
     pub ic: f64,
-    /// IMPLICIT: the function itself is zero.
+    /// IMPLICIT: the equation is FUNCTION = 0.
     pub implicit: bool,
-    /// STATIC_HOLD: the state keeps its value in statics.
+    /// STATIC_HOLD: the state is constant in statics.
     pub static_hold: bool,
-    /// DYNAMIC_HOLD: the state keeps its value in motion.
+    /// DYNAMIC_HOLD: the state is constant in dynamics.
     pub dynamic_hold: bool,
-    /// FUNCTION.
+    /// Time derivative of the state, or implicit equation, FUNCTION.
     pub function: Function,
 }
 
@@ -35,47 +35,47 @@ pub struct Diff {
 pub struct LinearStates {
     /// Id, name, origin.
     pub header: Header,
-    /// Which statement it was: `LSE`, `GSE` or `TFSISO`.
+    /// Statement kind: `LSE`, `GSE` or `TFSISO`.
     pub kind: &'static str,
-    /// Ids of the X, U and Y arrays.
+    /// Id of the X array (states).
     pub x: u32,
-    /// U array.
+    /// Id of the U array (inputs).
     pub u: u32,
-    /// Y array.
+    /// Id of the Y array (outputs).
     pub y: Option<u32>,
-    /// IC array: the states at the start, kept by STATIC_HOLD. Zeros if absent.
+    /// Id of the IC array with the initial states, which STATIC_HOLD keeps. Zeros if absent.
     pub ic: Option<u32>,
-    /// A, row by row.
+    /// Matrix A, row by row.
     pub a: Vec<Vec<f64>>,
-    /// B, row by row.
+    /// Matrix B, row by row.
     pub b: Vec<Vec<f64>>,
-    /// C, row by row.
+    /// Matrix C, row by row.
     pub c: Vec<Vec<f64>>,
-    /// D, row by row.
+    /// Matrix D, row by row.
     pub d: Vec<Vec<f64>>,
-    /// STATIC_HOLD.
+    /// STATIC_HOLD: the states are constant in statics.
     pub static_hold: bool,
 }
 
-/// What an ARRAY holds.
+/// Content of an ARRAY.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ArrayKind {
-    /// NUMBERS (IC arrays).
+    /// NUMBERS: plain values, as for initial conditions (IC).
     Numbers(Vec<f64>),
-    /// U: ids of variables.
+    /// U array: ids of the VARIABLEs that are inputs.
     Variables(Vec<u32>),
-    /// X: states of the given size.
+    /// X array: number of states.
     States(usize),
-    /// Y: outputs of the given size.
+    /// Y array: number of outputs.
     Outputs(usize),
 }
 
-/// ARRAY.
+/// ARRAY statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ArrayData {
     /// Id, name, origin.
     pub header: Header,
-    /// What it holds.
+    /// Content.
     pub kind: ArrayKind,
 }
 
@@ -90,20 +90,20 @@ pub struct Spline {
     pub z: Vec<f64>,
     /// y values, one row per z.
     pub y: Vec<Vec<f64>>,
-    /// LINEAR_EXTRAPOLATE.
+    /// Whether the spline is extrapolated linearly, LINEAR_EXTRAPOLATE.
     pub linear_extrapolate: bool,
 }
 
-/// STRING.
+/// STRING statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StringData {
     /// Id, name, origin.
     pub header: Header,
-    /// Its text.
+    /// Text of the string.
     pub text: String,
 }
 
-/// The comparison of a SENSOR.
+/// Comparison of a SENSOR.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum SensorCompare {
@@ -112,37 +112,38 @@ pub enum SensorCompare {
     Le,
 }
 
-/// SENSOR.
+/// SENSOR statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sensor {
     /// Id, name, origin.
     pub header: Header,
     /// Comparison.
     pub compare: SensorCompare,
-    /// VALUE.
+    /// Threshold, VALUE.
     pub value: f64,
-    /// ERROR.
+    /// Tolerance of the comparison, ERROR.
     pub error: f64,
-    /// FUNCTION.
+    /// Monitored function, FUNCTION.
     pub function: Function,
-    /// EVALUATE: what SENVAL gives after it fired.
+    /// EVALUATE: function whose value SENVAL returns after the sensor has triggered.
     pub evaluate: Option<Function>,
-    /// HALT or RETURN: the simulation ends when it fires.
+    /// HALT or RETURN: the simulation ends when the sensor triggers.
     pub stops: bool,
-    /// HALT: the whole command file ends.
+    /// HALT: the whole command file ends when the sensor triggers.
     pub halts: bool,
-    /// DT: time between output steps once it fired.
+    /// DT: time between output steps after the sensor has triggered.
     pub dt: Option<f64>,
-    /// STEPSIZE: the integration step after it fired.
+    /// STEPSIZE: integration step after the sensor has triggered.
     pub stepsize: Option<f64>,
-    /// PRINT: an output step where it fired.
+    /// PRINT: an output step is added where the sensor triggers.
     pub prints: bool,
-    /// What it also asks for, which only ADAMS does: CODGEN, YYDUMP.
+    /// Given actions that only ADAMS performs: CODGEN, YYDUMP.
     pub without_effect: Vec<&'static str>,
 }
 
 impl Sensor {
-    /// True if the event is there: the function equals VALUE within ERROR, or is beyond it (GE, LE).
+    /// Returns whether the sensor triggers at a function value. For EQ the value must equal VALUE within ERROR. For GE and LE it must lie
+    /// on the stated side of VALUE, with a tolerance of ERROR.
     pub fn fires(&self, value: f64) -> bool {
         let beyond = value - self.value;
         match self.compare {
@@ -153,18 +154,18 @@ impl Sensor {
     }
 }
 
-/// PINPUT, POUTPUT or PSTATE: variables a plant is driven by, that are read of it, or that its states are.
+/// PINPUT, POUTPUT or PSTATE: the variables that are inputs, outputs or states of a plant.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PlantPort {
     /// Id, name, origin.
     pub header: Header,
-    /// Which statement it was: `PINPUT`, `POUTPUT` or `PSTATE`.
+    /// Statement kind: `PINPUT`, `POUTPUT` or `PSTATE`.
     pub kind: &'static str,
     /// Ids of VARIABLEs.
     pub variables: Vec<u32>,
 }
 
-/// What a REQUEST asks for. I, J and RM are the statement's markers.
+/// Quantity that a REQUEST reports. I, J and RM are the markers of the statement.
 #[derive(Clone, PartialEq, Debug)]
 #[allow(missing_docs)] // The fields are the manual's.
 pub enum RequestKind {
@@ -174,52 +175,52 @@ pub enum RequestKind {
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// VELOCITY: zero in statics.
+    /// VELOCITY of I from J in RM axes; zero in statics.
     Velocity {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// ACCELERATION: zero in statics.
+    /// ACCELERATION of I from J in RM axes; zero in statics.
     Acceleration {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// FORCE on I by what acts between I and J, in RM axes.
+    /// FORCE on I, exerted by the elements between I and J, in RM axes.
     Force {
         i: MarkerIx,
         j: Option<MarkerIx>,
         rm: Option<MarkerIx>,
     },
-    /// F1 to F8.
+    /// Component functions F1 to F8.
     Functions(Box<[Option<Function>; 8]>),
-    /// FUNCTION=USER(...).
+    /// User subroutine, FUNCTION=USER(...).
     User(String),
 }
 
-/// REQUEST.
+/// REQUEST statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Request {
     /// Id, name, origin.
     pub header: Header,
-    /// What it asks for.
+    /// Reported quantity.
     pub kind: RequestKind,
-    /// COMMENT.
+    /// Comment text, COMMENT.
     pub comment: String,
-    /// CNAMES or TITLE; empty strings suppress a component.
+    /// Component names, CNAMES or TITLE. An empty string suppresses a component.
     pub component_names: Option<Vec<String>>,
-    /// CUNITS.
+    /// Component units, CUNITS.
     pub component_units: Vec<String>,
-    /// RESULTS_NAME.
+    /// Name in the results file, RESULTS_NAME.
     pub results_name: Option<String>,
 }
 
 impl Request {
-    /// A request that no deck has: its component 2 evaluates the text of a function.
+    /// Creates a request that is not part of a deck. Its component 2 evaluates a function given as text.
     ///
     /// # Errors
-    /// When the text is no expression.
+    /// Returns an error if the text is not an expression.
     pub fn of_function(name: &str, function: &str) -> Result<Self, Diagnostic> {
         let mut functions: [Option<Function>; 8] = Default::default();
         let expression = Expression::parse_str(function)?;

@@ -1,4 +1,4 @@
-//! A part and what hangs on it as a dataset of its own.
+//! Extraction of parts with their attached elements as a separate dataset.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,14 +8,16 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::Edit;
 use admire_syntax::{Dataset, NewStatement, Object, Removal, Statement, Topology};
 
-/// The edits that leave of a dataset only some bodies, what is attached to them, and what these need. Markers on other bodies become
-/// markers on ground where the design puts them, so that the elements hold the bodies as the rest of the model would at rest.
+/// Returns the edits that reduce a dataset to some bodies, the elements attached to them, and the objects these need.
 ///
-/// Complaints: functions that measure what is now at rest.
+/// Markers on other bodies become ground markers at their design position. The elements then hold the bodies as the rest of the model would
+/// at rest.
+///
+/// Diagnostics: functions that measure markers which are now at rest.
 ///
 /// # Errors
-/// `no-ground` without a ground part; `unknown-target` if an element needs what is not attached to the bodies, or a marker on a
-/// body whose place only ADAMS knows.
+/// `no-ground` without a ground part. `unknown-target` if an element needs an object that is not attached to the bodies, or a marker
+/// on a body whose position only ADAMS knows.
 pub fn extract(
     dataset: &Dataset,
     model: &Model,
@@ -57,7 +59,7 @@ pub fn extract(
                 .attached(statement)
                 .iter()
                 .any(|body| bodies.contains(body));
-        // Settings have no id; what of another one's objects they name is taken out of them.
+        // Settings have no id and are kept; their references to removed objects are deleted below.
         if own || of_marker || touches || statement.object().is_none() {
             chosen.kept.insert(at);
         }
@@ -117,7 +119,7 @@ struct Chosen<'a> {
 }
 
 impl Chosen<'_> {
-    /// Takes what the kept statements name.
+    /// Adds the objects that the kept statements refer to.
     fn close(&mut self) -> Result<(), Diagnostic> {
         let mut open: Vec<usize> = self.kept.iter().copied().collect();
         while let Some(at) = open.pop() {
@@ -132,7 +134,7 @@ impl Chosen<'_> {
                     };
                     let named = &self.dataset.statements()[place];
                     if named.is_body() {
-                        // A marker says itself where it is; CM and the like are markers.
+                        // A marker states its own position; CM and similar arguments name markers.
                         continue;
                     }
                     if !self.kept.contains(&place) {
@@ -151,7 +153,7 @@ impl Chosen<'_> {
         Ok(())
     }
 
-    /// Motions, friction, couplers and graphics of kept joints and forces: all that names nothing else.
+    /// Adds motions, friction, couplers and graphics of kept joints and forces, if all their references are kept.
     fn driven(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
             let names: Vec<usize> = statement
@@ -205,7 +207,8 @@ impl Chosen<'_> {
     }
 }
 
-/// What others use and nothing is attached to: it comes along wherever it is named.
+/// Returns whether a statement is data that other statements use and that no body is attached to. Such a statement is kept wherever it is
+/// referenced.
 fn is_data(statement: &Statement) -> bool {
     matches!(
         statement.kind(),
@@ -242,7 +245,7 @@ fn title(dataset: &Dataset, statement: &Statement) -> String {
     }
 }
 
-/// The marker where the design puts it, on ground.
+/// Returns the edit that places a marker on ground at its design position.
 fn on_ground(
     dataset: &Dataset,
     model: &Model,
@@ -285,7 +288,7 @@ fn on_ground(
     Ok(Edit::new(statement.span, dataset.written(&new)))
 }
 
-/// Fifteen digits, without the noise of a rotation there and back.
+/// Rounds to fifteen digits and sets the round-off of rotations to zero.
 fn rounded(value: f64) -> f64 {
     let value: f64 = format!("{value:.14e}").parse().unwrap_or(value);
     if value.abs() < 1e-12 { 0.0 } else { value }

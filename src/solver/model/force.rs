@@ -10,43 +10,43 @@ pub struct Bushing {
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// K.
+    /// Translational stiffnesses, K.
     pub k: [f64; 3],
-    /// KT, per radian.
+    /// Rotational stiffnesses per radian, KT.
     pub kt: [f64; 3],
-    /// C.
+    /// Translational damping, C.
     pub c: [f64; 3],
-    /// CT, per radian.
+    /// Rotational damping per radian, CT.
     pub ct: [f64; 3],
-    /// FORCE: preload on I.
+    /// Preload force on I, FORCE.
     pub force: [f64; 3],
-    /// TORQUE: preload on I.
+    /// Preload torque on I, TORQUE.
     pub torque: [f64; 3],
 }
 
-/// A force between two markers by a law whose numbers the grammar names: FIELD, BEAM.
+/// Force between two markers whose law and parameters are defined by the grammar: FIELD, BEAM.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PairForce {
     /// Id, name, origin.
     pub header: Header,
-    /// Its statement.
+    /// Definition of the statement.
     pub def: &'static StatementDef,
-    /// Its law, one of the statement's.
+    /// Law, one of the laws of the statement.
     pub law: &'static LawDef,
     /// I marker.
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// The numbers of the law: the values of its arguments, one argument after the other.
+    /// Parameters of the law: the values of its arguments, in order.
     pub values: Vec<f64>,
-    /// CMATRIX as written, or empty.
+    /// Damping matrix CMATRIX as written, or empty.
     pub damping: Vec<f64>,
-    /// CRATIO.
+    /// Ratio of damping to stiffness, CRATIO.
     pub damping_ratio: f64,
 }
 
 impl PairForce {
-    /// The numbers that come from one argument of the law.
+    /// Returns the parameters that belong to one argument of the law.
     pub fn argument(&self, name: &str) -> Option<&[f64]> {
         let mut first = 0;
         for argument in law_arguments(self.def, self.law) {
@@ -60,7 +60,7 @@ impl PairForce {
     }
 }
 
-/// The arguments of a statement that hold the numbers of a law, in its order.
+/// Returns the arguments of a statement that hold the parameters of a law, in the order of the law.
 pub(crate) fn law_arguments(
     def: &'static StatementDef,
     law: &'static LawDef,
@@ -68,16 +68,16 @@ pub(crate) fn law_arguments(
     law.arguments.iter().filter_map(|name| def.argument(name))
 }
 
-/// The two kinds of SPRINGDAMPER.
+/// Type of a SPRINGDAMPER.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SpringKind {
-    /// Along the line of the origins; K, LENGTH, FORCE.
+    /// Acts along the line between the origins; arguments K, LENGTH, FORCE.
     Translational,
-    /// About zj; KT, ANGLE, TORQUE.
+    /// Acts about zj; arguments KT, ANGLE, TORQUE.
     Rotational,
 }
 
-/// SPRINGDAMPER.
+/// SPRINGDAMPER statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SpringDamper {
     /// Id, name, origin.
@@ -86,28 +86,28 @@ pub struct SpringDamper {
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// Kind.
+    /// Type of the spring.
     pub kind: SpringKind,
-    /// K or KT.
+    /// Stiffness, K or KT.
     pub stiffness: f64,
-    /// LENGTH or ANGLE: where the preload acts alone.
+    /// Reference length or angle at which only the preload acts, LENGTH or ANGLE.
     pub reference: f64,
-    /// FORCE or TORQUE at the reference.
+    /// Preload at the reference, FORCE or TORQUE.
     pub preload: f64,
-    /// C or CT.
+    /// Damping, C or CT.
     pub damping: f64,
 }
 
-/// The two kinds of SFORCE.
+/// Type of an SFORCE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum SforceKind {
-    /// Along the line of the origins, or along zj if action-only.
+    /// Force along the line between the origins, or along zj if action-only.
     Translational,
-    /// About zj.
+    /// Torque about zj.
     Rotational,
 }
 
-/// SFORCE.
+/// SFORCE statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Sforce {
     /// Id, name, origin.
@@ -116,15 +116,15 @@ pub struct Sforce {
     pub i: MarkerIx,
     /// J marker.
     pub j: MarkerIx,
-    /// Kind.
+    /// Type of the force.
     pub kind: SforceKind,
-    /// ACTIONONLY: nothing acts on J.
+    /// ACTIONONLY: no reaction acts on J.
     pub action_only: bool,
-    /// FUNCTION.
+    /// Magnitude, FUNCTION.
     pub function: Function,
 }
 
-/// Which statement a vector force was.
+/// Statement kind of a vector force.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum VectorForceKind {
@@ -133,12 +133,12 @@ pub enum VectorForceKind {
     Vtorque,
 }
 
-/// GFORCE, VFORCE or VTORQUE: components in RM axes, applied at I, reaction at the place of I on the part of JFLOAT.
+/// GFORCE, VFORCE or VTORQUE: force with components in RM axes applied at I. The reaction acts on the part of JFLOAT at the position of I.
 #[derive(Clone, PartialEq, Debug)]
 pub struct VectorForce {
     /// Id, name, origin.
     pub header: Header,
-    /// Which statement it was.
+    /// Statement kind.
     pub kind: VectorForceKind,
     /// I marker.
     pub i: MarkerIx,
@@ -146,18 +146,18 @@ pub struct VectorForce {
     pub jfloat: MarkerIx,
     /// RM marker; ground axes if absent.
     pub rm: Option<MarkerIx>,
-    /// FX, FY, FZ, TX, TY, TZ; absent ones are zero.
+    /// Components FX, FY, FZ, TX, TY, TZ; absent ones are zero.
     pub components: [Option<Function>; 6],
 }
 
-/// NFORCE: forces on several markers from a stiffness matrix about a reference marker.
+/// NFORCE: forces on several markers from a stiffness matrix relative to a reference marker.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Nforce {
     /// Id, name, origin.
     pub header: Header,
-    /// The I markers.
+    /// I markers.
     pub i: Vec<MarkerIx>,
-    /// The J marker.
+    /// J marker, the reference.
     pub j: MarkerIx,
     /// KMATRIX, (6n)^2 values column by column.
     pub k: Vec<f64>,
@@ -165,6 +165,6 @@ pub struct Nforce {
     pub length: Vec<f64>,
     /// FORCE, 6n values.
     pub force: Vec<f64>,
-    /// Damping, (6n)^2 values column by column: CMATRIX, or CRATIO times KMATRIX. Empty if there is none.
+    /// Damping matrix, (6n)^2 values column by column: CMATRIX, or CRATIO times KMATRIX. Empty without damping.
     pub damping: Vec<f64>,
 }

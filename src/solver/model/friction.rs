@@ -1,6 +1,6 @@
 use super::Header;
 
-/// Which loads of its joint cause friction: INPUTS.
+/// INPUTS: the joint loads that cause friction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub struct FrictionInputs {
@@ -15,44 +15,44 @@ pub struct FrictionInputs {
 pub struct Friction {
     /// Id, name, origin.
     pub header: Header,
-    /// Index of its JOINT in the model.
+    /// Index of the JOINT in the model.
     pub joint: usize,
-    /// Friction between the yoke of I and the cross, and between the cross and the yoke of J; of HOOKE and UNIVERSAL.
+    /// Whether there is friction between the yoke of I and the cross, and between the cross and the yoke of J (HOOKE and UNIVERSAL).
     pub yokes: [bool; 2],
-    /// MU_STATIC.
+    /// Static friction coefficient, MU_STATIC.
     pub mu_static: f64,
-    /// MU_DYNAMIC.
+    /// Dynamic friction coefficient, MU_DYNAMIC.
     pub mu_dynamic: f64,
-    /// STICTION_TRANSITION_VELOCITY.
+    /// Velocity below which the joint sticks, STICTION_TRANSITION_VELOCITY.
     pub stiction_velocity: f64,
-    /// TRANSITION_VELOCITY_COEFFICIENT: the velocity of full dynamic friction over that.
+    /// TRANSITION_VELOCITY_COEFFICIENT: ratio of the velocity of full dynamic friction to the stiction transition velocity.
     pub transition: f64,
-    /// MAX_STICTION_DEFORMATION.
+    /// Maximum stiction deformation, MAX_STICTION_DEFORMATION.
     pub deformation: f64,
-    /// FRICTION_FORCE_PRELOAD.
+    /// Force preload, FRICTION_FORCE_PRELOAD.
     pub force_preload: f64,
-    /// FRICTION_TORQUE_PRELOAD.
+    /// Torque preload, FRICTION_TORQUE_PRELOAD.
     pub torque_preload: f64,
-    /// EFFECT: stiction.
+    /// Whether EFFECT includes stiction.
     pub stiction: bool,
-    /// EFFECT: sliding.
+    /// Whether EFFECT includes sliding.
     pub sliding: bool,
-    /// INPUTS.
+    /// Loads that cause friction, INPUTS.
     pub inputs: FrictionInputs,
-    /// It acts in statics: neither INACTIVE=STATIC nor EFFECT=SLIDING.
+    /// Whether ADAMS applies the friction in statics: neither INACTIVE=STATIC nor EFFECT=SLIDING is given.
     pub in_statics: bool,
-    /// BALL_RADIUS.
+    /// Radius of the ball, BALL_RADIUS.
     pub ball_radius: f64,
-    /// PIN_RADIUS.
+    /// Radius of the pin, PIN_RADIUS.
     pub pin_radius: f64,
-    /// REACTION_ARM.
+    /// Lever arm of the torsional reaction, REACTION_ARM.
     pub reaction_arm: f64,
-    /// FRICTION_ARM.
+    /// Lever arm of the friction caused by the axial force, FRICTION_ARM.
     pub friction_arm: f64,
-    /// BENDING_REACTION_ARM.
+    /// Lever arm of the bending reaction, BENDING_REACTION_ARM.
     pub bending_arm: f64,
-    /// INITIAL_OVERLAP.
+    /// Initial overlap of the sliding bodies, INITIAL_OVERLAP.
     pub overlap: f64,
-    /// OVERLAP_DELTA: change of the overlap with the displacement, 1, -1 or 0.
+    /// Derivative of the overlap with respect to the displacement: 1, -1 or 0 (OVERLAP_DELTA).
     pub overlap_by_displacement: f64,
 }

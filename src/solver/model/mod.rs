@@ -1,7 +1,7 @@
-//! The resolved model: typed, named objects with numbers in the dataset's units and angles in radians.
+//! The resolved model: typed, named objects with values in the dataset's units and angles in radians.
 //!
-//! Knows nothing about how it was written. Each object keeps its `origin`, the statement it came from; the bytes of a number
-//! are found through its [`Address`](crate::syntax) in the dataset.
+//! Independent of the text of the dataset. Each object keeps its `origin`, the index of its statement. The bytes of a number are found
+//! through its [`Address`](crate::syntax) in the dataset.
 
 mod constraint;
 mod convert_units;
@@ -57,32 +57,32 @@ pub use user_force::replace_user_forces;
 use crate::mechanics::{Pose, Vec3};
 use admire_syntax::units::Units;
 
-/// What every object has.
+/// Data common to all objects of a model.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Header {
-    /// The id of its statement.
+    /// Id of the statement.
     pub id: u32,
-    /// The view name, or kind and id (`PART_2`) where the file gives none.
+    /// Adams/View name, or kind and id (`PART_2`) where the file gives none.
     pub name: String,
-    /// Index of its statement in the dataset it came from.
+    /// Index of the object's statement in its dataset.
     pub origin: usize,
-    /// False after DEACTIVATE.
+    /// Whether the object is active; false after DEACTIVATE.
     pub active: bool,
 }
 
-/// A FUNCTION of the model: its text as written (continuation removed) and the parsed expression.
+/// FUNCTION of the model: its text as written (continuation removed) and the parsed expression.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Function {
-    /// An expression, the one the dataset holds.
+    /// Expression, shared with the dataset.
     Expression(std::sync::Arc<admire_syntax::Expression>),
-    /// `USER(...)`: a subroutine only real ADAMS can run. The text as written.
+    /// `USER(...)`: a subroutine that only real ADAMS can run, with its text as written.
     User(String),
 }
 
-/// One dataset, resolved.
+/// Resolved model of one dataset.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Model {
-    /// The first line of the dataset.
+    /// Title: the first line of the dataset.
     pub title: String,
     /// Units and the consistency factor.
     pub units: Units,
@@ -106,7 +106,7 @@ pub struct Model {
     pub motions: Vec<Motion>,
     /// BUSHINGs.
     pub bushings: Vec<Bushing>,
-    /// FIELDs, BEAMs and all others by a law of the grammar.
+    /// FIELDs, BEAMs and all other forces defined by a law of the grammar.
     pub pair_forces: Vec<PairForce>,
     /// SPRINGDAMPERs.
     pub springdampers: Vec<SpringDamper>,
@@ -136,24 +136,24 @@ pub struct Model {
     pub frictions: Vec<Friction>,
     /// REQUESTs.
     pub requests: Vec<Request>,
-    /// EQUILIBRIUM.
+    /// Settings of EQUILIBRIUM.
     pub equilibrium: EquilibriumSettings,
-    /// INTEGRATOR.
+    /// Settings of INTEGRATOR.
     pub integrator: IntegratorSettings,
-    /// KINEMATICS.
+    /// Settings of KINEMATICS.
     pub kinematics: KinematicsSettings,
-    /// Arguments of IC that are given: none of them has an effect, initial conditions are met to round-off.
+    /// Arguments of IC that the dataset states. None has an effect, because initial conditions are satisfied to round-off.
     pub initial_conditions: Vec<&'static str>,
-    /// OUTPUT.
+    /// Settings of OUTPUT.
     pub output: OutputSettings,
-    /// RESULTS.
+    /// Settings of RESULTS.
     pub results: ResultsSettings,
-    /// What the built-in solver leaves out.
+    /// Statements that the built-in solver does not solve.
     pub unsolved: Vec<Unsolved>,
 }
 
 impl Model {
-    /// The marker with this id.
+    /// Returns the index of the marker with this id.
     pub fn marker(&self, id: u32) -> Option<MarkerIx> {
         self.markers
             .iter()
@@ -161,7 +161,8 @@ impl Model {
             .map(MarkerIx)
     }
 
-    /// Where a marker is in ground at the design position; `None` for floating ones and for bodies only real ADAMS places.
+    /// Returns the pose of a marker in ground at the design position. `None` for floating markers and for bodies that only real ADAMS
+    /// places.
     pub fn marker_pose(&self, marker: MarkerIx) -> Option<Pose> {
         let marker = &self.markers[marker.0];
         let part = &self.parts[marker.part.0];
@@ -174,20 +175,22 @@ impl Model {
         }))
     }
 
-    /// True for a marker that is given in the frame of another one of these, whatever is between: it moves along with that one.
+    /// Returns whether a marker is defined, directly or through other markers (RM), in the frame of one of `others`, so that it moves with
+    /// that marker.
     pub fn moves_with(&self, marker: MarkerIx, others: &[MarkerIx]) -> bool {
         let parent = |marker: &MarkerIx| {
             let relative = self.markers[marker.0].relative.as_ref();
             relative.map(|relative| relative.rm)
         };
-        // Markers in each other's frames make an endless chain.
+        // Markers defined in each other's frames would form an endless chain.
         let chain = std::iter::successors(parent(&marker), parent);
         chain
             .take(self.markers.len())
             .any(|rm| others.contains(&rm))
     }
 
-    /// How many elements an array has. Those of states and outputs have as many as the equations that they belong to (state_array).
+    /// Returns the number of elements of an array. State and output arrays are as long as the linear state equations that use them
+    /// (state_array).
     pub fn array_size(&self, array: &ArrayData) -> usize {
         let id = array.header.id;
         let mut equations = self.linear_states.iter();
@@ -203,7 +206,7 @@ impl Model {
         }
     }
 
-    /// The ground part.
+    /// Returns the index of the ground part.
     pub fn ground(&self) -> Option<PartIx> {
         self.parts
             .iter()

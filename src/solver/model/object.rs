@@ -4,15 +4,15 @@ use super::{
     Sforce, Spline, SpringDamper, StringData, Variable, VectorForce, VectorForceKind,
 };
 
-/// What every object of a model has.
+/// Interface common to all objects of a model.
 pub(super) trait Object {
-    /// Its header.
+    /// Returns the header.
     fn header(&self) -> &Header;
-    /// Its header, to change it.
+    /// Returns the header for modification.
     fn header_mut(&mut self) -> &mut Header;
-    /// True if the object comes from this kind of statement.
+    /// Returns whether the object was defined by this kind of statement.
     fn is(&self, kind: &str) -> bool;
-    /// False if no object of this type comes from this kind of statement: large decks have long lists.
+    /// Returns false if no object of this type can come from this kind of statement. This avoids a scan of the long lists of large decks.
     fn may_be(_kind: &str) -> bool {
         true
     }
@@ -86,14 +86,14 @@ impl Object for PairForce {
     }
 }
 
-/// What is done to every list of a model, beside that of another one.
+/// Operation on every list of a model, together with the same list of another model.
 pub(super) trait EachList {
-    /// Does it to the objects of one list.
+    /// Performs the operation on one list.
     fn list<T: Object>(&mut self, list: &mut Vec<T>, other: &mut Vec<T>);
 }
 
 impl Model {
-    /// Goes through all lists of objects.
+    /// Applies an operation to all lists of objects.
     pub(super) fn each_list(&mut self, other: &mut Self, each: &mut impl EachList) {
         each.list(&mut self.parts, &mut other.parts);
         each.list(&mut self.markers, &mut other.markers);

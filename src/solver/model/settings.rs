@@ -1,6 +1,6 @@
 use admire_syntax::grammar::STATEMENTS;
 
-/// Which static method EQUILIBRIUM asks for.
+/// Static solution method of EQUILIBRIUM.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum StaticMethod {
@@ -14,23 +14,23 @@ pub enum StaticMethod {
 /// EQUILIBRIUM, with the manual's defaults (guide/formats.md 2.15).
 #[derive(Clone, PartialEq, Debug)]
 pub struct EquilibriumSettings {
-    /// ALIMIT: largest angle step of one iteration, radians.
+    /// ALIMIT: maximum rotation step of one iteration, radians.
     pub alimit: f64,
-    /// TLIMIT: largest translation step of one iteration, length units.
+    /// TLIMIT: maximum translation step of one iteration, length units.
     pub tlimit: f64,
-    /// ERROR: relative correction.
+    /// ERROR: convergence tolerance of the relative correction.
     pub error: f64,
-    /// IMBALANCE: force units.
+    /// IMBALANCE: convergence tolerance of the force imbalance, force units.
     pub imbalance: f64,
-    /// MAXIT.
+    /// MAXIT: maximum number of iterations.
     pub maxit: usize,
-    /// MAXIT is written somewhere: no more iterations are done, of whatever kind.
+    /// Whether the deck states MAXIT. A stated limit applies to iterations of every kind.
     pub maxit_stated: bool,
-    /// PATTERN: whether iteration k evaluates a new Jacobian, repeated cyclically.
+    /// PATTERN: whether each iteration evaluates a new Jacobian, repeated cyclically.
     pub pattern: Vec<bool>,
-    /// STABILITY.
+    /// STABILITY: factor of the mass matrix added to the static Jacobian.
     pub stability: f64,
-    /// Method.
+    /// Static solution method.
     pub method: StaticMethod,
 }
 
@@ -56,35 +56,35 @@ impl Default for EquilibriumSettings {
     }
 }
 
-/// INTEGRATOR. What is not given follows from the simulation.
+/// INTEGRATOR settings. Values that are not given follow from the simulation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct IntegratorSettings {
-    /// The method the deck asks for: `GSTIFF`, `HHT`, ...
+    /// Integration method that the deck requests: `GSTIFF`, `HHT`, ...
     pub method: &'static str,
-    /// `I3`, `SI2` or `SI1`.
+    /// Index formulation: `I3`, `SI2` or `SI1`.
     pub formulation: &'static str,
-    /// `ORIGINAL`, `MODIFIED` or `ORIG_CONSTANT`.
+    /// Corrector: `ORIGINAL`, `MODIFIED` or `ORIG_CONSTANT`.
     pub corrector: &'static str,
-    /// ERROR.
+    /// ERROR: error tolerance of the integration.
     pub error: Option<f64>,
-    /// HINIT.
+    /// HINIT: initial step size.
     pub hinit: Option<f64>,
-    /// HMAX.
+    /// HMAX: maximum step size.
     pub hmax: Option<f64>,
-    /// HMIN.
+    /// HMIN: minimum step size.
     pub hmin: Option<f64>,
-    /// MAXIT.
+    /// MAXIT: maximum number of corrector iterations.
     pub maxit: Option<usize>,
-    /// ADAPTIVITY.
+    /// ADAPTIVITY: relaxation of the corrector tolerance at small steps.
     pub adaptivity: f64,
-    /// INTERPOLATE=ON.
+    /// INTERPOLATE=ON: output values are interpolated between integration steps.
     pub interpolate: bool,
-    /// What is given and has no effect on the built-in method: KMAX, PATTERN, ...
+    /// Given arguments without effect on the built-in method: KMAX, PATTERN, ...
     pub without_effect: Vec<&'static str>,
 }
 
 impl IntegratorSettings {
-    /// ERROR: 1e-3 unless given, of HHT and NEWMARK 1e-5.
+    /// Returns the error tolerance; the default is 1e-5 for HHT and NEWMARK and 1e-3 otherwise.
     pub fn error(&self) -> f64 {
         self.error.unwrap_or(match self.method {
             "HHT" | "NEWMARK" => 1e-5,
@@ -111,16 +111,17 @@ impl Default for IntegratorSettings {
     }
 }
 
-/// KINEMATICS.
+/// KINEMATICS settings.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct KinematicsSettings {
-    /// HMAX.
+    /// HMAX: maximum step size.
     pub hmax: Option<f64>,
-    /// What is given and has no effect: constraints are met to round-off, whatever the errors and iterations asked for.
+    /// Given arguments without effect: constraints are always satisfied to round-off, whatever error tolerances and iteration limits are
+    /// given.
     pub without_effect: Vec<&'static str>,
 }
 
-/// OUTPUT.
+/// OUTPUT settings.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct OutputSettings {
     /// REQSAVE: write the .req file.
@@ -133,42 +134,42 @@ pub struct OutputSettings {
     pub noseparator: bool,
     /// YPR: displacement requests give YAW, PITCH, ROLL instead of PSI, THETA, PHI.
     pub ypr: bool,
-    /// FIXED: the tables hold numbers with a fixed point.
+    /// FIXED: the tables use fixed-point numbers.
     pub fixed: bool,
     /// TELETYPE: the tables are at most 72 columns wide.
     pub teletype: bool,
-    /// DZERO, VZERO, AZERO, FZERO: what is smaller is written as zero in requests and tables.
+    /// DZERO, VZERO, AZERO, FZERO: magnitudes below these are written as zero in requests and tables.
     pub zero: [f64; 4],
 }
 
-/// RESULTS.
+/// RESULTS settings.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ResultsSettings {
-    /// True if the dataset has a RESULTS statement: without one there is no .res file.
+    /// Whether the dataset has a RESULTS statement; without one no .res file is written.
     pub present: bool,
-    /// XRF.
+    /// XRF: write the results file in XML form.
     pub xrf: bool,
-    /// FORMATTED.
+    /// FORMATTED: write the results file as text.
     pub formatted: bool,
-    /// COMMENT.
+    /// Comment text, COMMENT.
     pub comment: String,
-    /// DECIMALPLACES.
+    /// Number of decimal places, DECIMALPLACES.
     pub decimal_places: usize,
-    /// NODISPLACEMENTS.
+    /// NODISPLACEMENTS: omit the displacements.
     pub no_displacements: bool,
-    /// NOVELOCITIES.
+    /// NOVELOCITIES: omit the velocities.
     pub no_velocities: bool,
-    /// NOACCELERATIONS.
+    /// NOACCELERATIONS: omit the accelerations.
     pub no_accelerations: bool,
-    /// NOREACTIONFORCES.
+    /// NOREACTIONFORCES: omit the reaction forces.
     pub no_reaction_forces: bool,
-    /// NOAPPLIEDFORCES.
+    /// NOAPPLIEDFORCES: omit the applied forces.
     pub no_applied_forces: bool,
-    /// NOSYSTEMELEMENTS.
+    /// NOSYSTEMELEMENTS: omit the system elements.
     pub no_system_elements: bool,
-    /// NOREQUESTS.
+    /// NOREQUESTS: omit the requests.
     pub no_requests: bool,
-    /// NOFLOATINGMARKERS.
+    /// NOFLOATINGMARKERS: omit the floating markers.
     pub no_floating_markers: bool,
 }
 

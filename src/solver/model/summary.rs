@@ -1,4 +1,4 @@
-//! A model in a few numbers.
+//! Summary of a model.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -7,28 +7,28 @@ use crate::mechanics::Vec3;
 use admire_syntax::grammar::ValueKind;
 use admire_syntax::{Dataset, Value};
 
-/// A model in a few numbers.
+/// Summary of a model in a few numbers.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct Summary {
-    /// The first line of the dataset.
+    /// Title: the first line of the dataset.
     pub title: String,
-    /// Words for force, mass, length and time, such as `newton`, `kg`, `mm`, `sec`.
+    /// Unit names of force, mass, length and time, such as `newton`, `kg`, `mm`, `sec`.
     pub units: [&'static str; 4],
-    /// True if the dataset states its units.
+    /// Whether the dataset states its units.
     pub units_stated: bool,
-    /// The units consistency factor: force * UCF = mass * acceleration.
+    /// Units consistency factor: force * UCF = mass * acceleration.
     pub ucf: f64,
-    /// Statements by whole keyword, in alphabetical order; unknown ones under `(unknown)`.
+    /// Number of statements by full keyword, in alphabetical order; unknown ones under `(unknown)`.
     pub statements: BTreeMap<&'static str, usize>,
-    /// Mass of all parts and point masses but the ground.
+    /// Mass of all parts and point masses except ground.
     pub mass: f64,
-    /// Centre of that mass in ground as the dataset gives the parts; absent without mass.
+    /// Centre of this mass in ground axes at the positions of the dataset; absent without mass.
     pub centre_of_mass: Option<[f64; 3]>,
-    /// Ids and names of markers that nothing refers to, in order of appearance.
+    /// Ids and names of unreferenced markers, in order of appearance.
     pub unused_markers: Vec<(u32, String)>,
-    /// True if USER subroutines are called: their numbers may refer to markers too.
+    /// Whether USER subroutines are called, whose parameters can also refer to markers.
     pub calls_subroutines: bool,
-    /// Kind, id and reason of what the built-in solver leaves out.
+    /// Kind, id and reason of each statement that the built-in solver leaves out.
     pub unsolved: Vec<(&'static str, u32, String)>,
 }
 
@@ -80,7 +80,7 @@ pub fn summary(dataset: &Dataset, model: &Model) -> Summary {
     }
 }
 
-/// Ids of markers that arguments or functions refer to, and whether there are USER calls.
+/// Returns the ids of the markers that arguments or functions refer to, and whether there are USER calls.
 fn used_markers(dataset: &Dataset) -> (HashSet<u32>, bool) {
     let mut used = HashSet::new();
     let mut calls = false;

@@ -1,20 +1,20 @@
-//! Statements the built-in solver cannot solve: what each would do, and leaving them out knowingly.
+//! Statements that the built-in solver cannot solve: the effect of each, and leaving them out on request.
 
 use super::object::Object;
 use super::{Function, Header, Model};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::{Role, find_statement};
 
-/// A statement the built-in solver cannot solve, and why.
+/// Statement that the built-in solver cannot solve, with the reason.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Unsolved {
-    /// What every object has.
+    /// Id, name, origin.
     pub header: Header,
-    /// The statement's keyword in capitals.
+    /// Keyword of the statement in capitals.
     pub kind: &'static str,
-    /// `UserSubroutine`, or `NotSolvedNatively`.
+    /// Diagnostic code: `UserSubroutine` or `NotSolvedNatively`.
     pub code: Code,
-    /// Why only real ADAMS can solve it.
+    /// Reason why only real ADAMS can solve it.
     pub why: String,
 }
 
@@ -32,8 +32,8 @@ impl Object for Unsolved {
     }
 }
 
-/// What a statement that is not solved would do to an equilibrium. `None` for statements that only measure, draw or write, or that
-/// act through others, which are refused themselves.
+/// Returns the effect that an unsolved statement would have on an equilibrium. `None` for statements that only measure, draw or write, or
+/// that act through other statements, which are rejected themselves.
 pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     Some(match kind {
         "CLEARANCE" | "CONTROL" | "CURVE" | "FEMDATA" | "FE_NODE" | "LINEAR" | "MREQUEST"
@@ -54,7 +54,7 @@ pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
     })
 }
 
-/// Says that a statement is left out as asked, and what it would do.
+/// Returns the warning that a statement is left out on request, with its effect.
 pub fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
     let effect = effect_of(kind).unwrap_or_default();
     let name = &header.name;
@@ -67,18 +67,19 @@ pub fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
     )
 }
 
-/// Statements that may be left out knowingly: forces and constraints. Bodies, markers and data have others that hang on them.
+/// Statements that may be left out on request: forces and constraints. Bodies, markers and data are excluded, because other statements
+/// depend on them.
 const LEFT_OUT: [&str; 19] = [
     "BEAM", "CBKSUB", "CONTACT", "COUPLER", "CVCV", "FE_LOAD", "FIELD", "FRICTION", "GCON",
     "GFORCE", "GSE", "MFORCE", "MOTION", "PTCV", "SFORCE", "TIRE", "UCON", "VFORCE", "VTORQUE",
 ];
 
-/// True for kinds of statements that may be left out knowingly.
+/// Returns whether a kind of statement may be left out on request.
 pub(crate) fn may_be_ignored(kind: &str) -> bool {
     LEFT_OUT.contains(&kind)
 }
 
-/// What a user lets the built-in solver leave out: all statements of a kind that are not solved, or one of them.
+/// Unsolved statements that the user allows the built-in solver to leave out: all of one kind, or a single one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Ignore {
     kind: &'static str,
@@ -86,10 +87,10 @@ pub struct Ignore {
 }
 
 impl Ignore {
-    /// Reads `CONTACT, FRICTION/3`.
+    /// Parses a list such as `CONTACT, FRICTION/3`.
     ///
     /// # Errors
-    /// A word that is no statement, or one that cannot be left out: the message names it and what can be.
+    /// A word that is not a statement, or a statement that cannot be left out. The message names the word and the allowed statements.
     pub fn parse(list: &str) -> Result<Vec<Self>, String> {
         let words = list.split([',', ';', ' ']).filter(|word| !word.is_empty());
         words.map(Self::word).collect()
@@ -117,7 +118,7 @@ impl Ignore {
 }
 
 impl Model {
-    /// Switches off what is not solved and may be ignored. Gives the kind and the header of each statement that was on.
+    /// Deactivates the unsolved statements that may be left out. Returns the kind and header of each statement that was active before.
     pub fn leave_out(&mut self, ignored: &[Ignore]) -> Vec<(&'static str, Header)> {
         let mut out = Vec::new();
         let mut leave = |kind: &'static str, header: &mut Header| {
@@ -151,7 +152,7 @@ impl Model {
         out
     }
 
-    /// True if an object with a function is switched off.
+    /// Returns whether an object with a function is inactive.
     pub(crate) fn is_off(&self, kind: &str, id: u32) -> bool {
         fn off<T: Object>(list: &[T], kind: &str, id: u32) -> bool {
             list.iter()

@@ -1,8 +1,8 @@
-//! USER forces that only read an Adams/Car property file, rewritten as functions of its curves.
+//! USER forces that only evaluate an Adams/Car property file, rewritten as functions of its curves.
 //!
-//! Knows which numbers of the parameter list may be the id of a STRING with the name of such a file, and nothing of what else the
-//! list tells its subroutine: preloads, offsets, scales of the instance. A force with such numbers keeps its subroutine unless the
-//! user says that they do nothing.
+//! The parameter list of a USER force contains the id of a STRING with the name of the property file. The meaning of its other parameters
+//! (preloads, offsets, scales of the instance) is unknown here. A force with such parameters keeps its subroutine unless the user declares
+//! that they have no effect.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -15,29 +15,33 @@ use admire_syntax::text::Edit;
 use admire_syntax::units::Units;
 use admire_syntax::{Address, Dataset, Statement, Value};
 
-/// What became of the USER forces of a dataset.
+/// Result of rewriting the USER forces of a dataset.
 #[derive(Clone, Debug, Default)]
 pub struct Replacement {
-    /// The new statements in place of the old ones.
+    /// Edits that replace the old statements by the new ones.
     pub edits: Vec<Edit>,
-    /// What was assumed, and why others stay.
+    /// Assumptions made, and the reasons why other forces keep their subroutine.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Longest line of the numbers of a spline.
+/// Maximum width of a line of spline values, in characters.
 const LINE: usize = 76;
-/// AKISPL wants so many points.
+/// Minimum number of points of an AKISPL curve.
 const AKIMA: usize = 4;
 
-/// Rewrites every GFORCE of a `.bus` file and every SFORCE of a `.spr`, `.bum` or `.reb` file that is at hand.
+/// Rewrites every GFORCE of a `.bus` file and every SFORCE of a `.spr`, `.bum` or `.reb` file whose property file was read.
 ///
-/// With d the deformation of I from RM in the axes of RM, a the projected angles and c the curves in units of the model:
-/// bushing `F = -c(d)`, `T = -c(a)` on I; spring `F = c(L - DM)`, L its free length; bump stop `F = c(L - DM)` where that is
-/// positive, rebound stop `F = -c(DM - L)`, L the distance at which it begins to touch. `lengths` gives L; for springs the
-/// FREE_LENGTH of the file holds where it is not given. Damping is added to bushings at their rates: nothing in statics.
+/// d is the deformation of I from RM in the axes of RM, a the projected angles, c the curves in units of the model, and L a length:
+/// - bushing: `F = -c(d)`, `T = -c(a)` on I;
+/// - spring: `F = c(L - DM)`, with the free length L;
+/// - bump stop: `F = c(L - DM)` where `L - DM` is positive, with L the distance at first contact;
+/// - rebound stop: `F = -c(DM - L)` where `DM - L` is positive, with L the distance at first contact.
 ///
-/// A parameter list may begin with a number that chooses the subroutine and must hold the id of the STRING; whatever else in it is not
-/// zero may change the force. Such a force stays, with these numbers named, unless it is among `plain`.
+/// `lengths` gives L; for a spring without an entry, the FREE_LENGTH of the file is used. Damping is added to bushings in proportion to
+/// their rates, and has no effect in statics.
+///
+/// The first parameter may select the subroutine, and one parameter must be the id of the STRING. Any other nonzero parameter can change
+/// the force. Such a force keeps its subroutine, and a diagnostic lists these parameters, unless its address is in `plain`.
 pub fn replace_user_forces(
     dataset: &Dataset,
     files: &Files,
@@ -80,7 +84,7 @@ pub fn replace_user_forces(
     work.out
 }
 
-/// Component and its function.
+/// Force components with their function text.
 type Functions = Vec<(&'static str, String)>;
 type Splines = Vec<String>;
 
@@ -90,7 +94,7 @@ struct Work<'a> {
     units: Units,
     lengths: &'a [(Address, f64)],
     plain: &'a [Address],
-    /// The highest id of a SPLINE so far.
+    /// Highest SPLINE id in use.
     splines: u32,
     out: Replacement,
 }
@@ -145,7 +149,7 @@ impl Work<'_> {
         }
     }
 
-    /// Numbers of the list that are not zero, after the one that chooses the subroutine and without the id of the file's STRING.
+    /// Returns the nonzero parameters other than the first, which selects the subroutine, and the id of the file's STRING.
     fn others(&self, user: &str, name: &str) -> Vec<String> {
         let is_file = |number: f64| {
             let id = (number >= 1.0 && number.fract() == 0.0).then_some(number as u32);
@@ -158,7 +162,7 @@ impl Work<'_> {
         others.map(|(_, number)| format!("{number}")).collect()
     }
 
-    /// The one property file that the parameters of a call lead to.
+    /// Returns the single property file that the parameters of a call refer to.
     fn property_file(&self, user: &str) -> Result<(String, PropertyFile), String> {
         let numbers = numbers(user);
         let mut found: Option<(String, PropertyFile)> = None;
@@ -268,7 +272,7 @@ impl Work<'_> {
         Ok((vec![("FUNCTION", function)], vec![spline]))
     }
 
-    /// The call of a curve, and the SPLINE that holds it.
+    /// Returns the function call of a curve and the text of the SPLINE that holds it.
     fn curve(
         &mut self,
         at: &str,
@@ -295,7 +299,7 @@ impl Work<'_> {
                     spline += "\n";
                     width = 0;
                 }
-                // In a list the comma that begins a line separates, too.
+                // Within a list, a leading comma of a line also acts as separator.
                 spline += if k == 0 { " " } else { ", " };
                 spline += &word;
                 width += word.len() + 2;
@@ -347,21 +351,21 @@ impl Work<'_> {
     }
 }
 
-/// The parameters of a call.
+/// Returns the numeric parameters of a call.
 fn numbers(user: &str) -> impl Iterator<Item = f64> + '_ {
     let inside = user.split_once('(').map_or("", |(_, inside)| inside);
     let words = inside.trim_end().trim_end_matches(')').split(',');
     words.filter_map(|w| w.trim().trim_start_matches(',').parse::<f64>().ok())
 }
 
-/// Name of the k-th curve of a bushing file.
+/// Returns the block name of the k-th curve of a bushing file.
 fn file_block(k: usize) -> &'static str {
     [
         "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
     ][k]
 }
 
-/// Ids of a kind in order.
+/// Returns the ids of one kind of statement in ascending order.
 fn ids(dataset: &Dataset, kind: &str) -> Vec<u32> {
     let all = dataset
         .statements()

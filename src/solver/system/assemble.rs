@@ -1,6 +1,6 @@
-//! Residual and Jacobian of the static equations.
+//! Residual and Jacobian of the equations.
 //!
-//! Knows no iteration, no step control and no factorisation.
+//! Contains no iteration, step control or factorisation.
 
 use super::chain::{add_block, add_wrench};
 use super::contribution::Of;
@@ -11,7 +11,8 @@ use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
 
 impl System {
-    /// The imbalance of every equation: forces and torques about the reference points of the parts (ground axes), constraints, variables, rates.
+    /// Computes the residual of every equation: forces and torques about the reference points of the parts (ground axes), constraints,
+    /// variables, rates.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -25,7 +26,7 @@ impl System {
         self.assemble(parameters, state, scratch, g, &mut NoMatrix)
     }
 
-    /// Residual, and Jacobian into the sink. Entries come in the same order every time.
+    /// Computes the residual, and passes the Jacobian to the sink. The entries come in the same order every time.
     ///
     /// # Errors
     /// [`NoValue`] if a function is undefined there.
@@ -67,7 +68,8 @@ impl System {
         Ok(())
     }
 
-    /// The same where functions may have no value, which count as zero, without a slope: how many these are.
+    /// Assembles residual and Jacobian although functions may be undefined. Undefined functions count as zero with zero slope; their number
+    /// is returned.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -85,7 +87,7 @@ impl System {
         done.map(|()| lacking)
     }
 
-    /// The equations of joints and motions alone, where other things may have no value: their gradients need none of it. `scratch` is
+    /// Assembles the equations of joints and motions alone. Their gradients need no other values, which may be undefined. `scratch` must be
     /// new.
     pub(crate) fn assemble_joints<S: Sink>(
         &self,
@@ -97,7 +99,7 @@ impl System {
     ) {
         let mut here = self.at(parameters, state, scratch);
         here.place_markers();
-        // In statics rates are held, which always has a value.
+        // In statics the displacements of rate motions are constant, so this cannot fail.
         let _ = here.drive();
         for number in 0..self.joints.len() {
             here.add_joint(number, g, sink);
@@ -133,7 +135,7 @@ impl Configuration<'_> {
                 let by_turn = skew(&F) * skew(&r);
                 block.fixed_view_mut::<3, 3>(3, 3).copy_from(&by_turn);
             }
-            // Every part has its block in the pattern.
+            // Every part has its diagonal block in the pattern.
             if S::WANTED {
                 add_block(sink, place, place, &block);
             }
@@ -146,7 +148,7 @@ impl Configuration<'_> {
         let first = system.first_equation + joint.first;
         let out = joint.out(self.state);
         for k in 0..joint.count {
-            // A removed equation says that its multiplier is zero.
+            // A removed equation sets its multiplier to zero.
             if S::ROWS {
                 sink.add(first + k, first + k, f64::from(u8::from(out[k])));
             }
@@ -170,7 +172,7 @@ impl Configuration<'_> {
                 }
             }
             if S::ROWS {
-                // A row of the Jacobian is minus what its multiplier does to the balances.
+                // A row of the Jacobian is minus the effect of its multiplier on the balances.
                 let reaction = &self.scratch.contribution;
                 for scalar in &reaction.scalars {
                     let Of::Unknown(row) = scalar.of else {

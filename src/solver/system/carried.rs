@@ -1,19 +1,19 @@
-//! Markers that are given in the frames of other markers (RM) and move with them.
+//! Markers that are defined in the frames of other markers (RM) and move with them.
 
 use crate::mechanics::{Pose, Vec3};
 use crate::model::{MarkerIx, Model};
 use admire_syntax::hash::QuickMap;
 
-/// Which markers are given in the frame of which, whatever their parts.
+/// Relations between markers and their RM reference markers, which may be on other parts.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub(crate) struct Carried {
-    /// Of a marker with RM: that one, and the frame of its part on the part of the marker, at design.
+    /// For each marker with RM: its RM marker, and the pose of the RM marker's part relative to its own part, in the design position.
     base: QuickMap<usize, (usize, Pose)>,
-    /// Of a marker: those that move with it, each behind the one in whose frame it is given.
+    /// For each marker: the markers that move with it, each after its reference marker.
     with: QuickMap<usize, Vec<usize>>,
 }
 
-/// How a marker moves on its part per unit of a number: displacement and rotation vector, in axes of the part.
+/// Motion of a marker on its part per unit of a parameter: displacement and rotation vector, in part axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Moved {
     pub marker: usize,
@@ -38,7 +38,7 @@ impl Carried {
             let mut with = children[&first].clone();
             let mut next = 0;
             while let Some(marker) = with.get(next) {
-                // Markers in each other's frames were refused; they end here all the same.
+                // Cyclic references were rejected; the loop ends for them as well.
                 let further = children.get(marker).into_iter().flatten().copied();
                 let further: Vec<usize> = further
                     .filter(|marker| *marker != first && !with.contains(marker))
@@ -51,22 +51,22 @@ impl Carried {
         new
     }
 
-    /// The marker in whose frame one is given, and the frame of that one's part on its own.
+    /// Returns the RM marker of a marker, and the pose of the RM marker's part relative to the marker's own part.
     pub(crate) fn base(&self, marker: usize) -> Option<&(usize, Pose)> {
         self.base.get(&marker)
     }
 
-    /// True for a marker that is given in the frame of another one.
+    /// Returns whether a marker is defined in the frame of another one.
     pub(crate) fn is_carried(&self, marker: usize) -> bool {
         self.base.contains_key(&marker)
     }
 
-    /// The markers that move with one, without itself; each behind the one in whose frame it is given.
+    /// Returns the markers that move with a marker, without the marker itself. Each comes after its reference marker.
     pub(crate) fn with(&self, marker: usize) -> &[usize] {
         self.with.get(&marker).map_or(&[], Vec::as_slice)
     }
 
-    /// True if a marker moves when `first` does.
+    /// Returns whether `marker` moves when `first` does.
     pub(crate) fn moves(&self, first: usize, marker: usize) -> bool {
         first == marker || self.with(first).contains(&marker)
     }

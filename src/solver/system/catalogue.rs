@@ -9,7 +9,7 @@ use admire_syntax::units::Dimension;
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Slot(pub usize);
 
-/// What the numbers of a group mean, for derivatives with respect to them.
+/// Meaning of the numbers of a group, for derivatives with respect to them.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Role {
     /// Arguments of the force law of an element.
@@ -22,27 +22,27 @@ pub(crate) enum Role {
     Marker(usize),
     /// Mass of a part.
     Mass(usize),
-    /// ACCGRAV.
+    /// Components of gravity, ACCGRAV.
     Gravity,
     /// Number literals of a function.
     Literals(usize),
-    /// The constant that replaces a whole function.
+    /// Constant that replaces a whole function.
     Override(usize),
 }
 
-/// The dimensions of the numbers of a group.
+/// Dimensions of the numbers of a group.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Quantity {
-    /// All alike.
+    /// Single dimension for all numbers.
     Same(Dimension),
-    /// As of an argument of the grammar.
+    /// Dimensions by component, as the grammar defines them for an argument.
     Of(Components),
-    /// n by n numbers, column by column, made up of 6 by 6 stiffnesses.
+    /// Stiffness matrix of n by n numbers, column by column, composed of 6 by 6 blocks.
     MultiStiffness(usize),
 }
 
 impl Quantity {
-    /// Of an argument of the grammar.
+    /// Returns the dimensions of an argument of the grammar.
     pub(crate) fn of_argument(argument: &ArgumentDef) -> Self {
         match argument.components {
             Components::Alike => Self::Same(argument.dimension),
@@ -60,7 +60,7 @@ impl Quantity {
     }
 }
 
-/// The numbers of one argument of one statement.
+/// Numbers of one argument of one statement.
 #[derive(Clone, Debug)]
 pub(crate) struct Group {
     pub kind: &'static str,
@@ -68,37 +68,38 @@ pub(crate) struct Group {
     pub argument: Option<&'static str>,
     pub first: usize,
     pub count: usize,
-    /// True if the address of a number carries its index even when there is only one.
+    /// Whether addresses carry an index even for a single number.
     pub indexed: bool,
     pub quantity: Quantity,
     pub minimum: f64,
     pub role: Role,
 }
 
-/// What is known of one slot.
+/// Description of one slot.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SlotInfo {
-    /// Its address in the dataset.
+    /// Address in the dataset.
     pub address: Address,
-    /// Its dimension.
+    /// Physical dimension.
     pub dimension: Dimension,
-    /// The least value ADAMS accepts; minus infinity if any.
+    /// Smallest value that ADAMS accepts; minus infinity if there is no limit.
     pub minimum: f64,
 }
 
-/// Which number of the dataset is which number of theta.
+/// Map between numbers of the dataset and elements of theta.
 ///
-/// Arguments are kept as groups, so a deck of a hundred thousand parts costs some entries per statement and not one per number.
+/// Arguments are stored as groups, so a deck of a hundred thousand parts needs a few entries per statement and not one per number.
 #[derive(Clone, Debug, Default)]
 pub struct Catalogue {
     groups: Vec<Group>,
-    /// First and last group of each id, whatever the keyword, and of every group the next one of its id.
+    /// First and last group of each id, whatever the keyword.
     ids: QuickMap<Option<u32>, (usize, usize)>,
+    /// Next group with the same id, for each group.
     next: Vec<Option<usize>>,
 }
 
 impl Catalogue {
-    /// The slot of an address. An index may be left out where the argument has one number. `None` if theta does not hold it.
+    /// Returns the slot of an address. The index may be omitted if the argument has one number. `None` if theta does not contain it.
     pub fn slot(&self, address: &Address) -> Option<Slot> {
         let group = self.find(
             &address.kind,
@@ -120,7 +121,7 @@ impl Catalogue {
         argument: Option<&str>,
         indexed: bool,
     ) -> Option<&Group> {
-        // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function: told apart by the index.
+        // `SFORCE/3.FUNCTION.1` is a literal, `SFORCE/3` (or `GFORCE/1.FX`) the whole function; the index distinguishes them.
         let mut first = self.ids.get(&id)?.0;
         while self.groups[first].kind != kind || self.groups[first].argument != argument {
             first = self.next[first]?;
@@ -131,7 +132,7 @@ impl Catalogue {
             .find(|g| g.indexed == indexed || (!g.indexed && g.count == 1 && !g.is_override()))
     }
 
-    /// What is known of a slot.
+    /// Returns the description of a slot.
     pub fn info(&self, slot: Slot) -> SlotInfo {
         let group = self.group(slot);
         let k = slot.0 - group.first;
@@ -147,19 +148,19 @@ impl Catalogue {
         }
     }
 
-    /// Every slot that has an address, in order.
+    /// Returns every slot that has an address, in order.
     pub fn slots(&self) -> impl Iterator<Item = Slot> + '_ {
         self.groups
             .iter()
             .flat_map(|g| (g.first..g.first + g.count).map(Slot))
     }
 
-    /// How many numbers theta has.
+    /// Returns the number of elements of theta.
     pub fn len(&self) -> usize {
         self.groups.last().map_or(0, |g| g.first + g.count)
     }
 
-    /// True if theta is empty.
+    /// Returns whether theta is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -169,7 +170,7 @@ impl Catalogue {
         &self.groups[k - 1]
     }
 
-    /// Appends a group and returns its place in theta. Groups of one statement and argument must be appended one after the other.
+    /// Appends a group and returns its range in theta. Groups of one statement and argument must be appended consecutively.
     pub(crate) fn push(&mut self, mut group: Group) -> Range<usize> {
         group.first = self.len();
         let range = group.first..group.first + group.count;

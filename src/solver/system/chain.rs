@@ -1,9 +1,9 @@
-//! Small matrices of the chain rule, and where entries of the Jacobian go. What they mean is in `contribution`.
+//! Small matrices of the chain rule, and insertion of blocks into the Jacobian. Their meaning is explained in `contribution`.
 
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Vec3, Vec6};
 
-/// A small motion of a frame, in ground axes.
+/// Infinitesimal motion of a frame, in ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Twist {
     /// Displacement of the origin.
@@ -13,7 +13,7 @@ pub struct Twist {
 }
 
 impl Twist {
-    /// No motion.
+    /// Returns zero motion.
     pub(crate) const fn zero() -> Self {
         Self {
             shift: Vec3::new(0.0, 0.0, 0.0),
@@ -22,14 +22,14 @@ impl Twist {
     }
 }
 
-/// Place of a body among the unknowns.
+/// Position of a body among the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub first: usize,
     pub freedoms: usize,
 }
 
-/// Turns J-axes derivatives into ground axes: blockdiag(R) D blockdiag(R').
+/// Transforms a 6 by 6 derivative from J axes to ground axes: blockdiag(R) D blockdiag(R').
 pub(crate) fn turn(R: &Mat3, D: &Mat6) -> Mat6 {
     let mut out = Mat6::zeros();
     let Rt = R.transpose();
@@ -42,7 +42,7 @@ pub(crate) fn turn(R: &Mat3, D: &Mat6) -> Mat6 {
     out
 }
 
-/// `X_r' M`: the lower rows gain `r x` the upper rows.
+/// Returns `X_r' M`: `r x` times the upper rows is added to the lower rows.
 pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     let mut out = *M;
     let lower = M.fixed_view::<3, 6>(3, 0) + r * M.fixed_view::<3, 6>(0, 0);
@@ -50,7 +50,7 @@ pub(super) fn moved_rows(r: &Mat3, M: &Mat6) -> Mat6 {
     out
 }
 
-/// `M X_r`: the right columns lose the left columns times `r x`.
+/// Returns `M X_r`: the left columns times `r x` are subtracted from the right columns.
 pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
     let mut out = *M;
     let right = M.fixed_view::<6, 3>(0, 3) - M.fixed_view::<6, 3>(0, 0) * r;
@@ -58,7 +58,7 @@ pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
     out
 }
 
-/// Adds a block to the Jacobian, cut to the freedoms of the bodies.
+/// Adds a block to the Jacobian, truncated to the degrees of freedom of the bodies.
 pub(crate) fn add_block<S: Sink>(sink: &mut S, row: Place, column: Place, block: &Mat6) {
     for (j, values) in block.as_slice().chunks_exact(6).enumerate() {
         if j < column.freedoms {
@@ -67,7 +67,7 @@ pub(crate) fn add_block<S: Sink>(sink: &mut S, row: Place, column: Place, block:
     }
 }
 
-/// Adds a wrench at an arm to the balance of a body.
+/// Adds a wrench at an arm to the force and torque balance of a body.
 pub(crate) fn add_wrench(g: &mut [f64], place: Place, sign: f64, F: &Vec3, T: &Vec3, arm: &Vec3) {
     if place.freedoms == 0 {
         return;
@@ -83,7 +83,8 @@ pub(crate) fn add_wrench(g: &mut [f64], place: Place, sign: f64, F: &Vec3, T: &V
     }
 }
 
-/// What a frame sees of the motion of a marker: (translation, rotation), each given with its origin, ground axes.
+/// Returns the motion of a marker relative to a frame: (translation, rotation) in ground axes. Marker and frame are each given as a twist
+/// and an origin.
 pub(super) fn seen_motion(i: (&Twist, &Vec3), frame: Option<(Twist, &Vec3)>) -> Vec6 {
     let (mut dp, mut dphi) = (i.0.shift, i.0.turn);
     if let Some((c, origin)) = frame {

@@ -1,66 +1,66 @@
-//! What a FUNCTION reads, with its indices resolved.
+//! Compiled FUNCTIONs with the resolved indices of their inputs.
 
 use super::Name;
 use crate::function::{ForceComponent, Measure, Program, RateMeasure};
 
-/// What exerts a wrench.
+/// Source of a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Exerted {
     Element(usize),
-    /// A constraint by one of its terms.
+    /// Constraint, by one of its terms.
     Joint(usize, usize),
-    /// An NFORCE at one of its markers.
+    /// NFORCE at one of its markers.
     Multi(usize, usize),
 }
 
-/// A component of the sum of some forces.
+/// Component of the sum of several forces.
 #[derive(Clone, PartialEq, Debug)]
 pub(crate) struct Force {
-    /// Who, and whether the force on J (at the J origin) is meant.
+    /// Sources of the force, each with a flag that selects the force on J (at the J origin).
     pub by: Vec<(Exerted, bool)>,
     pub component: ForceComponent,
-    /// Axes that resolve it; ground if absent.
+    /// Marker whose axes resolve the force; ground if absent.
     pub axes: Option<usize>,
 }
 
-/// (state, coefficient), (variable, coefficient).
+/// Linear combination: (state, coefficient) and (variable, coefficient).
 pub(crate) type LinearRow = (Vec<(usize, f64)>, Vec<(usize, f64)>);
 
-/// An input of a program, with its indices resolved.
+/// Input of a program, with its indices resolved.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     Time,
     Mode,
-    /// And where its angle of the last equilibrium is kept.
+    /// Geometric measure, with the index of its reference angle in `State::measure_angles`.
     Measure(Measure, usize),
-    /// A velocity or acceleration: zero in statics.
+    /// Velocity or acceleration; zero in statics.
     Moved(RateMeasure),
-    /// Where it is no unknown, its function stands in for it.
+    /// VARIABLE. If it is not an unknown, the value of its function is used.
     Variable(usize),
     State(usize),
-    /// Rate of a state: in statics the value of its function if it is held, else zero.
+    /// Rate of a state. In statics it is the value of the given function if the state is held constant, and zero otherwise.
     StateRate(usize, Option<usize>),
     Output(LinearRow),
     Constant(f64),
     Sensor(usize),
     Force(Box<Force>),
-    /// A number of the FRICTION with this id.
+    /// Quantity of the FRICTION with this id.
     Friction(u32, usize),
 }
 
-/// A FUNCTION of the model, ready to evaluate.
+/// FUNCTION of the model, ready for evaluation.
 #[derive(Clone, Debug)]
 pub(crate) struct CompiledFunction {
-    /// The statement it belongs to.
+    /// Statement of the function.
     pub owner: Name,
-    /// `None` for subroutines, which the built-in solver cannot run: zero.
+    /// Compiled program. `None` for user subroutines, which the built-in solver cannot run and takes as zero.
     pub program: Option<Program>,
-    /// One per input of the program.
+    /// Sources of the inputs of the program, in their order.
     pub sources: Vec<Source>,
-    /// Slots of its literals.
+    /// Slots of its literals in theta.
     pub literals: std::ops::Range<usize>,
-    /// Slot of the constant that replaces it; NaN there means that the function itself is in force.
+    /// Slot of the constant that replaces the function. NaN means that the function itself is used.
     pub replacement: usize,
-    /// Its IMPACTs, BISTOPs and IFs among those of the system that a motion is held on pieces of.
+    /// Range of its switches (IMPACT, BISTOP, IF, ...) among the switches of the system.
     pub switches: std::ops::Range<usize>,
 }

@@ -1,4 +1,4 @@
-//! GCONs: functions as constraints.
+//! GCONs: functions constrained to zero.
 
 use super::NoValue;
 use super::compiled_function::Source;
@@ -9,12 +9,12 @@ use crate::linear::Sink;
 use crate::mechanics::Vec3;
 use crate::model::{MarkerIx, PartIx};
 
-/// Steps of the differences of gradients: lengths by the model's length, angles in radians.
+/// Step of the gradient differences: relative to the model's length for translations, in radians for rotations.
 const STEP: f64 = 1e-6;
 
 impl Configuration<'_> {
-    /// The reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes; after
-    /// [`Configuration::look`]. Zero if it is switched off or redundant.
+    /// Returns the reaction of a GCON on the part of a marker: force, and torque about the marker's origin, ground axes. Requires
+    /// [`Configuration::look`]. Zero if the GCON is inactive or redundant.
     pub fn read_condition(&self, id: u32, marker: MarkerIx) -> (Vec3, Vec3) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         let place = system.place(system.owners[marker.0]);
@@ -23,7 +23,7 @@ impl Configuration<'_> {
             return (Vec3::zeros(), Vec3::zeros());
         };
         let lambda = state.multipliers[condition.equation];
-        // Generalised forces of a constraint: minus multiplier times gradient.
+        // Generalised forces of a constraint: minus the multiplier times the gradient.
         let on = |first: usize, freedoms: usize| {
             let mut reaction = [0.0; 6];
             for (unknown, derivative) in held_by(system, condition, scratch) {
@@ -42,7 +42,7 @@ impl Configuration<'_> {
             let arm = scratch.arms[marker.0];
             return (force, about_part - arm.cross(&force));
         }
-        // Ground takes what the others do not: a function of places moves nothing when all of it moves together.
+        // The reaction on ground balances the others, because a function of positions is invariant to a common motion of all parts.
         let at = scratch.markers[marker.0].p;
         let (mut force, mut torque) = (Vec3::zeros(), Vec3::zeros());
         for (part, body) in system.bodies.iter().enumerate() {
@@ -53,13 +53,13 @@ impl Configuration<'_> {
         (force, torque)
     }
 
-    /// True if a GCON takes no part here: in statics that is also what holds velocities.
+    /// Returns whether a GCON is ignored: it is inactive, redundant, or a velocity constraint in statics.
     pub(super) fn is_out(&self, condition: &GconEquation) -> bool {
         let at_rest = self.system.is_nonholonomic[condition.equation] && !self.moving();
         at_rest || !self.system.takes_part(self.state, condition.equation)
     }
 
-    /// Adds what the GCONs of velocities ask for besides `G V`: `f(q, V, t) - G V`.
+    /// Adds the part of the nonholonomic GCON equations beyond `G V`: `f(q, V, t) - G V`.
     pub(super) fn add_asked(&self, rates: &mut [f64]) {
         let (system, scratch) = (self.system, &*self.scratch);
         for condition in &system.conditions {
@@ -74,7 +74,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Adds residuals, gradients and reactions of the GCONs.
+    /// Adds residuals, gradients and reactions of the GCONs to the equations.
     pub(crate) fn add_conditions<S: Sink>(
         &mut self,
         g: &mut [f64],
@@ -105,7 +105,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// `-multiplier` times the derivative of the gradient, by central differences: programs have first derivatives only.
+    /// Adds `-multiplier` times the derivative of the gradient. It is found by central differences, because programs give first derivatives
+    /// only.
     fn add_curvature<S: Sink>(
         &mut self,
         condition: &GconEquation,
@@ -130,7 +131,7 @@ impl Configuration<'_> {
         columns.sort_unstable();
         columns.dedup();
         for column in columns {
-            // Rotations of a part follow its translations.
+            // The rotation unknowns of a part follow its translations.
             let turns = system
                 .bodies
                 .iter()
@@ -159,7 +160,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// A MOTION or GCON that takes part and reads dynamic states.
+    /// Returns the name of an active MOTION or GCON that reads dynamic states, if there is one.
     pub fn driven_by_states(&self) -> Option<&Name> {
         let motions = self.joints.iter().filter(|joint| joint.active);
         let motions = motions.filter_map(|joint| match joint.drive {
@@ -183,8 +184,10 @@ impl System {
     }
 }
 
-/// What the multiplier of a GCON acts on, as (unknown of the parts, derivative): the gradient of its function by the places, or by the
-/// velocities where it holds these. After [`Configuration::look`].
+/// Returns the gradient on which the multiplier of a GCON acts, as (part unknown, derivative).
+///
+/// It is the gradient of the function with respect to the positions, or to the velocities for a nonholonomic GCON. Requires
+/// [`Configuration::look`].
 pub(super) fn held_by<'a>(
     system: &'a System,
     condition: &GconEquation,

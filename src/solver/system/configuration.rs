@@ -5,9 +5,10 @@ use crate::function::MovingFrame;
 use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
 use crate::model::PartIx;
 
-/// A system with its numbers in one state, and the memory to work with: what everything is evaluated in.
+/// System with its parameters in one state, and the working memory in which everything is evaluated.
 ///
-/// [`System::look`] makes one that may be read at once. [`System::at`] makes one whose memory holds what was looked at before.
+/// [`System::evaluate`] returns a configuration that can be read at once. [`System::at`] returns one whose memory still holds the previous
+/// evaluation.
 #[derive(Debug)]
 pub struct Configuration<'a> {
     pub(crate) system: &'a System,
@@ -17,7 +18,7 @@ pub struct Configuration<'a> {
 }
 
 impl System {
-    /// A configuration, with nothing evaluated: `scratch` holds what the last [`Configuration::look`] put there.
+    /// Returns a configuration without evaluating it. `scratch` holds the results of the last [`Configuration::look`].
     pub fn at<'a>(
         &'a self,
         parameters: &'a Parameters,
@@ -32,7 +33,7 @@ impl System {
         }
     }
 
-    /// A configuration with its marker poses and function values, ready to be read.
+    /// Returns a configuration with marker poses and function values evaluated, ready to be read.
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
@@ -47,8 +48,8 @@ impl System {
         Ok(here)
     }
 
-    /// The same where functions may have no value, as those of reactions before these are known: they count as zero, without a slope. Gives
-    /// also how many these are.
+    /// Returns an evaluated configuration in which functions may be undefined, as functions of reactions are before these are known.
+    /// Undefined functions count as zero with zero slope; their number is returned too.
     ///
     /// # Errors
     /// [`NoValue`] if an element that a function measures is undefined in this configuration.
@@ -73,14 +74,14 @@ impl System {
         }
     }
 
-    /// Gravity over the units consistency factor: weight per mass.
+    /// Returns gravity divided by the units consistency factor: weight per mass.
     pub(crate) fn gravity_vector(&self, theta: &[f64]) -> Vec3 {
         Vec3::from_column_slice(&theta[self.gravity..self.gravity + 3]) / self.ucf
     }
 }
 
 impl Configuration<'_> {
-    /// Evaluates the poses of the markers and the functions of the equilibrium.
+    /// Evaluates the marker poses and the functions of the equations.
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
@@ -90,7 +91,7 @@ impl Configuration<'_> {
         self.evaluate_functions(&self.system.order)
     }
 
-    /// The same of what MOTIONs and GCONs read, and no more: all else may have no value yet.
+    /// Evaluates only the marker poses and the functions of MOTIONs and GCONs. All other functions may still be undefined.
     ///
     /// # Errors
     /// [`NoValue`] if one of their functions is undefined in this configuration.
@@ -100,12 +101,12 @@ impl Configuration<'_> {
         self.evaluate_functions(&self.system.order_of_constraints)
     }
 
-    /// Pose of a marker in ground.
+    /// Returns the pose of a marker in ground.
     pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
         &self.scratch.markers[marker.0]
     }
 
-    /// Poses of the used markers in ground, and their arms.
+    /// Computes the poses of the used markers in ground, and their arms.
     pub(crate) fn place_markers(&mut self) {
         for &marker in &self.system.used {
             self.place_marker(marker);
@@ -130,12 +131,12 @@ impl Configuration<'_> {
         };
     }
 
-    /// True if rates count.
+    /// Returns whether the state has velocities and accelerations.
     pub(crate) fn moving(&self) -> bool {
         self.state.moves()
     }
 
-    /// A marker with its velocity and acceleration, at rest in statics; absent is ground.
+    /// Returns a marker frame with its velocity and acceleration, at rest in statics. `None` stands for ground.
     pub(crate) fn moving_frame(&self, marker: Option<usize>) -> MovingFrame {
         let Some(marker) = marker else {
             return MovingFrame::ground();
@@ -162,7 +163,7 @@ impl Configuration<'_> {
         frame
     }
 
-    /// The velocity of I as J sees it: rates of `p_ij_j` and of the rotation in J axes, `R_j'(v_i - v_j - w_j x d)` and
+    /// Returns the velocity of I relative to J: the rates of `p_ij_j` and of the rotation in J axes, `R_j'(v_i - v_j - w_j x d)` and
     /// `R_j'(w_i - w_j)`.
     pub(crate) fn relative_rates(&self, i: usize, j: usize) -> Vec6 {
         let (i, j) = (self.moving_frame(Some(i)), self.moving_frame(Some(j)));
@@ -173,7 +174,7 @@ impl Configuration<'_> {
         Vec6::new(u.x, u.y, u.z, t.x, t.y, t.z)
     }
 
-    /// From the reference point of a part to the origin of a marker that may be on another part.
+    /// Returns the vector from the reference point of a part to the origin of a marker, which may be on another part.
     pub(crate) fn arm_to(&self, marker: usize, part: usize) -> Vec3 {
         if self.system.owners[marker] == part {
             self.scratch.arms[marker]
@@ -182,7 +183,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The motion of I in J. Angles only where somebody reads them.
+    /// Returns the motion of I relative to J. The angles are computed only if `angles` is set.
     pub(crate) fn motion(
         &self,
         (i, j, pair): (usize, usize, usize),
@@ -200,7 +201,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Begins `scratch.contribution` with a wrench in the axes of the frame; no derivatives yet.
+    /// Initialises `scratch.contribution` with a wrench in the axes of the frame, without derivatives.
     pub(super) fn begin(&mut self, ends: Ends, w: Vec6) {
         let system = self.system;
         let a = (

@@ -1,8 +1,9 @@
-//! One wrench between parts and all that follows from it: the one place with the chain rule from relative motion to part coordinates.
+//! One wrench between parts and its contributions to residual and Jacobian. All chain rules from relative motion to part coordinates are in
+//! this file.
 //!
-//! A wrench w = (F, T) acts on part A at the origin of marker I, its opposite at the same point on part B (absent for ACTIONONLY).
-//! Marker C on part C is the frame it is given in and that sees I move. With r, s_B, s_C from the reference points of A, B, C to the I origin,
-//! and q = (dp, dphi) in ground axes,
+//! A wrench w = (F, T) acts on part A at the origin of marker I. Its opposite acts at the same point on part B (absent for ACTIONONLY).
+//! Marker C on part C is the frame in which the wrench is given and relative to which the motion of I is measured. r, s_B and s_C are the
+//! vectors from the reference points of A, B and C to the I origin, and q = (dp, dphi) in ground axes. Then:
 //!
 //! ```text
 //! motion of I in C     m  = X_r q_A - X_sC q_C,       X_r = [1, -r x; 0, 1]
@@ -12,15 +13,16 @@
 //!                      d(s_B x F) = (dp_A + dphi_A x r - dp_B) x F
 //! ```
 //!
-//! A wrench that depends on the velocity m' of I as C sees it, through `dw = E dm'`, adds `E X_r` and `-E X_sC` by the velocities of A and C;
-//! and since with x = v_I - v_C - w_C x s_C and y = w_A - w_C the frame and the point move too, by their positions
+//! A wrench that depends on the velocity m' of I relative to C, through `dw = E dm'`, adds the derivatives `E X_r` and `-E X_sC` with
+//! respect to the velocities of A and C. It also adds derivatives with respect to their positions, because the frame and the point move.
+//! With x = v_I - v_C - w_C x s_C and y = w_A - w_C they follow from
 //!
 //! ```text
 //! dm' = (-w_C x dp_A + y x (dphi_A x r) + w_C x dp_C - dphi_C x x,  -dphi_C x y)
 //! ```
 //!
-//! s are scalars that w is proportional to: functions and multipliers, u the wrench per unit. An NFORCE at one of its markers has
-//! further terms `D_k m_k` by the motions of its other markers in C.
+//! s are scalars to which w is proportional (functions and multipliers), and u is the wrench per unit of s. An NFORCE at one of its markers
+//! has additional terms `D_k m_k` from the motions of its other markers in C.
 
 use super::chain::{
     Place, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
@@ -28,7 +30,7 @@ use super::chain::{
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
 
-/// A function's value and its gradient by the unknowns, as a range of [`Scratch::gradient`].
+/// Value of a function and its gradient with respect to the unknowns, as a range of `Scratch::gradient`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FunctionValue {
     pub value: f64,
@@ -36,16 +38,16 @@ pub(crate) struct FunctionValue {
     pub last: usize,
 }
 
-/// What a wrench is proportional to.
+/// Scalar to which a wrench is proportional.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Of {
-    /// The value of a function.
+    /// Value of a function.
     Function(usize),
-    /// An unknown: a multiplier.
+    /// Unknown of the system: a multiplier.
     Unknown(usize),
 }
 
-/// A scalar that a wrench is proportional to, and the wrench per unit, ground axes.
+/// Scalar to which a wrench is proportional, with the wrench per unit, ground axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scalar {
     pub of: Of,
@@ -53,23 +55,24 @@ pub(crate) struct Scalar {
     pub T: Vec3,
 }
 
-/// The motion of a further marker that a wrench depends on.
+/// Dependence of a wrench on the motion of another marker.
 #[derive(Clone, Debug)]
 pub(crate) struct Cross {
     pub marker: usize,
     pub place: Place,
-    /// From the reference point of the marker's part to the marker.
+    /// Vector from the reference point of the marker's part to the marker.
     pub r: Vec3,
-    /// From the reference point of the part of C to the marker.
+    /// Vector from the reference point of the part of C to the marker.
     pub s: Vec3,
-    /// Derivative by its motion in C, ground axes.
+    /// Derivative with respect to the marker's motion in C, ground axes.
     pub D: Mat6,
-    /// And by its velocity in C.
+    /// Derivative with respect to the marker's velocity in C, if there is damping.
     pub rate: Option<ByRate>,
 }
 
 impl Cross {
-    /// What the wrench changes by, of the marker's part and of the part of C: by their motions, and by their velocities.
+    /// Returns the derivatives of the wrench with respect to the positions and, with damping, the velocities of the marker's part and the
+    /// part of C.
     fn columns(&self, c: Option<Place>) -> impl Iterator<Item = (Place, Mat6)> + use<> {
         let (r, s) = (skew(&self.r), skew(&self.s));
         let (mut by_k, mut by_c) = (moved_columns(&self.D, &r), -moved_columns(&self.D, &s));
@@ -86,23 +89,23 @@ impl Cross {
     }
 }
 
-/// How a wrench depends on velocities, ground axes.
+/// Dependence of a wrench on velocities, ground axes.
 #[derive(Clone, Debug)]
 pub(crate) struct ByRate {
-    /// How many unknowns there are: what a column by a rate is moved by.
+    /// Number of unknowns, which is the offset of the velocity columns.
     pub unknowns: usize,
-    /// E, derivative by the velocity of I as C sees it.
+    /// Derivative E with respect to the velocity of I relative to C.
     pub E: Mat6,
     /// Angular velocity of the part of C.
     pub w_c: Vec3,
-    /// Velocity of I as C sees it.
+    /// Velocity of I relative to C.
     pub x: Vec3,
-    /// Angular velocity of A less that of C.
+    /// Angular velocity of A minus that of C.
     pub y: Vec3,
 }
 
 impl ByRate {
-    /// The columns of the velocities of a body.
+    /// Returns the velocity columns of a body.
     fn later(&self, place: Place) -> Place {
         Place {
             first: place.first + self.unknowns,
@@ -110,7 +113,7 @@ impl ByRate {
         }
     }
 
-    /// Derivative of the wrench by the position of A.
+    /// Returns the derivative of the wrench with respect to the position of A.
     fn by_a(&self, r: &Mat3) -> Mat6 {
         let mut N = Mat6::zeros();
         add33(&mut N, 0, 0, &-skew(&self.w_c));
@@ -118,7 +121,7 @@ impl ByRate {
         self.E * N
     }
 
-    /// Derivative of the wrench by the position of C.
+    /// Returns the derivative of the wrench with respect to the position of C.
     fn by_c(&self) -> Mat6 {
         let mut N = Mat6::zeros();
         add33(&mut N, 0, 0, &skew(&self.w_c));
@@ -128,34 +131,34 @@ impl ByRate {
     }
 }
 
-/// One wrench in one configuration. Ground axes, except for `w`.
+/// Wrench of one element in one configuration. Ground axes, except for `w`.
 #[derive(Clone, Debug)]
 pub(crate) struct Contribution {
-    /// Marker at whose origin it acts.
+    /// Marker I, at whose origin the wrench acts.
     pub i: usize,
-    /// J, or JFLOAT.
+    /// J or JFLOAT marker.
     pub j: usize,
-    /// Index into the angle references.
+    /// Index into `State::pair_angles`.
     pub pair: usize,
     /// Marker C; `None` means ground.
     pub frame: Option<usize>,
     /// Rotation of C in ground.
     pub R: Mat3,
-    /// (force, torque) in C axes.
+    /// Wrench (force, torque) in C axes.
     pub w: Vec6,
     pub F: Vec3,
     pub T: Vec3,
-    /// Derivative by the motion of I as C sees it; `None` if the wrench is fixed in C.
+    /// Derivative with respect to the motion of I relative to C; `None` if the wrench is constant in C.
     pub D: Option<Mat6>,
-    /// How it depends on the velocity of I as C sees it; `None` if it does not.
+    /// Dependence on the velocity of I relative to C; `None` without damping.
     pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
     pub scalars: Vec<Scalar>,
-    /// Part A and r.
+    /// Part A and its arm r.
     pub a: (Place, Vec3),
-    /// Part B and s_B.
+    /// Part B and its arm s_B.
     pub b: Option<(Place, Vec3)>,
-    /// Part C and s_C.
+    /// Part C and its arm s_C.
     pub c: Option<(Place, Vec3)>,
 }
 
@@ -192,28 +195,28 @@ pub(crate) struct Ends {
     pub j: usize,
     pub pair: usize,
     pub frame: Option<usize>,
-    /// Part that takes the opposite wrench.
+    /// Part on which the opposite wrench acts.
     pub reaction: Option<usize>,
 }
 
 impl Contribution {
-    /// Adds a scalar by the wrench per unit in the axes of the frame.
+    /// Adds a scalar, given the wrench per unit in the axes of the frame.
     pub(super) fn push_scalar(&mut self, of: Of, unit: &Vec6) {
         let (F, T) = halves(&self.R, unit);
         self.scalars.push(Scalar { of, F, T });
     }
 
-    /// The size of the wrench as a force.
+    /// Returns the magnitude of the wrench as a force.
     pub(crate) fn size(&self, length: f64) -> f64 {
         self.F.amax().max(self.T.amax() / length)
     }
 
-    /// Adds the wrench to the balances of its parts.
+    /// Adds the wrench to the force and torque balances of its parts.
     pub(crate) fn balance(&self, g: &mut [f64]) {
         self.spread(&self.F, &self.T, g);
     }
 
-    /// Adds another wrench at the same place to the balances of its parts.
+    /// Adds another wrench at the same point to the balances of its parts.
     pub(crate) fn spread(&self, F: &Vec3, T: &Vec3, g: &mut [f64]) {
         add_wrench(g, self.a.0, 1.0, F, T, &self.a.1);
         if let Some((b, s)) = &self.b {
@@ -221,13 +224,13 @@ impl Contribution {
         }
     }
 
-    /// Adds a wrench given in the axes of the frame.
+    /// Adds a wrench given in the axes of the frame to the balances of its parts.
     pub(crate) fn spread_local(&self, w: &Vec6, g: &mut [f64]) {
         let (F, T) = halves(&self.R, w);
         self.spread(&F, &T, g);
     }
 
-    /// The balances that a scalar acts on, per unit: places and their six numbers.
+    /// Returns the contributions of a scalar to the balances, per unit: the position of each body and its six numbers.
     pub(crate) fn column(&self, scalar: &Scalar) -> impl Iterator<Item = (Place, [f64; 6])> {
         let on = |(place, arm): (Place, Vec3), sign: f64| {
             let mut column = [0.0; 6];
@@ -240,7 +243,7 @@ impl Contribution {
         std::iter::once(a).chain(b)
     }
 
-    /// Adds the derivative of the balances by the motions of the parts.
+    /// Adds the derivative of the balances with respect to the motions of the parts.
     pub(crate) fn tangent_by_motion<S: Sink>(&self, sink: &mut S) {
         let ((on_a, r), F) = (self.a, &self.F);
         let (r, Fx) = (skew(&r), skew(F));
@@ -249,7 +252,7 @@ impl Contribution {
         let a_moves = on_a.freedoms > 0;
         let s_b = b.map_or_else(Mat3::zeros, |(_, s)| skew(&s));
 
-        // dw by q_A and the turning of the arms.
+        // Derivative with respect to q_A, including the rotation of the arms.
         if a_moves {
             let mut N = self
                 .D
@@ -268,7 +271,7 @@ impl Contribution {
                 add_block(sink, place, on_a, &block);
             }
         }
-        // What the frame's part does to that of the reaction; where both are one, with what turns the arms there.
+        // Derivative with respect to q_C. If B and C are the same part, its block also includes the rotation of the arm of B.
         let mut arms = b.map(|(place, _)| {
             let mut block = Mat6::zeros();
             add33(&mut block, 3, 0, &-Fx);
@@ -314,7 +317,8 @@ impl Contribution {
         }
     }
 
-    /// dw by q_C, but for what other markers do: `-D X_sC` and the turning of the wrench with its frame.
+    /// Returns the derivative of w with respect to q_C without the terms of other markers: `-D X_sC` and the rotation of the wrench with
+    /// its frame.
     fn by_frame(&self, s: &Mat3) -> Mat6 {
         let mut N = self
             .D
@@ -328,7 +332,7 @@ impl Contribution {
         N
     }
 
-    /// Adds the derivative of the balances by the unknowns that functions depend on.
+    /// Adds the derivative of the balances with respect to the unknowns on which functions depend.
     pub(crate) fn tangent_by_functions<S: Sink>(
         &self,
         functions: &[FunctionValue],
@@ -350,7 +354,7 @@ impl Contribution {
         }
     }
 
-    /// Appends the gradient of `weight . w` by the unknowns, w in ground axes; with the tangent only.
+    /// Appends the gradient of `weight . w` with respect to the unknowns, w in ground axes. Requires a contribution with derivatives.
     pub(crate) fn pullback(
         &self,
         weight: &Vec6,
@@ -403,13 +407,14 @@ impl Contribution {
         }
     }
 
-    /// The motion of I as C sees it when markers move on their parts, ground axes.
+    /// Returns the motion of I relative to C when markers move on their parts, ground axes.
     pub(crate) fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
         seen_motion((&moved(self.i), &markers[self.i].p), frame)
     }
 
-    /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`; with the tangent only.
+    /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`. Requires a contribution with
+    /// derivatives.
     pub(crate) fn by_marker(
         &self,
         moved: impl Fn(usize) -> Twist,
@@ -436,7 +441,7 @@ impl Contribution {
     }
 }
 
-/// Force and torque of a wrench in the axes R, turned to ground.
+/// Returns force and torque of a wrench given in the axes R, transformed to ground.
 pub(crate) fn halves(R: &Mat3, w: &Vec6) -> (Vec3, Vec3) {
     (
         R * Vec3::new(w[0], w[1], w[2]),

@@ -1,26 +1,27 @@
-//! Joint friction in a row of equilibria: what a slow rig sees of it.
+//! Joint friction in a sequence of equilibria, as measured on a slow rig.
 //!
-//! The law of friction at rest: the coefficient grows with the creep up to MAX_STICTION_DEFORMATION, from where the surfaces slide. Between
-//! two equilibria the creep is the displacement; what lies beyond the limit is slid away, so that the force is that of an elastic slider
-//! and does not depend on the rate.
+//! In the law at rest, the coefficient grows with the creep up to MAX_STICTION_DEFORMATION, beyond which the surfaces slide. Between two
+//! equilibria the creep changes by the displacement. Creep beyond the limit is converted to sliding. The force therefore equals the force
+//! of a spring-slider element and is independent of the rate.
 
 use super::surface::Friction;
 use super::{Parameters, Scratch, State, StictionState, System};
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec3;
 
-/// The coefficient that sliding surfaces have in a row of equilibria.
+/// Friction coefficient of sliding surfaces in a sequence of equilibria.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum SlidingWith {
-    /// MU_DYNAMIC: the rig moves faster than STICTION_TRANSITION_VELOCITY. MU_STATIC where EFFECT = STICTION.
+    /// Dynamic coefficient MU_DYNAMIC, for a rig that moves faster than STICTION_TRANSITION_VELOCITY. MU_STATIC is used where EFFECT =
+    /// STICTION.
     #[default]
     Dynamic,
-    /// MU_STATIC.
+    /// Static coefficient MU_STATIC.
     Static,
 }
 
 impl SlidingWith {
-    /// `dynamic` or `static`.
+    /// Returns `dynamic` or `static`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Dynamic => "dynamic",
@@ -29,21 +30,21 @@ impl SlidingWith {
     }
 }
 
-/// What the surfaces of a deck do.
+/// Stick-slip state of all friction surfaces of a deck.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StickSlipState {
-    /// All slide.
+    /// All surfaces slide.
     Sliding,
-    /// Some slide.
+    /// Some surfaces slide.
     Mixed,
-    /// None slides.
+    /// No surface slides.
     Sticking,
-    /// Nothing rubs for now: as after a shake.
+    /// Friction is temporarily absent, as after shaking the rig.
     Released,
 }
 
 impl StickSlipState {
-    /// `sliding`, `mixed` or `sticking`.
+    /// Returns `sliding`, `mixed`, `sticking` or `released`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Sliding => "sliding",
@@ -61,8 +62,7 @@ impl Friction {
 }
 
 impl System {
-    /// Lets the joints of these FRICTIONs creep in statics, too. Then [`System::creep_on`] moves the surfaces on from one equilibrium to
-    /// the next.
+    /// Enables these FRICTIONs in statics too. [`System::advance_friction`] then updates the surfaces from one equilibrium to the next.
     pub fn enable_static_friction(&mut self, ids: &[u32], with: SlidingWith) {
         for friction in &mut self.frictions {
             if ids.contains(&friction.name.id) {
@@ -78,20 +78,22 @@ impl System {
         }
     }
 
-    /// True if any friction acts in statics.
+    /// Returns whether any friction acts in statics.
     pub fn creeps(&self) -> bool {
         self.frictions.iter().any(Friction::counts_at_rest)
     }
 
-    /// Moves the surfaces on to an equilibrium: the creep starts from here at the first call, and ends at the limit of sliding. Tells
-    /// what the surfaces do; `None` without any.
+    /// Updates the friction surfaces to an equilibrium.
+    ///
+    /// The first call starts the creep at the present position. Later calls limit the creep to the sliding limit. Returns the state of the
+    /// surfaces; `None` if no friction acts in statics.
     pub fn advance_friction(
         &self,
         parameters: &Parameters,
         state: &mut State,
         scratch: &mut Scratch,
     ) -> Option<StickSlipState> {
-        /// So near the limit surfaces slide: round-off leaves a creep on either side of it.
+        /// Share of the limit from which surfaces count as sliding, because round-off leaves a creep on either side of the limit.
         const NEAR: f64 = 1.0 - 1e-6;
         if !self.creeps() {
             return None;

@@ -1,7 +1,7 @@
-//! What functions read of each other: which VARIABLEs are unknowns, and in which order all others are evaluated.
+//! Dependencies between functions: the VARIABLEs that are unknowns, and the evaluation order of all other functions.
 //!
-//! A VARIABLE is given explicitly by its function, unless the function reads the VARIABLE itself, directly, through other VARIABLEs or
-//! through forces: such an algebraic loop is solved for.
+//! A VARIABLE is given explicitly by its function, unless the function reads the VARIABLE itself: directly, through other VARIABLEs or
+//! through forces. Such an algebraic loop is solved as part of the equations.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use super::System;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
 use super::structure::{Action, Drive, Element, Joint, VariableEquation};
 
-/// What functions can read of each other.
+/// Objects through which functions read each other.
 #[derive(Clone, Copy)]
 pub(crate) struct Reads<'a> {
     pub functions: &'a [CompiledFunction],
@@ -19,7 +19,7 @@ pub(crate) struct Reads<'a> {
 }
 
 impl Reads<'_> {
-    /// The functions whose values a function needs: those of explicit VARIABLEs, of forces it measures and of held rates.
+    /// Returns the functions whose values a function needs: those of explicit VARIABLEs, of forces it measures and of held rates.
     pub(crate) fn of(&self, function: usize) -> Vec<usize> {
         let mut out = Vec::new();
         for source in &self.functions[function].sources {
@@ -40,13 +40,13 @@ impl Reads<'_> {
         out
     }
 
-    /// The function of a VARIABLE that is switched on and no unknown.
+    /// Returns the function of a VARIABLE that is active and not an unknown.
     pub(crate) fn explicit(&self, variable: usize) -> Option<usize> {
         let variable = &self.variables[variable];
         (variable.active && variable.unknown.is_none()).then_some(variable.function)
     }
 
-    /// The functions that drive what exerts a force.
+    /// Appends the functions that drive the source of a force.
     fn push_driving(&self, who: Exerted, out: &mut Vec<usize>) {
         match who {
             Exerted::Element(k) => self.push_element(&self.elements[k], out),
@@ -59,7 +59,7 @@ impl Reads<'_> {
         }
     }
 
-    /// The functions of an element that is switched on.
+    /// Appends the functions of an active element.
     pub(crate) fn push_element(&self, element: &Element, out: &mut Vec<usize>) {
         if !element.active {
             return;
@@ -71,7 +71,8 @@ impl Reads<'_> {
         }
     }
 
-    /// A function and those of the VARIABLEs that it reads, directly or through others; unknowns among them if these count.
+    /// Returns a function and the functions of the VARIABLEs that it reads, directly or through others. With `unknowns`, VARIABLEs that are
+    /// unknowns are included.
     pub(crate) fn through_variables(&self, function: usize, unknowns: bool) -> BTreeSet<usize> {
         let mut seen = BTreeSet::new();
         let mut open = vec![function];
@@ -100,14 +101,14 @@ impl Reads<'_> {
         seen
     }
 
-    /// Whether any source of a function, or of the VARIABLEs that stand in it, is one of these.
+    /// Returns whether any source of a function, or of the explicit VARIABLEs that it reads, satisfies `is`.
     pub(crate) fn any(&self, function: usize, is: impl Fn(&Source) -> bool) -> bool {
         let all = self.through_variables(function, false);
         let mut sources = all.iter().flat_map(|&f| &self.functions[f].sources);
         sources.any(is)
     }
 
-    /// True if velocities of markers are among what a function reads.
+    /// Returns whether a function reads velocities of markers.
     pub(crate) fn velocities(&self, function: usize) -> bool {
         self.any(
             function,
@@ -115,7 +116,7 @@ impl Reads<'_> {
         )
     }
 
-    /// True if a function depends on nothing but the time.
+    /// Returns whether a function depends on time alone.
     pub(crate) fn only_time(&self, function: usize) -> bool {
         !self.any(function, |source| match source {
             Source::Time | Source::Mode | Source::Constant(_) | Source::Sensor(_) => false,
@@ -124,12 +125,13 @@ impl Reads<'_> {
         })
     }
 
-    /// The functions that these need, they among them, in sets: each after those it reads, and in one set those that read each other.
+    /// Returns the functions that `roots` need, including the roots, in sets. Each set comes after those it reads, and functions that read
+    /// each other share a set.
     pub(crate) fn components(&self, roots: impl IntoIterator<Item = usize>) -> Vec<Vec<usize>> {
         components(self.functions.len(), roots, |function| self.of(function))
     }
 
-    /// True if a set of [`Self::components`] is a loop.
+    /// Returns whether a set of [`Self::components`] is a loop.
     pub(crate) fn is_loop(&self, component: &[usize]) -> bool {
         match component {
             [function] => self.of(*function).contains(function),
@@ -138,8 +140,8 @@ impl Reads<'_> {
     }
 }
 
-/// Strongly connected components, each after those it has edges to (R. Tarjan, Depth-first search and linear graph algorithms, SIAM J.
-/// Comput. 1, 1972), without recursion.
+/// Returns the strongly connected components, each after those it has edges to, without recursion (R. Tarjan, Depth-first search and linear
+/// graph algorithms, SIAM J. Comput. 1, 1972).
 fn components(
     count: usize,
     roots: impl IntoIterator<Item = usize>,
@@ -208,18 +210,18 @@ impl System {
         }
     }
 
-    /// The first unknown of a dynamic state: those of VARIABLEs are before it.
+    /// Returns the first unknown of a dynamic state, which follows those of VARIABLEs.
     pub(crate) fn first_state(&self) -> usize {
         self.first_variable + self.implicit.len()
     }
 
-    /// The VARIABLEs that are unknowns, with these.
+    /// Returns the VARIABLEs that are unknowns, with the index of the unknown.
     pub(crate) fn implicit_variables(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let all = self.implicit.iter().enumerate();
         all.map(|(k, &variable)| (variable, self.first_variable + k))
     }
 
-    /// True if functions of the equations read reactions, states or unknown VARIABLEs, which only a solution gives.
+    /// Returns whether functions of the equations read reactions, states or unknown VARIABLEs, which only a solution provides.
     pub(crate) fn reads_solution(&self) -> bool {
         let mut sources = self.order.iter().flat_map(|&f| &self.functions[f].sources);
         sources.any(|source| match source {
@@ -233,7 +235,7 @@ impl System {
         })
     }
 
-    /// A function and those of the explicit VARIABLEs that it reads, each after those it reads.
+    /// Returns a function and the functions of the explicit VARIABLEs that it reads, each after those it reads.
     pub(crate) fn in_turn(&self, function: usize) -> Vec<usize> {
         let all = self.reads().through_variables(function, false);
         let mut all: Vec<usize> = all.into_iter().collect();
@@ -241,7 +243,7 @@ impl System {
         all
     }
 
-    /// The functions of MOTIONs and GCONs that take part.
+    /// Returns the functions of active MOTIONs and GCONs.
     pub(crate) fn constraining(&self) -> impl Iterator<Item = usize> + '_ {
         let joints = self.joints.iter().filter(|joint| joint.active);
         let driven = joints.filter_map(|joint| match joint.drive {
@@ -253,7 +255,7 @@ impl System {
         driven.chain(conditions.map(|c| c.function))
     }
 
-    /// True if a MOTION or GCON that takes part reads a VARIABLE, directly or through others.
+    /// Returns whether an active MOTION or GCON reads a VARIABLE, directly or through others.
     pub fn constrains(&self, variable: usize) -> bool {
         let (reads, function) = (self.reads(), self.variables[variable].function);
         let mut all = self.constraining();
@@ -276,7 +278,7 @@ mod tests {
         for (node, to) in edges.iter().enumerate() {
             assert!(to.iter().all(|to| place(*to) <= place(node)));
         }
-        // No recursion: a chain may be of any length.
+        // Without recursion a chain may have any length.
         let long = components(200_000, 0..1, |node| {
             (node + 1 < 200_000)
                 .then_some(node + 1)

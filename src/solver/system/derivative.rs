@@ -1,4 +1,4 @@
-//! Derivatives of the residual by theta and by wrenches that are not in the model.
+//! Derivatives of the residual with respect to theta and to wrenches outside the model.
 
 use super::NoValue;
 use super::carried::Moved;
@@ -18,7 +18,7 @@ use crate::mechanics::{Vec3, Vec6};
 use crate::model::MarkerIx;
 
 impl System {
-    /// The change of the residual per unit of a number of theta, the unknowns staying as they are. Overwrites `dg`.
+    /// Computes the derivative of the residual with respect to a number of theta at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -34,7 +34,7 @@ impl System {
             .residual_by_slot(slot, dg)
     }
 
-    /// The residual of a wrench on marker I, given in J axes, with its opposite at the same point of the part of J.
+    /// Returns the residual of a wrench on marker I, given in J axes, with the opposite wrench at the same point on the part of J.
     pub fn unit_wrench_column(
         &self,
         parameters: &Parameters,
@@ -67,7 +67,8 @@ impl Element {
 }
 
 impl Configuration<'_> {
-    /// The change of the residual per radian by which a marker turns on its part about an axis of its own. Overwrites `dg`.
+    /// Computes the derivative of the residual with respect to a rotation (radians) of a marker on its part, about an axis fixed to the
+    /// marker. Overwrites `dg`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -76,7 +77,7 @@ impl Configuration<'_> {
         (marker, axis): (MarkerIx, &Vec3),
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
-        /// Radians of a difference.
+        /// Step of the difference, radians.
         const STEP: f64 = 1e-6;
         dg.fill(0.0);
         let (system, state) = (self.system, self.state);
@@ -96,7 +97,7 @@ impl Configuration<'_> {
         self.look()
     }
 
-    /// The change of the residual per unit of a number of theta, the unknowns staying as they are. Overwrites `dg`.
+    /// Computes the derivative of the residual with respect to a number of theta at constant unknowns. Overwrites `dg`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -176,7 +177,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// A literal of a function changes, or the function as a whole.
+    /// Computes the derivative with respect to a literal of a function, or to the function value as a whole.
     fn by_number_of(
         &mut self,
         function: usize,
@@ -213,7 +214,7 @@ impl Configuration<'_> {
         self.look()
     }
 
-    /// All that depends on a function changes with it at this rate.
+    /// Adds the change of everything that depends directly on a function, for a given rate of the function.
     fn by_function(
         &mut self,
         (function, rate): (usize, f64),
@@ -245,7 +246,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Markers move on their parts: what they are the I or the frame of changes.
+    /// Adds the change due to markers that move on their parts.
     fn by_markers(&mut self, moved: &[Moved], dg: &mut [f64]) -> Result<(), NoValue> {
         let (system, parameters) = (self.system, self.parameters);
         let of = |marker: usize| {
@@ -262,7 +263,7 @@ impl Configuration<'_> {
             self.contribute(who, Ask::Tangent)?;
             let wrench = &self.scratch.contribution;
             wrench.by_marker(of, &self.scratch.markers, dg);
-            // The row of a constraint is minus what its multiplier does to the balances.
+            // The row of a constraint is minus the effect of its multiplier on the balances.
             let m = wrench.seen(of, &self.scratch.markers);
             for scalar in &wrench.scalars {
                 if let Of::Unknown(row) = scalar.of {
@@ -284,7 +285,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Variables, rates and GCONs change with a function at this rate.
+    /// Adds the change of variables, state rates and GCONs that depend on a function, for a given rate of the function.
     fn data_by_function(&self, (function, rate): (usize, f64), dg: &mut [f64]) {
         let system = self.system;
         for (k, row) in system.implicit_variables() {
@@ -306,7 +307,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Derivative of a function by one of its literals, the unknowns staying as they are.
+    /// Returns the derivative of a function with respect to one of its literals, at constant unknowns.
     fn function_by_literal(&mut self, function: usize, literal: usize) -> Result<f64, NoValue> {
         let replacement = self.system.functions[function].replacement;
         if !self.parameters.theta()[replacement].is_nan() {
@@ -317,7 +318,7 @@ impl Configuration<'_> {
         Ok(by.copied().unwrap_or(0.0))
     }
 
-    /// A number of theta; for the slot of a whole function that is in force, its value.
+    /// Returns a number of theta. For the slot of a whole function that is in use, returns its value.
     pub(super) fn number(&mut self, slot: Slot) -> Result<f64, NoValue> {
         let value = self.parameters.get(slot);
         match self.system.catalogue().group(slot).role {
@@ -326,7 +327,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The change of the residual per unit of a number of theta, by central differences.
+    /// Computes the derivative of the residual with respect to a number of theta by central differences.
     fn residual_difference(&mut self, slot: Slot, dg: &mut [f64]) -> Result<(), NoValue> {
         /// Relative step.
         const STEP: f64 = 1e-6;
@@ -347,7 +348,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Everything active that acts at one of some markers, is given in its axes or depends on its motion.
+    /// Returns all active sources of wrenches that act at one of the moved markers, are resolved in its axes or depend on its motion.
     fn acting_with(&self, moved: &[Moved]) -> impl Iterator<Item = Exerted> {
         let moves = |marker: usize| moved.iter().any(|moved| moved.marker == marker);
         let elements = self.elements.iter().enumerate();
@@ -368,15 +369,15 @@ impl System {
         elements.chain(terms).chain(markers)
     }
 
-    /// True if a function of the model's request number `index` may change with a number while no unknown does: it measures a marker,
-    /// reads a force, or the number is a literal of its own.
+    /// Returns whether a function of the model's request number `index` may change with a number at constant unknowns: it measures a marker
+    /// or reads a force, or the number is a literal of the function.
     pub fn request_reads(&self, (index, component): (usize, usize), slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, role))
     }
 
-    /// True if a function of the model's request number `index` may change with the axes of a marker while no unknown does.
+    /// Returns whether a function of the model's request number `index` may change with the axes of a marker at constant unknowns.
     pub fn request_reads_marker(
         &self,
         (index, component): (usize, usize),
@@ -386,7 +387,7 @@ impl System {
         function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))
     }
 
-    /// True if a number moves a marker: its own, or that in whose frame it is given.
+    /// Returns whether a number moves a marker: it belongs to that marker, or to one in whose frame the marker is defined.
     pub(super) fn moves_marker(&self, role: Role, marker: usize) -> bool {
         matches!(role, Role::Marker(first) if self.carried.moves(first, marker))
     }
@@ -413,7 +414,8 @@ impl System {
         })
     }
 
-    /// True if others read a function of the equations: it acts by more than what it drives.
+    /// Returns whether a function of the equations is read by other functions or states, so that it acts on more than the elements it
+    /// drives.
     fn passes_on(&self, function: usize) -> bool {
         let reads = self.reads();
         let is_it = |k: usize| reads.explicit(k) == Some(function);
@@ -425,7 +427,8 @@ impl System {
         drives_states || order.any(|&f| reads.of(f).contains(&function))
     }
 
-    /// True if a number also acts through functions that measure what it changes. Functions have no derivative by that.
+    /// Returns whether a number also acts through functions that measure the quantities it changes. Functions provide no derivative with
+    /// respect to such a number.
     fn acts_through_functions(&self, role: Role) -> bool {
         let sources = || self.order.iter().flat_map(|&f| &self.functions[f].sources);
         match role {
@@ -442,7 +445,7 @@ impl System {
                 sources().any(|source| matches!(source, Source::Force(_)))
             }
             Role::Literals(function) | Role::Override(function) => {
-                // What a GCON reads also turns its reaction.
+                // A function read by a GCON also changes the direction of its reaction.
                 let conditions = self.conditions.iter().map(|c| c.function);
                 let mut read = self.reads().components(conditions).into_iter().flatten();
                 read.any(|f| f == function)
@@ -450,13 +453,13 @@ impl System {
         }
     }
 
-    /// The first column behind those of unknowns, rates and the time.
+    /// Returns the first column behind those of the unknowns, their rates and the time.
     pub(crate) fn first_seed(&self) -> usize {
         3 * self.moving_unknowns + 1
     }
 }
 
-/// Takes the columns of [`Seed`]s alone.
+/// Sink that keeps only the columns of [`Seed`]s.
 pub(crate) struct Seeded {
     pub first: usize,
     pub columns: Vec<Vec<f64>>,
@@ -471,7 +474,7 @@ impl Sink for Seeded {
     }
 
     fn add_column(&mut self, _: usize, _: usize, _: &[f64]) {
-        // Blocks of the unknowns.
+        // Blocks of the unknowns are ignored.
     }
 
     fn add_reaction(&mut self, _: usize, _: usize, _: &[f64]) {}

@@ -1,11 +1,11 @@
-//! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from where they stand.
+//! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from the stored constants.
 
 use super::NoValue;
 use super::structure::{Drive, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
 use crate::constraint::{Measure, PairConstraint};
 
-/// Gauss-Legendre points and weights on [-1, 1].
+/// Gauss-Legendre nodes and weights on [-1, 1].
 const POINTS: [(f64, f64); 5] = [
     (0.0, 0.568_888_888_888_888_9),
     (0.538_469_310_105_683, 0.478_628_670_499_366_47),
@@ -13,13 +13,13 @@ const POINTS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
-/// An interval is halved at most so often.
+/// Maximum number of bisections of an integration interval.
 const HALVINGS: usize = 14;
-/// Halves agree with the whole to this share.
+/// Relative tolerance between the integral over an interval and the sum over its halves.
 const AGREED: f64 = 1e-13;
 
 impl System {
-    /// The MOTIONs that prescribe a rate and are switched on.
+    /// Returns the active MOTIONs that prescribe a velocity or acceleration.
     pub(crate) fn rate_drives(&self) -> impl Iterator<Item = RateDrive> + '_ {
         self.joints.iter().filter_map(|joint| match joint.drive {
             Drive::Rate(drive) if joint.active => Some(drive),
@@ -27,8 +27,8 @@ impl System {
         })
     }
 
-    /// Those of them that are switched on begin where the parts are, or at ICDISP, if they were off or never began; those that are off forget
-    /// where they were.
+    /// Starts the active MOTIONs of this kind that were inactive or never started, at ICDISP or, without it, at the present displacement.
+    /// Resets the inactive ones.
     pub fn begin_drives(&self, parameters: &Parameters, state: &mut State, scratch: &mut Scratch) {
         for joint in &self.joints {
             let Drive::Rate(drive) = joint.drive else {
@@ -57,7 +57,7 @@ impl System {
         }
     }
 
-    /// Takes the angles of what MOTIONs drive nearest to what they prescribe: turns are counted from there.
+    /// Sets the reference angles of driven pairs to the prescribed values, so that full turns are counted from there.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value here.
@@ -87,10 +87,10 @@ impl System {
         Ok(())
     }
 
-    /// Moves the constants of integration on to the time of the state, so that the next integral is short.
+    /// Advances the constants of integration to the time of the state, so that the next integration interval is short.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value on the way.
+    /// [`NoValue`] if a function has no value within the interval.
     pub(crate) fn drive_on(
         &self,
         parameters: &Parameters,
@@ -114,13 +114,15 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Displacement, rate and second rate of every MOTION that prescribes a rate, into the scratch. In statics they are held.
+    /// Computes displacement, velocity and acceleration of every MOTION that prescribes a velocity or acceleration, into the scratch. In
+    /// statics the displacement is constant.
     ///
-    /// Velocity: `s = s0 + integral f`, s' = f, s'' = df/dt. Acceleration: `s' = s0' + integral f`,
-    /// `s = s0 + s0' (t - t0) + integral (t - tau) f`. The integrals by Gauss' rule of five points, halved until halves agree.
+    /// Velocity motion: `s = s0 + integral f`, s' = f, s'' = df/dt. Acceleration motion: `s' = s0' + integral f`,
+    /// `s = s0 + s0' (t - t0) + integral (t - tau) f`. The integrals use the five-point Gauss rule, with intervals bisected until the
+    /// halves agree with the whole.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value on the way.
+    /// [`NoValue`] if a function has no value within the interval.
     pub(crate) fn drive(&mut self) -> Result<(), NoValue> {
         if self.state.driven.is_empty() {
             return Ok(());
@@ -155,7 +157,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// `integral f` and `integral (b - tau) f` over a..b.
+    /// Returns `integral f` and `integral (b - tau) f` over a..b.
     fn integral(&mut self, function: usize, (a, b): (f64, f64)) -> Result<[f64; 2], NoValue> {
         let mut sum = [0.0; 2];
         let mut open = vec![(a, b, self.panel(function, (a, b), b)?, 0)];
@@ -177,7 +179,7 @@ impl Configuration<'_> {
         Ok(sum)
     }
 
-    /// The two integrals over one interval, and the largest size of f.
+    /// Returns the two integrals over one interval, and the largest magnitude of f.
     fn panel(
         &mut self,
         function: usize,
@@ -196,7 +198,7 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    /// A function of time alone at some time, and its derivative; others were refused when the model was compiled.
+    /// Returns a function of time alone and its derivative at some time. Other functions were rejected when the model was compiled.
     fn at_time(&mut self, number: usize, time: f64) -> Result<(f64, f64), NoValue> {
         let found = self.in_time(number, time, false)?.unwrap_or_default();
         Ok((found.value, found.slope))

@@ -1,15 +1,16 @@
-//! Forces of elements as functions see them: components with gradients by the unknowns.
+//! Forces of elements as inputs of functions: components with gradients with respect to the unknowns.
 
 use super::compiled_function::{Exerted, Force};
 use super::forces::Ask;
 use super::{Configuration, NoValue};
 use crate::mechanics::{Mat3, Vec3, Vec6};
 
-/// Magnitudes below this beside their terms are round-off.
+/// Relative size below which a magnitude is round-off of its terms and has no direction.
 const NO_DIRECTION: f64 = 1e-13;
 
 impl Configuration<'_> {
-    /// The wrench of an element or constraint, into `scratch.contribution`. Constraints without terms exert nothing: false.
+    /// Computes the wrench of an element or constraint into `scratch.contribution`. Returns false for a constraint term that does not
+    /// exist.
     pub(super) fn contribute(&mut self, who: Exerted, ask: Ask) -> Result<bool, NoValue> {
         match who {
             Exerted::Element(k) => self.element(k, ask)?,
@@ -32,7 +33,7 @@ impl Configuration<'_> {
         Ok(true)
     }
 
-    /// The value of a measured force; its gradient is appended to the scratch.
+    /// Returns the value of a measured force and appends its gradient to the scratch.
     pub(super) fn measure_force(&mut self, force: &Force) -> Result<f64, NoValue> {
         let mut w = Vec6::zeros();
         for &(who, on_j) in &force.by {
@@ -46,12 +47,12 @@ impl Configuration<'_> {
             Vec3::new(w[0], w[1], w[2])
         };
         let magnitude = index.is_multiple_of(4);
-        // Value = e . half; for a magnitude e is the direction of the force itself.
+        // Value = e . half, where e is the direction of the force itself for a magnitude.
         let R = force
             .axes
             .map_or_else(Mat3::identity, |m| self.scratch.markers[m].R);
         let e: Vec3 = if magnitude {
-            // What is round-off beside the forces has no direction, and its magnitude no slope.
+            // A force that is round-off of its terms has no direction, and its magnitude has no slope.
             let reach = if torque { self.system.length } else { 1.0 };
             let size = w.fixed_rows::<3>(0).norm() * reach;
             half.try_normalize(NO_DIRECTION * size)
@@ -76,7 +77,7 @@ impl Configuration<'_> {
         Ok(e.dot(&half))
     }
 
-    /// (force, torque) in ground axes on I at the I origin, or on J at the J origin.
+    /// Returns (force, torque) in ground axes on I at the I origin, or on J at the J origin.
     pub(super) fn exerted(&mut self, who: Exerted, on_j: bool) -> Result<Vec6, NoValue> {
         let reading = self.read(who)?;
         let (f, t) = if on_j {
@@ -102,7 +103,7 @@ impl Configuration<'_> {
             let wrench = &self.scratch.contribution;
             let (i, j, F) = (wrench.i, wrench.j, wrench.F);
             let d = self.scratch.markers[i].p - self.scratch.markers[j].p;
-            // On J act -F and -T - d x F: the weights of F and T on I, and the change of d.
+            // The forces on J are -F and -T - d x F: convert the weights to F and T on I, and add the change of d.
             let (a, b) = (
                 Vec3::new(weight[0], weight[1], weight[2]),
                 Vec3::new(weight[3], weight[4], weight[5]),
@@ -110,7 +111,7 @@ impl Configuration<'_> {
             // b . (d x F) = F . (b x d) = d . (F x b)
             let on_force = -a - b.cross(&d);
             weight = Vec6::new(on_force.x, on_force.y, on_force.z, -b.x, -b.y, -b.z);
-            // A floating marker goes with I.
+            // A floating marker moves with I.
             if !self.system.floating.contains_key(&j) {
                 let by_d = -F.cross(&b);
                 let by = Vec6::new(by_d.x, by_d.y, by_d.z, 0.0, 0.0, 0.0);

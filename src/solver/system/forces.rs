@@ -1,4 +1,4 @@
-//! Wrenches of force elements: laws between two markers and vectors of functions.
+//! Wrenches of force elements: force laws between two markers, and vector forces given by functions.
 
 use super::chain::turn;
 use super::contribution::{ByRate, Ends, Of};
@@ -7,19 +7,19 @@ use super::{Configuration, NoValue};
 use crate::element::Wrench;
 use crate::mechanics::{Mat6, Vec6};
 
-/// What is asked of a wrench besides its value.
+/// Derivatives to be computed with a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Ask {
-    /// Nothing.
+    /// Value only.
     Value,
-    /// Derivatives by what the unknowns change.
+    /// Value and derivatives with respect to the unknowns.
     Tangent,
-    /// Derivatives by the parameters of the law, left in `scratch.wrench`.
+    /// Value and derivatives with respect to the parameters of the law, left in `scratch.wrench`.
     Parameters,
 }
 
 impl Configuration<'_> {
-    /// The wrench of an element, into `scratch.contribution`; zero, with the same pattern, if it is deactivated.
+    /// Computes the wrench of an element into `scratch.contribution`. An inactive element gives zero with the same pattern.
     pub(super) fn element(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
         let element = &self.system.elements[number];
         let ends = Ends {
@@ -84,7 +84,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// A derivative by the velocity of I as J sees it, ground axes, with what its chain rule needs.
+    /// Returns the derivative `E` with respect to the velocity of I relative to J (ground axes), together with the quantities its chain
+    /// rule needs.
     pub(super) fn by_rate(&self, (i, j): (usize, usize), E: Mat6) -> ByRate {
         let (i, j) = (self.moving_frame(Some(i)), self.moving_frame(Some(j)));
         ByRate {
@@ -96,7 +97,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Evaluates the law of an element; the result is in `scratch.wrench`, in J axes.
+    /// Evaluates the force law of an element into `scratch.wrench`, in J axes.
     fn evaluate_law(&mut self, element: &Element, with_parameters: bool) -> Result<(), NoValue> {
         let Action::Law(law, drive) = &element.action else {
             return Ok(());
@@ -113,7 +114,7 @@ impl Configuration<'_> {
                 value = [*held];
                 (&value[..], true)
             }
-            // Only constraints are driven so.
+            // Only constraints have such a drive.
             Drive::Rate(_) => (&[][..], false),
         };
         let rates = match &element.damping {

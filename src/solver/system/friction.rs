@@ -1,13 +1,13 @@
-//! Friction of joints: from the motion and the reaction of a joint to a wrench on its parts, and the creep that goes on from step to step.
+//! Joint friction: from the motion and the reaction of a joint to a wrench on its parts, with a creep that carries over from step to step.
 //!
-//! In statics nothing acts but what `creeping` lets creep.
+//! In statics only frictions enabled by `creeping` act.
 //!
-//! Of every sliding direction k, a displacement along zj or a rotation about an axis of I or J with a radius as lever:
-//! `f_k = lever (mu_k N + T0/radius sigma_k)`, mu by `element::FrictionLaw` from surface velocities and creeps, N from the reaction of the
-//! joint on I. Its derivatives are exact, by positions, velocities and multipliers.
+//! Each sliding direction k is a displacement along zj, or a rotation about an axis of I or J with the radius as lever:
+//! `f_k = lever (mu_k N + T0/radius sigma_k)`. `element::FrictionLaw` gives mu from surface velocities and creeps, and N follows from the
+//! reaction of the joint on I. The derivatives with respect to positions, velocities and multipliers are exact.
 //!
-//! The creep is the integral of the surface velocity since sticking began. From the end of the last step it is the displacement itself, or the
-//! rotation vector: no unknown of its own, and no tolerance.
+//! The creep is the integral of the surface velocity since sticking started. Within a step it changes by the displacement, or the rotation
+//! vector, since the end of the last step. It therefore needs neither an unknown nor a tolerance of its own.
 
 use super::compiled_function::Exerted;
 use super::contribution::{Ends, FunctionValue, Of};
@@ -20,18 +20,18 @@ use crate::linear::Sink;
 use crate::mechanics::{Mat3, Vec3, Vec6, log, turning_rate};
 use crate::model::MarkerIx;
 
-/// What a friction does: vectors in the axes of I, but for the wrench.
+/// Values of a friction: vectors in the axes of I, except for the wrench.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct FrictionReading {
     /// Force on I at its origin, ground axes.
     pub force: Vec3,
     /// Torque on I, ground axes.
     pub torque: Vec3,
-    /// Coefficient of the displacement.
+    /// Friction coefficient of the displacement.
     pub mu: Vec3,
-    /// Coefficient of the rotation.
+    /// Friction coefficient of the rotation.
     pub mu_turn: Vec3,
-    /// Share of the creep.
+    /// Coefficient mu_1 of the creep term.
     pub mu_1: f64,
     /// Surface velocity of the displacement.
     pub velocity: Vec3,
@@ -39,16 +39,16 @@ pub struct FrictionReading {
     pub turn_velocity: Vec3,
     /// Creep of the displacement.
     pub creep: Vec3,
-    /// Creep of the rotation, on the surface.
+    /// Creep of the rotation, as a length on the surface.
     pub turn_creep: Vec3,
-    /// Share of the velocity.
+    /// Weight beta of the velocity term.
     pub beta: f64,
 }
 
-/// A range of the gradient.
+/// Index range in the gradient.
 type Span = (usize, usize);
 
-/// Velocities, creeps and load of a friction, with the ranges of their gradients.
+/// Velocities, creeps and normal load of a friction, with the ranges of their gradients.
 pub(super) struct Sliding {
     pub v: Vec3,
     pub c: Vec3,
@@ -59,12 +59,12 @@ pub(super) struct Sliding {
 }
 
 impl System {
-    /// True if any friction is switched on.
+    /// Returns whether any friction is active.
     pub(crate) fn has_friction(&self) -> bool {
         self.frictions.iter().any(|f| f.active)
     }
 
-    /// Surface speed less that of stiction, of every friction that can stick; others are NaN.
+    /// Computes the surface speed minus the stiction velocity of every friction that can stick, and NaN for all others.
     pub(crate) fn slips(
         &self,
         parameters: &Parameters,
@@ -85,7 +85,7 @@ impl System {
         }
     }
 
-    /// Moves the creeps on to the state, the end of a step, and lets go or grips by the speed there.
+    /// Updates the creeps to the state at the end of a step. Each friction then sticks or slides according to its speed there.
     pub(crate) fn grip_on(
         &self,
         parameters: &Parameters,
@@ -117,13 +117,13 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Displacement along zj and rotation of I in J.
+    /// Returns displacement along zj and rotation of I in J.
     pub(super) fn joint_place(&self, friction: &Friction) -> (f64, Mat3) {
         let motion = self.motion((friction.i, friction.j, friction.pair), false);
         (motion.p_ij_j.z, motion.R_ji)
     }
 
-    /// The surface velocity by directions.
+    /// Returns the surface velocity, one component per sliding direction.
     fn surface_velocity(&self, friction: &Friction) -> Vec3 {
         let rates = if self.moving() {
             self.relative_rates(friction.i, friction.j)
@@ -144,13 +144,13 @@ impl Configuration<'_> {
         v
     }
 
-    /// The rotation vector from the anchor, J axes.
+    /// Returns the rotation vector from the anchor, J axes.
     fn turned(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
         let (_, R_ji) = self.joint_place(friction);
         log(&(R_ji * grip.turn.transpose()))
     }
 
-    /// The axis of a rotation, fixed at the anchor, J axes.
+    /// Returns the axis of a rotational sliding direction, fixed at the anchor, J axes.
     fn axis(slide: Slide, grip: &StictionState) -> Vec3 {
         match slide {
             Slide::AlongZ => Vec3::z(),
@@ -159,7 +159,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The creep by directions; zero unless it sticks.
+    /// Returns the creep, one component per sliding direction; zero unless the friction sticks.
     pub(super) fn creep(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
         if !grip.sticking {
             return Vec3::zeros();
@@ -180,7 +180,7 @@ impl Configuration<'_> {
         (first, self.scratch.gradient.len())
     }
 
-    /// The motion of the surfaces and what presses them together; gradients are appended where asked for, the same pattern every time.
+    /// Computes the motion of the surfaces and the normal load. With `tangent`, their gradients are appended, always with the same pattern.
     pub(super) fn sliding(&mut self, number: usize, tangent: bool) -> Result<Sliding, NoValue> {
         let friction = &self.system.frictions[number];
         let grip = self.state.grips[number];
@@ -242,9 +242,9 @@ impl Configuration<'_> {
         Ok(out)
     }
 
-    /// What presses the surfaces together: `N = preload + sum of factors times parts of the reaction on I`; its gradient is appended.
+    /// Computes the normal load `N = preload + sum of factors times parts of the reaction on I`, and appends its gradient.
     ///
-    /// With a the axis, of the force `F_a = a . F`, `F_r = |F - a F_a|`, of the moment alike. A load of zero has no slope.
+    /// With a the axis, the force has the parts `F_a = a . F` and `F_r = |F - a F_a|`, and the moment likewise. A zero load has zero slope.
     fn pressing(&mut self, number: usize, tangent: bool) -> Result<f64, NoValue> {
         let friction = &self.system.frictions[number];
         let of = friction.pressing;
@@ -268,7 +268,7 @@ impl Configuration<'_> {
                 None => (of.bending, 0.0),
                 Some((start, delta)) => {
                     let (place, _) = self.joint_place(friction);
-                    // Before the first assembly nothing is displaced.
+                    // Before the first assembly there is no displacement.
                     let first = self.state.grips[number].first;
                     let delta = first.map_or(0.0, |_| delta);
                     let moved = delta * (place - first.unwrap_or(place));
@@ -311,7 +311,7 @@ impl Configuration<'_> {
         Ok(load)
     }
 
-    /// The wrench of a friction into `scratch.contribution`; zero, with the same pattern, if it is switched off.
+    /// Computes the wrench of a friction into `scratch.contribution`. An inactive friction gives zero with the same pattern.
     pub(super) fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
         let system = self.system;
         let friction = &system.frictions[number];
@@ -373,13 +373,13 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// The law that holds: in statics that of rest.
+    /// Returns the friction law in force: in statics that of rest.
     fn law<'a>(&self, friction: &'a Friction) -> &'a FrictionLaw {
         let at_rest = friction.at_rest.as_ref().filter(|_| !self.moving());
         at_rest.unwrap_or(&friction.law)
     }
 
-    /// Adds all frictions to the balances; in statics those that creep.
+    /// Adds all frictions to the balances; in statics only those with a law at rest.
     pub(super) fn add_frictions<S: Sink>(
         &mut self,
         g: &mut [f64],
@@ -399,7 +399,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// What a FRICTION does in a motion, the sum of its yokes; all zero in statics. After [`Configuration::look`].
+    /// Returns the values of a FRICTION in motion, summed over its yokes; zero in statics. Requires [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
@@ -446,10 +446,10 @@ impl Configuration<'_> {
     }
 }
 
-/// Less than this share of the initial overlap is not left.
+/// Lower bound of the overlap, relative to the initial overlap.
 const LEAST_OVERLAP: f64 = 1e-3;
 
-/// Of the load, and of the preload that no coefficient multiplies.
+/// Returns the coefficient that multiplies the load, and the direction of the preload, which no coefficient multiplies.
 pub(super) fn coefficients(law: &FrictionLaw, sliding: &Sliding) -> (Coefficient, Coefficient) {
     (
         law.coefficient(&sliding.v, &sliding.c),

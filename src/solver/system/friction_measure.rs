@@ -1,7 +1,8 @@
-//! Numbers of a FRICTION as functions see them, with gradients by the unknowns.
+//! Quantities of a FRICTION as inputs of functions, with gradients with respect to the unknowns.
 //!
-//! In the order of its component of a result, in the axes of the J marker of its JOINT (func_friction; grammar/NOTES.md): force and torque on
-//! I, coefficients of displacement and rotation, that of stiction, surface velocities, creeps, the share of the velocity.
+//! They are in the order of the components of its result, in the axes of the J marker of its JOINT (func_friction; grammar/NOTES.md): force
+//! and torque on I, coefficients of displacement and rotation, stiction coefficient, surface velocities, creeps, weight of the velocity
+//! term.
 
 use super::Configuration;
 use super::NoValue;
@@ -10,24 +11,24 @@ use super::friction::{Sliding, coefficients};
 use super::surface::{Friction, Slide};
 use crate::mechanics::{Vec3, Vec6};
 
-/// One number of a friction.
+/// Quantity of a friction.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Number {
-    /// Force on I along an axis of J, or torque.
+    /// Force or torque on I along an axis of J.
     Wrench { axis: usize, torque: bool },
-    /// Of a sum over the directions of sliding along an axis of J.
+    /// Component along an axis of J of a vector summed over the sliding directions.
     Along {
         of: Vector,
         axis: usize,
         turning: bool,
     },
-    /// The coefficient of stiction.
+    /// Stiction coefficient mu_1.
     Stiction,
-    /// The share of the velocity.
+    /// Weight beta of the velocity term.
     Share,
 }
 
-/// What every direction of sliding has one number of.
+/// Quantity with one value per sliding direction.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Vector {
     Coefficient,
@@ -57,9 +58,10 @@ impl Number {
 }
 
 impl Configuration<'_> {
-    /// A number of the FRICTION with this id, the sum of its yokes; its gradient is appended, the same pattern every time. Zero in statics.
+    /// Returns a quantity of the FRICTION with this id, summed over its yokes, and appends its gradient, always with the same pattern. Zero
+    /// in statics.
     ///
-    /// The coefficient of stiction and the share of the velocity are given without a gradient.
+    /// The stiction coefficient and the velocity weight have no gradient.
     pub(super) fn measure_friction(&mut self, id: u32, which: usize) -> Result<f64, NoValue> {
         let system = self.system;
         if !self.moving() || self.state.grips.len() != system.frictions.len() {
@@ -102,7 +104,7 @@ impl Configuration<'_> {
         Ok(value)
     }
 
-    /// A component of the wrench on I in the axes of J, and where its gradient begins.
+    /// Returns a component of the wrench on I in the axes of J, and the start of its gradient.
     fn friction_wrench(
         &mut self,
         number: usize,
@@ -123,13 +125,13 @@ impl Configuration<'_> {
         scratch
             .contribution
             .pullback(&weight, &scratch.functions, &mut scratch.gradient);
-        // The axis turns with J: de = dphi x e.
+        // The axis rotates with J: de = dphi x e.
         let by = e.cross(&half);
         self.push_motion(friction.j, &Vec6::new(0.0, 0.0, 0.0, by.x, by.y, by.z));
         Ok((e.dot(&half), first))
     }
 
-    /// A component of a vector whose parts lie along the directions of sliding.
+    /// Returns a component of a vector whose parts lie along the sliding directions, and appends its gradient.
     fn friction_along(
         &mut self,
         friction: &Friction,

@@ -1,6 +1,6 @@
-//! FUNCTIONs in a configuration: values, and gradients by the unknowns.
+//! FUNCTIONs in a configuration: values, and gradients with respect to the unknowns.
 //!
-//! Knows how the inputs of a program hang on parts, multipliers, variables and states; not what the program computes.
+//! This file relates the inputs of a program to parts, multipliers, variables and states. It is independent of the program's formula.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,7 +11,7 @@ use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, 
 use crate::mechanics::{Pose, Vec3, Vec6};
 
 impl CompiledFunction {
-    /// Zeros for the derivatives by inputs and literals.
+    /// Sets the derivatives with respect to inputs and literals to zero.
     fn forget(&self, program: &Program, scratch: &mut Scratch) {
         scratch.by_input.clear();
         scratch.by_input.resize(program.inputs.len(), 0.0);
@@ -19,7 +19,8 @@ impl CompiledFunction {
         scratch.by_literal.resize(self.literals.len(), 0.0);
     }
 
-    /// Value of its program at the inputs in `scratch`, its switches held on these pieces, whose derivatives by inputs and literals are left there.
+    /// Evaluates the program at the inputs in `scratch`, with its switches held on `pieces`. The derivatives with respect to inputs and
+    /// literals are left in `scratch`.
     pub(super) fn run(
         &self,
         program: &Program,
@@ -42,13 +43,13 @@ impl CompiledFunction {
     }
 }
 
-/// A function of the time.
+/// Value and derivatives of a function of time.
 #[derive(Clone, Copy, Default)]
 pub(super) struct InTime {
     pub value: f64,
-    /// Its derivative.
+    /// Time derivative.
     pub slope: f64,
-    /// Its first and second derivative, where both exist.
+    /// First and second time derivatives, if both exist.
     pub rates: Option<[f64; 2]>,
 }
 
@@ -63,7 +64,8 @@ impl InTime {
 }
 
 impl Configuration<'_> {
-    /// Values and gradients of these functions, each after those it reads, into `scratch`; what was there is forgotten.
+    /// Evaluates values and gradients of functions into `scratch`, discarding earlier results. Each function in `order` must come after
+    /// those it reads.
     pub(super) fn evaluate_functions(&mut self, order: &[usize]) -> Result<(), NoValue> {
         self.scratch.gradient.clear();
         self.scratch.looks += 1;
@@ -73,7 +75,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// Value and gradient of a function that may be none of the equations, which [`Configuration::look`] has left out.
+    /// Returns the value of a function, and evaluates it first if [`Configuration::look`] omitted it because the equations do not need it.
+    /// Its gradient is left in `scratch`.
     pub(super) fn value_of(&mut self, function: usize) -> Result<f64, NoValue> {
         let system = self.system;
         if !system.in_equations[function] {
@@ -95,7 +98,7 @@ impl Configuration<'_> {
         Ok(self.scratch.functions[function].value)
     }
 
-    /// The value of a VARIABLE, after [`Configuration::look`].
+    /// Returns the value of a VARIABLE. Requires [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if its function is undefined in this configuration.
@@ -106,7 +109,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The gradient of a VARIABLE by the unknowns, after [`Configuration::look`].
+    /// Returns the gradient of a VARIABLE with respect to the unknowns. Requires [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if its function is undefined in this configuration.
@@ -123,7 +126,7 @@ impl Configuration<'_> {
         Ok(self.scratch.gradient[value.first..value.last].to_vec())
     }
 
-    /// The value of a VARIABLE that is an unknown, or that is switched off.
+    /// Returns the value of a VARIABLE that is an unknown; zero if it is inactive.
     fn unknown_variable(&self, variable: usize) -> f64 {
         if self.system.variables[variable].active {
             self.state.variables[variable]
@@ -132,7 +135,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The value of a VARIABLE that the equations read.
+    /// Returns the value of a VARIABLE that the equations read.
     pub(super) fn variable(&self, variable: usize) -> f64 {
         match self.system.reads().explicit(variable) {
             Some(function) => self.scratch.functions[function].value,
@@ -140,7 +143,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The gradient of such a VARIABLE, times a factor.
+    /// Passes the gradient of a VARIABLE that the equations read, times a factor, to `put`.
     pub(super) fn each_of_variable(
         &self,
         variable: usize,
@@ -162,7 +165,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Appends the gradient of such a VARIABLE, times a factor; gives its value.
+    /// Appends the gradient of a VARIABLE that the equations read, times a factor, and returns its value.
     fn push_variable(&mut self, variable: usize, factor: f64) -> f64 {
         let mut gradient = std::mem::take(&mut self.scratch.gradient);
         let at = gradient.len();
@@ -180,7 +183,7 @@ impl Configuration<'_> {
         self.variable(variable)
     }
 
-    /// Value and gradient of one function, into `scratch`; those it reads must be there.
+    /// Evaluates value and gradient of one function into `scratch`. The functions it reads must have been evaluated.
     pub(super) fn evaluate_function(&mut self, number: usize) -> Result<(), NoValue> {
         let function = &self.system.functions[number];
         let first = self.scratch.gradient.len();
@@ -188,7 +191,7 @@ impl Configuration<'_> {
         let replaced = !replacement.is_nan();
         let mut value = if replaced { replacement } else { 0.0 };
         if let Some(program) = &function.program {
-            // The pattern of the gradient is the same whether the function is replaced or not.
+            // The gradient has the same pattern whether or not the function is replaced.
             self.scratch.inputs.clear();
             self.scratch.spans.clear();
             let mut chained = false;
@@ -253,8 +256,8 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// A function of the time and of VARIABLEs that are such functions, at some time; none of another function. Its switches are held on
-    /// the pieces of the state, or as its arguments have them.
+    /// Returns a function at some time, if it depends only on time and on VARIABLEs that do so too; otherwise `None`. With `on_pieces` its
+    /// switches are held on the pieces of the state; otherwise the arguments select them.
     pub(super) fn in_time(
         &mut self,
         number: usize,
@@ -327,13 +330,13 @@ impl Configuration<'_> {
         Ok(found.remove(&number))
     }
 
-    /// Value of an input; its gradient is appended.
+    /// Returns the value of an input and appends its gradient.
     fn source(&mut self, source: &Source) -> Result<f64, NoValue> {
         let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
         Ok(match source {
             Source::Time => {
                 if state.moves() {
-                    // The column of the time.
+                    // Column of the time derivative.
                     scratch.gradient.push((3 * system.moving_unknowns, 1.0));
                 }
                 state.time
@@ -395,7 +398,8 @@ impl Configuration<'_> {
         })
     }
 
-    /// A velocity or acceleration of markers; its gradient by positions, velocities and accelerations of the parts is appended.
+    /// Returns a velocity or acceleration of markers, and appends its gradient with respect to positions, velocities and accelerations of
+    /// the parts.
     ///
     /// With r from the origin of the part to the marker, `dv = dV + dw x r + w x (dphi x r)` and
     /// `da = dA + db x r + b x (dphi x r) + dw x (w x r) + w x (dw x r) + w x (w x (dphi x r))`.
@@ -445,7 +449,7 @@ impl Configuration<'_> {
         found.value
     }
 
-    /// Appends a gradient by the world motion of a marker, as one by the unknowns of its part.
+    /// Appends a gradient with respect to the motion of a marker in ground, converted to the unknowns of its part.
     pub(super) fn push_motion(&mut self, marker: usize, by: &Vec6) {
         let place = self.system.place(self.system.owners[marker]);
         let scratch = &mut *self.scratch;
@@ -465,7 +469,7 @@ impl Configuration<'_> {
     }
 }
 
-/// Adds up what of a gradient stands at one column, from some place on: the same places every time.
+/// Sums the entries of a gradient that share a column, from index `first` on. The resulting pattern is the same every time.
 fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
     gradient[first..].sort_unstable_by_key(|entry| entry.0);
     let mut last = first;
@@ -481,7 +485,7 @@ fn merge(gradient: &mut Vec<(usize, f64)>, first: usize) {
 }
 
 impl System {
-    /// The angles of functions whose turns are counted, each with its place in `State::measure_angles`.
+    /// Returns the function angles whose full turns are counted, each with its index in `State::measure_angles`.
     pub fn counted_angles(&self) -> BTreeMap<Measure, usize> {
         let sources = self.functions.iter().flat_map(|function| &function.sources);
         let counted = sources.filter_map(|source| match source {
@@ -493,7 +497,7 @@ impl System {
             .collect()
     }
 
-    /// Counts turns on from those of a model before it was changed: of every angle that it counted too, whichever function asks for it.
+    /// Carries over the turn counts of a model from before a change, for every angle that it also counted, whichever function reads it.
     pub fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[Reference])) {
         let (counted, angles) = before;
         for function in &self.functions {
@@ -507,7 +511,7 @@ impl System {
         }
     }
 
-    /// Takes the angles that functions measure as those of an equilibrium.
+    /// Updates the reference angles of functions to those of an equilibrium.
     pub(crate) fn count_measured_turns(&self, state: &mut State, scratch: &Scratch) {
         for function in &self.functions {
             for source in &function.sources {
@@ -521,7 +525,7 @@ impl System {
     }
 }
 
-/// The poses of I, J and K of a measure, in a configuration whose markers are placed.
+/// Returns the poses of I, J and K of a measure. The markers must have been placed.
 fn measured_poses(measure: &Measure, scratch: &Scratch) -> [Pose; 3] {
     [measure.i, measure.j, measure.k]
         .map(|marker| marker.map_or_else(Pose::identity, |m| scratch.markers[m.0]))

@@ -1,4 +1,4 @@
-//! Inertia of the parts about their reference points, ground axes.
+//! Inertia of the parts about their reference points, in ground axes.
 
 use super::chain::{Place, add_block, add33};
 use super::{Configuration, Parameters, State, System};
@@ -7,16 +7,17 @@ use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
 use crate::model::PartIx;
 use nalgebra::DMatrix;
 
-/// A principal moment of inertia is none below this share of the largest.
+/// Share of the largest moment of inertia, below which a principal moment counts as zero.
 const WITHOUT_INERTIA: f64 = 1e-12;
 
 impl Configuration<'_> {
-    /// Takes the inertia of the moving parts off the balances: `-(M A + h)`, and its derivatives by positions, velocities and accelerations.
+    /// Subtracts the inertia forces of the moving parts from the balances, `-(M A + h)`, with derivatives with respect to positions,
+    /// velocities and accelerations.
     ///
-    /// With c from the origin to the centre of mass, J about the origin, V = (v, w) and A = (a, b):
-    /// `h = 1/ucf (m w x (w x c), w x (J w))`. A rotation dphi makes `dc = dphi x c`, `dJ = dphi~ J - J dphi~`, hence
-    /// `dF = m (b x dc + w x (w x dc))`, `dT = m dc x a + dJ b + w x dJ w`; a change of w
-    /// `dF = m (dw x (w x c) + w x (dw x c))`, `dT = dw x J w + w x J dw`, all over ucf.
+    /// With c from the origin to the centre of mass, J about the origin, V = (v, w) and A = (a, b): `h = 1/ucf (m w x (w x c), w x (J w))`.
+    /// A rotation dphi gives `dc = dphi x c` and `dJ = dphi~ J - J dphi~`, hence `dF = m (b x dc + w x (w x dc))` and
+    /// `dT = m dc x a + dJ b + w x dJ w`. A change of w gives `dF = m (dw x (w x c) + w x (dw x c))` and `dT = dw x J w + w x J dw`. All
+    /// are divided by ucf.
     pub(super) fn add_inertia<S: Sink>(&mut self, g: &mut [f64], sink: &mut S) {
         let system = self.system;
         let n = system.moving_unknowns;
@@ -79,10 +80,10 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// The mass matrix of a part about its reference point, ground axes, over the units consistency factor.
+    /// Returns the mass matrix of a part about its reference point, in ground axes, divided by the units consistency factor.
     ///
-    /// With `c` from the reference point to the centre of mass, `R` the axes of the CM marker in ground and `J = R I_cm R' - m c~ c~`:
-    /// `M = 1/ucf [ m 1, -m c~ ; m c~, J ]`. A point mass has its first three rows and columns only.
+    /// `c` points from the reference point to the centre of mass, `R` holds the axes of the CM marker in ground, and
+    /// `J = R I_cm R' - m c~ c~`: `M = 1/ucf [ m 1, -m c~ ; m c~, J ]`. For a point mass only the first three rows and columns apply.
     pub fn mass_matrix(&self, parameters: &Parameters, state: &State, part: PartIx) -> Mat6 {
         let (body, pose) = (&self.bodies[part.0], &state.poses[part.0]);
         let mut M = Mat6::zeros();
@@ -90,7 +91,7 @@ impl System {
             return M;
         }
         let mass = parameters.theta()[body.mass];
-        // IP is about the origin and in the axes of the CM marker; without one about and in the part's own.
+        // IP refers to the origin and axes of the CM marker, or of the part if there is none.
         let cm = body
             .cm
             .map_or_else(Pose::identity, |cm| parameters.markers()[cm]);
@@ -107,7 +108,7 @@ impl System {
         M / self.ucf
     }
 
-    /// True if a part that can move has no mass, or can turn without inertia.
+    /// Returns whether a movable part has zero mass, or a rotating one a zero principal moment of inertia.
     pub(crate) fn has_massless(&self, parameters: &Parameters, state: &State) -> bool {
         self.bodies.iter().enumerate().any(|(part, body)| {
             if body.freedoms == 0 {
@@ -133,7 +134,7 @@ mod tests {
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
-    /// A part made of points: its kinetic energy is theirs, whatever the axes of its CM marker and its pose.
+    /// For a part made of points, the kinetic energy equals that of the points, for any axes of its CM marker and any pose.
     #[test]
     fn the_kinetic_energy_is_that_of_the_points() {
         let points = [
@@ -170,7 +171,7 @@ mod tests {
         let system = System::compile(&model).value;
         let state = system.state();
         let M = system.mass_matrix(&system.parameters(), &state, PartIx(1));
-        // V is that of the reference point.
+        // V is the velocity of the reference point.
         let centre = system.local_reference(&state, 1);
         assert!((centre - cm).norm() < 1e-14);
         let V = Vec6::new(0.3, -1.2, 0.8, 0.5, 2.0, -0.9);

@@ -1,15 +1,16 @@
-//! Small changes of the values of VARIABLEs, and what is added to these.
+//! Linearisation of the values of VARIABLEs, and of inputs added to them.
 
 use super::derivative::Seeded;
 use super::scratch::Seed;
 use super::{NoValue, Parameters, Scratch, State, System};
 
-/// Row, column, level (by the unknown, its first or its second rate) and value of a derivative.
+/// Entry of a linearisation: row, column, level (0, 1, 2 for the unknown, its first or its second time derivative) and value.
 pub(crate) type Entry = (usize, usize, usize, f64);
 
 impl System {
-    /// The derivatives of the values of all VARIABLEs, and those by what is added to them, of a moving state. Behind the rows and columns of the
-    /// unknowns stand the VARIABLEs in the order of the model: rows of their values, columns of what is added.
+    /// Returns the derivatives of the values of all VARIABLEs, and the derivatives with respect to inputs added to them, for a moving
+    /// state. The VARIABLEs follow the rows and columns of the unknowns, in the order of the model: their values are rows, the added inputs
+    /// are columns.
     ///
     /// # Errors
     /// [`NoValue`] if an element has no value here.
@@ -59,7 +60,7 @@ impl System {
         }
         let mut here = self.at(parameters, state, scratch);
         for k in 0..self.variables.len() {
-            // What has no value here has no derivatives.
+            // A VARIABLE without a value here has no derivatives.
             for (column, by) in here.variable_gradient(k).unwrap_or_default() {
                 if column < 3 * m {
                     out.push((m + k, column % m, column / m, by));

@@ -7,14 +7,14 @@ use super::{Configuration, NoValue, Reading};
 use crate::mechanics::Vec3;
 use crate::model::PartIx;
 
-/// One force and torque on one part: an arrow of its free-body diagram.
+/// Force and torque on a part: an arrow of its free-body diagram.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Load<'s> {
-    /// What exerts it; `None` for the weight.
+    /// Object that exerts the load; `None` for the weight.
     pub by: Option<&'s Name>,
-    /// The part that feels it.
+    /// Part on which the load acts.
     pub part: PartIx,
-    /// Where the force attacks, ground coordinates.
+    /// Point of application, ground coordinates.
     pub point: Vec3,
     /// Force, ground axes.
     pub force: Vec3,
@@ -23,16 +23,17 @@ pub struct Load<'s> {
 }
 
 impl Load<'_> {
-    /// The torque about another point, ground axes.
+    /// Returns the torque about another point, ground axes.
     pub fn torque_about(&self, point: &Vec3) -> Vec3 {
         self.torque + (self.point - point).cross(&self.force)
     }
 }
 
 impl<'s> Configuration<'s> {
-    /// Every force and torque on every part, ground included; after [`Configuration::look`]. At an equilibrium those on a part cancel.
+    /// Returns every force and torque on every part, including ground. Requires [`Configuration::look`]. At an equilibrium the loads on
+    /// each part cancel.
     ///
-    /// Constraint reactions come from the multipliers of the state. Elements that are switched off do nothing and are left out.
+    /// Constraint reactions follow from the multipliers of the state. Inactive elements exert no load and are omitted.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -42,7 +43,7 @@ impl<'s> Configuration<'s> {
         Ok(out)
     }
 
-    /// Shows every load of [`Configuration::loads`] in turn.
+    /// Passes every load of [`Configuration::loads`] to `show` in turn.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -57,7 +58,7 @@ impl<'s> Configuration<'s> {
             let on_i = self.on_i(&element.name, &reading);
             match (&element.action, element.reaction) {
                 (_, None) => {}
-                // The floating marker stands where I is.
+                // The floating marker coincides with I.
                 (Action::Vector(_), Some(part)) => show(Load {
                     part: PartIx(part),
                     force: -reading.force,
@@ -131,7 +132,8 @@ impl<'s> Configuration<'s> {
         }
     }
 
-    /// GCONs: minus multiplier times the gradient of the function, about the reference points of the parts.
+    /// Passes the reactions of GCONs to `show`: minus the multiplier times the gradient of the function, about the reference points of the
+    /// parts.
     fn reactions_of_conditions(&self, mut show: impl FnMut(Load<'s>)) {
         let (system, state, scratch) = (self.system, self.state, &*self.scratch);
         for condition in system.conditions.iter().filter(|c| !self.is_out(c)) {

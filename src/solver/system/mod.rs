@@ -1,7 +1,7 @@
-//! From a model to equations: compile, theta, state, assembly.
+//! Equations of a model: compilation, parameters (theta), state and assembly.
 //!
-//! [`System`] is the frozen structure, [`Parameters`] every number that may change between runs, [`State`] what a solve changes.
-//! Knows no iteration and no factorisation.
+//! [`System`] is the fixed structure, [`Parameters`] holds every number that may change between runs, and [`State`] holds the values that a
+//! solver changes. Contains no iteration and no factorisation.
 
 mod assemble;
 mod carried;

@@ -6,7 +6,7 @@ use super::structure::NForce;
 use super::{Configuration, NoValue};
 
 impl Configuration<'_> {
-    /// All wrenches of an NFORCE, into `scratch.multi`.
+    /// Computes all wrenches of an NFORCE into `scratch.multi`.
     pub(super) fn evaluate_multi(&mut self, multi: &NForce) -> Result<(), NoValue> {
         self.scratch.motions.clear();
         for (&i, &pair) in multi.i.iter().zip(&multi.pairs) {
@@ -24,8 +24,8 @@ impl Configuration<'_> {
             })
     }
 
-    /// The wrench of an NFORCE at one of its markers, into `scratch.contribution`, after [`Self::evaluate_multi`]; zero, with the same
-    /// pattern, if it is deactivated.
+    /// Computes the wrench of an NFORCE at one of its markers into `scratch.contribution`. Requires [`Self::evaluate_multi`]. An inactive
+    /// NFORCE gives zero with the same pattern.
     pub(super) fn multi(&mut self, multi: &NForce, at: usize, tangent: bool) {
         let system = self.system;
         let on = f64::from(u8::from(multi.active));

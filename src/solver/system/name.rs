@@ -2,31 +2,31 @@ use std::fmt;
 
 use admire_syntax::diagnostic::Object;
 
-/// How a person knows an object: `BUSHING/12 'front_arm_bushing'`.
+/// Name of an object for the user: `BUSHING/12 'front_arm_bushing'`.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Name {
     /// Keyword in capitals.
     pub kind: &'static str,
     /// Id.
     pub id: u32,
-    /// View name.
+    /// Adams/View name.
     pub view: String,
 }
 
 impl Name {
-    /// The view name; none if it says nothing new, made up of kind and id.
+    /// Returns the view name; `None` if it only repeats kind and id.
     fn telling(&self) -> Option<&str> {
         let tells = !self.view.is_empty() && self.view != format!("{}_{}", self.kind, self.id);
         tells.then_some(&*self.view)
     }
 
-    /// The view name alone where it tells something, else kind and id.
+    /// Returns the view name, or kind and id if the view name only repeats these.
     pub fn short(&self) -> String {
         let own = self.telling().map(str::to_string);
         own.unwrap_or_else(|| format!("{}/{}", self.kind, self.id))
     }
 
-    /// For a complaint about it.
+    /// Returns the object as diagnostics refer to it.
     pub fn object(&self) -> Object {
         Object {
             kind: self.kind,
@@ -47,12 +47,12 @@ impl fmt::Display for Name {
     }
 }
 
-/// A constraint equation as a person knows it: `Zi.Xj in JOINT/2 'crank_pin'`.
+/// Name of a constraint equation for the user: `Zi.Xj in JOINT/2 'crank_pin'`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct EquationName {
-    /// What is zero, of those that have several or a form of their own.
+    /// Expression that is zero, for statements with several equations or a form of their own.
     pub what: Option<&'static str>,
-    /// The statement it belongs to.
+    /// Statement of the equation.
     pub object: Name,
 }
 

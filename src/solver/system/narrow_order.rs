@@ -1,12 +1,14 @@
-//! An order of the parts in which those that constraints tie to each other stand close.
+//! Order of the parts in which parts coupled by constraints are close together.
 
 use std::collections::VecDeque;
 
 use super::System;
 
 impl System {
-    /// The place of every column of the parts in an order by breadth from the end of each mechanism: what a row has other than zero stands
-    /// close together, along a chain of any numbering too.
+    /// Returns the position of every part column in a bandwidth-reducing order.
+    ///
+    /// The parts of each mechanism are ordered breadth-first from one of its ends (as in Cuthill-McKee). The nonzero entries of a row are
+    /// then close together, for example along a chain with any numbering.
     pub(super) fn bandwidth_reducing_order(&self, rows: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let mut owner = vec![0; self.first_equation];
         for (number, body) in self.bodies.iter().enumerate() {
@@ -29,7 +31,7 @@ impl System {
             others.sort_unstable();
             others.dedup();
         }
-        // When each was reached last.
+        // Round in which each body was last reached.
         let mut reached = vec![0; self.bodies.len()];
         let mut order = vec![0; self.first_equation];
         let mut next = 0;
@@ -37,7 +39,7 @@ impl System {
             if reached[body] > 0 {
                 continue;
             }
-            // The one that is reached last from anywhere is at an end.
+            // The body reached last from an arbitrary start is at an end of the mechanism.
             let from_anywhere = breadth_first_order(&tied, body, (&mut reached, 1));
             let end = *from_anywhere.last().unwrap_or(&body);
             for body in breadth_first_order(&tied, end, (&mut reached, 2)) {
@@ -52,7 +54,7 @@ impl System {
     }
 }
 
-/// All that is tied to one, by their distance from it; `reached` tells of each in which round it was found.
+/// Returns all bodies connected to `from`, ordered by their distance from it. `reached` records the round in which each body was found.
 fn breadth_first_order(
     tied: &[Vec<usize>],
     from: usize,

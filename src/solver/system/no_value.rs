@@ -1,20 +1,20 @@
 use super::Name;
 use crate::element::Degenerate;
 
-/// An element that has no value in this configuration.
+/// Error of an element that is undefined in the present configuration.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("{element}: {reason}")]
 pub struct NoValue {
-    /// Which element.
+    /// Name of the element.
     pub element: Name,
-    /// Why.
+    /// Reason of the failure.
     pub reason: Reason,
 }
 
-/// Why an element has no value.
+/// Reason why an element is undefined.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum Reason {
-    /// The motion is one at which the law has no value.
+    /// The force law is undefined at this relative motion.
     #[error(transparent)]
     Degenerate(#[from] Degenerate),
     /// Its function has no value.

@@ -4,20 +4,20 @@ use super::Slot;
 use super::carried::{Carried, Moved};
 use crate::mechanics::{Mat3, Pose, Vec3, euler313, exp, psi_theta_phi};
 
-/// Numbers per marker at the front of theta: QP and REULER.
+/// Numbers per marker at the start of theta: QP and REULER.
 pub(crate) const PER_MARKER: usize = 6;
 
-/// Theta: every number that can be identified or edited between runs without compiling anew.
+/// Parameter vector theta: every number that can be identified or edited between runs without recompilation.
 ///
-/// Angles in radians, everything else in the dataset's units, as the statements have them: QP and REULER of a marker with RM are in the
-/// frame of RM. Marker frames are kept up to date with the numbers. QP moves a marker without turning it: points that give its axes
-/// move along.
+/// Angles are in radians, everything else in the dataset's units, as written in the statements: QP and REULER of a marker with RM are in
+/// the frame of RM. The marker frames are updated with the numbers. A change of QP moves a marker without rotating it; the points that
+/// define its axes move along.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameters {
     theta: Vec<f64>,
     /// Pose of each marker on its part.
     markers: Vec<Pose>,
-    /// Rotation from ZP, XP points, which REULER cannot change.
+    /// Rotation given by ZP and XP points, which REULER cannot change.
     by_points: Vec<Option<Mat3>>,
     carried: Arc<Carried>,
 }
@@ -42,12 +42,12 @@ impl Parameters {
         new
     }
 
-    /// The number in a slot. The slot of a whole function is NaN as long as the function itself is in force.
+    /// Returns the number in a slot. The slot of a whole function is NaN while the function itself is used.
     pub fn get(&self, slot: Slot) -> f64 {
         self.theta[slot.0]
     }
 
-    /// Changes a number.
+    /// Sets a number.
     pub fn set(&mut self, slot: Slot, value: f64) {
         self.theta[slot.0] = value;
         let marker = slot.0 / PER_MARKER;
@@ -56,12 +56,12 @@ impl Parameters {
         }
     }
 
-    /// All numbers.
+    /// Returns all numbers.
     pub(crate) fn theta(&self) -> &[f64] {
         &self.theta
     }
 
-    /// Turns a marker on its part by `angle` radians about an axis of its own.
+    /// Rotates a marker on its part by `angle` radians about an axis fixed to the marker.
     pub fn turn(&mut self, marker: crate::model::MarkerIx, axis: &Vec3, angle: f64) {
         let R = self.stated(marker.0).R * exp(&(axis * angle));
         if let Some(by_points) = &mut self.by_points[marker.0] {
@@ -73,12 +73,12 @@ impl Parameters {
         self.refresh(marker.0);
     }
 
-    /// Axes of a marker whose points ZP and XP give them, in the frame that these are given in.
+    /// Returns the axes of a marker defined by points ZP and XP, in the frame in which the points are given. `None` for other markers.
     pub fn axes_by_points(&self, marker: crate::model::MarkerIx) -> Option<Mat3> {
         self.by_points[marker.0]
     }
 
-    /// Where a marker is on its part.
+    /// Returns the pose of a marker on its part.
     pub fn marker(&self, marker: crate::model::MarkerIx) -> &Pose {
         &self.markers[marker.0]
     }
@@ -87,7 +87,8 @@ impl Parameters {
         &self.markers
     }
 
-    /// The frames that move by a unit of one of a marker's six numbers: its own, and those that are given in it.
+    /// Returns the motions of all frames that depend on one of a marker's six numbers, per unit of it: the marker itself, and those defined
+    /// in its frame.
     pub(crate) fn marker_derivative(&self, marker: usize, k: usize) -> Vec<Moved> {
         let (shift, turn) = self.stated_derivative(marker, k);
         let axes = match self.carried.base(marker) {
@@ -97,12 +98,12 @@ impl Parameters {
         self.moved_with(marker, axes * shift, axes * turn)
     }
 
-    /// The frames that move by a radian of a turn of a marker about an axis of its own.
+    /// Returns the motions of all frames that depend on a marker, per radian of its rotation about an axis fixed to it.
     pub(crate) fn turn_derivative(&self, marker: usize, axis: &Vec3) -> Vec<Moved> {
         self.moved_with(marker, Vec3::zeros(), self.markers[marker].R * axis)
     }
 
-    /// Displacement and rotation vector by a number, in the axes that the number is given in.
+    /// Returns displacement and rotation vector per unit of a number, in the axes in which the number is given.
     fn stated_derivative(&self, marker: usize, k: usize) -> (Vec3, Vec3) {
         if k < 3 {
             return (Vec3::ith(k, 1.0), Vec3::zeros());
@@ -112,7 +113,7 @@ impl Parameters {
         }
         let at = marker * PER_MARKER + 3;
         let (psi, theta) = (self.theta[at], self.theta[at + 1]);
-        // R = Rz(psi) Rx(theta) Rz(phi): each angle turns about an axis that the ones before it have placed.
+        // R = Rz(psi) Rx(theta) Rz(phi): each angle rotates about an axis that depends on the preceding angles.
         let axis = match k {
             3 => Vec3::z(),
             4 => Vec3::new(libm::cos(psi), libm::sin(psi), 0.0),
@@ -125,7 +126,7 @@ impl Parameters {
         (Vec3::zeros(), axis)
     }
 
-    /// A marker that moves on its part, and with it those that are given in its frame.
+    /// Returns the motion of a marker on its part and the resulting motions of those defined in its frame.
     fn moved_with(&self, marker: usize, shift: Vec3, turn: Vec3) -> Vec<Moved> {
         let mut moved = vec![Moved {
             marker,
@@ -136,7 +137,7 @@ impl Parameters {
             let Some((rm, between)) = self.carried.base(marker) else {
                 continue;
             };
-            // Their frame comes before them in the list.
+            // Their reference marker comes before them in the list.
             let Some(by) = moved.iter().find(|moved| moved.marker == *rm) else {
                 continue;
             };
@@ -150,7 +151,7 @@ impl Parameters {
         moved
     }
 
-    /// The frame of a marker as it is stated: on its part, or in the frame of RM.
+    /// Returns the frame of a marker as stated: on its part, or in the frame of RM.
     fn stated(&self, marker: usize) -> Pose {
         let n = &self.theta[marker * PER_MARKER..(marker + 1) * PER_MARKER];
         Pose {
@@ -159,7 +160,7 @@ impl Parameters {
         }
     }
 
-    /// Places a marker on its part, and those that are given in its frame on theirs.
+    /// Updates the pose of a marker on its part and of those defined in its frame.
     fn refresh(&mut self, marker: usize) {
         self.place(marker);
         let carried = Arc::clone(&self.carried);

@@ -1,4 +1,4 @@
-//! Numbers that an equilibrium shows, with their derivatives by the unknowns and by theta.
+//! Quantities that are read from an equilibrium, with their derivatives with respect to the unknowns and to theta.
 
 use super::NoValue;
 use super::catalogue::Role;
@@ -8,24 +8,25 @@ use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::PartIx;
 
-/// Relative step of the differences by theta at fixed unknowns; of fourth order, so that round-off of 1e-12 is what is left.
+/// Relative step of the differences with respect to theta at fixed unknowns. They are of fourth order, so that only a round-off of 1e-12
+/// remains.
 const STEP: f64 = 1e-4;
 
-/// A number that an equilibrium shows. Components 0 to 5 are x, y, z of a vector, then of another, in ground axes.
+/// Scalar quantity read from an equilibrium. Components 0 to 5 are x, y, z of a first vector, then of a second one, in ground axes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Quantity {
     /// Displacement of a part's origin, then its rotation vector.
     Motion(PartIx, usize),
-    /// Force of an element on I, then torque about the I origin.
+    /// Force of an element on I, then the torque about the I origin.
     Element(ElementIx, usize),
-    /// Reaction of a constraint on I, then torque about the I origin. For COUPLER and GEAR that of the first joint.
+    /// Reaction force of a constraint on I, then the torque about the I origin. For COUPLER and GEAR, the reaction at the first joint.
     Constraint(ConstraintIx, usize),
-    /// A function of a REQUEST: index of the request in the model, component 0 to 7 for F1 to F8.
+    /// Function of a REQUEST: index of the request in the model, component 0 to 7 for F1 to F8.
     Request(usize, usize),
 }
 
 impl Configuration<'_> {
-    /// The value of a quantity; of a motion zero, which is a change from here.
+    /// Returns the value of a quantity. A motion is zero, because it is the change from the present configuration.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -49,7 +50,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The gradient of a quantity by the unknowns, added to `out`.
+    /// Adds the gradient of a quantity with respect to the unknowns to `out`.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -67,7 +68,7 @@ impl Configuration<'_> {
                     out[unknown] += 1.0;
                 }
                 if component < 3 && unknowns.len() == 6 {
-                    // Of the origin: e . (dphi x -r) = dphi . (-r x e).
+                    // For the origin: e . (dphi x -r) = dphi . (-r x e).
                     let arm = -self.system.reference_arm(self.state, part.0);
                     let by_turn = arm.cross(&Vec3::ith(component, 1.0));
                     for (k, by) in by_turn.iter().enumerate() {
@@ -99,7 +100,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    /// The change of a quantity per unit of a number of theta, the unknowns staying as they are.
+    /// Returns the derivative of a quantity with respect to a number of theta at constant unknowns.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -135,7 +136,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// False if a number cannot change a quantity but through the unknowns.
+    /// Returns false if a number can change a quantity only through the unknowns.
     fn may_touch(&self, quantity: Quantity, role: Role) -> bool {
         match quantity {
             Quantity::Motion(..) => false,

@@ -1,4 +1,4 @@
-//! Wrenches of constraints: reactions to multipliers.
+//! Wrenches of constraints: reactions of the multipliers.
 
 use super::Configuration;
 use super::State;
@@ -8,7 +8,7 @@ use crate::constraint::Constraint;
 use crate::mechanics::{Mat6, Vec6};
 
 impl Joint {
-    /// Which of its equations take no part: all if it is deactivated, and redundant ones.
+    /// Returns which of its equations are ignored: all if the constraint is inactive, otherwise the redundant ones.
     pub(super) fn out(&self, state: &State) -> [bool; 6] {
         let mut out = [false; 6];
         for (k, out) in out.iter_mut().enumerate().take(self.count) {
@@ -19,8 +19,10 @@ impl Joint {
 }
 
 impl Configuration<'_> {
-    /// The reaction of one term of a constraint, into `scratch.contribution`, with what its multipliers do per unit if `gradients` are wanted;
-    /// its equations stay in `scratch.equations`. A deactivated constraint has the same pattern, all zero.
+    /// Computes the reaction of one term of a constraint into `scratch.contribution`; its equations stay in `scratch.equations`.
+    ///
+    /// With `gradients`, the wrench per unit of each multiplier is included. An inactive constraint has the same pattern with all entries
+    /// zero.
     pub(super) fn term(&mut self, number: usize, term: usize, gradients: bool) {
         let joint = &self.system.joints[number];
         let out = joint.out(self.state);
@@ -68,7 +70,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// Adds what the reaction of the term changes by when its markers turn against each other.
+    /// Sets the derivative of the term's reaction with respect to the relative rotation of its markers.
     pub(super) fn bend_term(&mut self) {
         let scratch = &mut *self.scratch;
         let (equations, reaction) = (&scratch.equations, &mut scratch.contribution);

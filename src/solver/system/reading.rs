@@ -1,4 +1,4 @@
-//! What elements and constraints do in a configuration.
+//! Forces and reactions of elements and constraints in a configuration.
 
 use super::NoValue;
 use super::compiled_function::Exerted;
@@ -7,16 +7,16 @@ use super::{Configuration, ConstraintIx, ElementIx};
 use crate::mechanics::{RelativeMotion, Vec3, Vec6};
 use crate::model::MarkerIx;
 
-/// What one element or constraint does.
+/// Force and relative motion of one element or constraint.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Reading {
     /// I marker.
     pub i: MarkerIx,
     /// J or JFLOAT marker.
     pub j: MarkerIx,
-    /// Motion of I as J sees it.
+    /// Motion of I relative to J.
     pub motion: RelativeMotion,
-    /// (force, torque) on I at the I origin, in the axes of J (of RM for vector forces).
+    /// Wrench (force, torque) on I at the I origin, in the axes of J (of RM for vector forces).
     pub wrench_j: Vec6,
     /// Force on I, ground axes.
     pub force: Vec3,
@@ -29,7 +29,7 @@ pub struct Reading {
 }
 
 impl Configuration<'_> {
-    /// What a force element does; after [`Configuration::look`]. All zero if it is deactivated.
+    /// Returns the wrench of a force element. Requires [`Configuration::look`]. All zero if it is inactive.
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
@@ -37,7 +37,8 @@ impl Configuration<'_> {
         self.read(Exerted::Element(element.0))
     }
 
-    /// The reaction of a constraint on its I marker; after [`Configuration::look`]. For COUPLER and GEAR that of the first joint.
+    /// Returns the reaction of a constraint on its I marker. Requires [`Configuration::look`]. For COUPLER and GEAR, the reaction at the
+    /// first joint.
     pub fn read_constraint(&mut self, constraint: ConstraintIx) -> Reading {
         let terms = self.system.joints[constraint.0].at_first().max(1);
         let mut all = (0..terms).map(|at| {
@@ -55,7 +56,7 @@ impl Configuration<'_> {
         out
     }
 
-    /// What an NFORCE does at each of its I markers; after [`Configuration::look`].
+    /// Returns the wrenches of an NFORCE at each of its I markers. Requires [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
@@ -69,7 +70,7 @@ impl Configuration<'_> {
             .collect()
     }
 
-    /// What anything that exerts a wrench does.
+    /// Returns the wrench of an element, a constraint term or an NFORCE marker.
     pub(super) fn read(&mut self, who: Exerted) -> Result<Reading, NoValue> {
         if !self.contribute(who, Ask::Value)? {
             self.scratch.contribution = super::contribution::Contribution::default();
@@ -77,7 +78,7 @@ impl Configuration<'_> {
         Ok(self.contributed())
     }
 
-    /// What the wrench in `scratch.contribution` does.
+    /// Returns the reading of the wrench in `scratch.contribution`.
     pub(super) fn contributed(&self) -> Reading {
         let wrench = &self.scratch.contribution;
         let (i, j) = (wrench.i, wrench.j);

@@ -1,4 +1,4 @@
-//! Constraint equations that say nothing new.
+//! Detection of redundant constraint equations.
 
 use std::ops::Range;
 
@@ -8,26 +8,31 @@ use super::System;
 use crate::constraint::Constraint as _;
 use crate::linear::{Matrix, Sink as _, dependent_columns};
 
-/// A constraint row that keeps less than this of its length when its share in the rows before is taken off is redundant. Decks give angles
-/// and places with about seven digits: equations that agree within their rounding are dependent.
+/// A constraint row is redundant if less than this share of its length remains after projection onto the complement of the earlier rows.
+/// Decks give angles and positions with about seven digits, so equations that agree within this rounding are dependent.
 const REDUNDANT: f64 = 1e-6;
 
-/// A distance that keeps less than this holds what other equations hold better: a rotation by a short lever.
+/// A distance equation that keeps less than this share is postponed: other equations constrain that motion better, for example a rotation
+/// by a short lever.
 const WEAK: f64 = 1e-3;
 
-/// Beyond so many products an elimination finds redundant equations: fast in large mechanisms, and in an order of its own.
+/// Number of products above which an elimination finds the redundant equations instead. It is fast for large mechanisms but chooses its own
+/// order.
 const LARGE: usize = 300_000_000;
 
-/// What is smaller than this beside a row is its round-off. Shares of far ends of a mechanism are: without them the rows stay short.
+/// Entries smaller than this relative to the row are round-off. Components at remote ends of a mechanism fall below it, so the rows stay
+/// short.
 const NOTHING: f64 = 1e-16;
 
-/// A row that keeps more than this of its length is orthogonal to the others but for round-off.
+/// A row that keeps more than this share of its length is orthogonal to the others up to round-off.
 const MOST: f64 = 0.7;
 
 impl System {
-    /// Which constraint equations depend on those before them, from the entries of their gradients by the parts: (equation, freedom,
-    /// derivative), those of one equation in the order of the freedoms or not. The order is that of real message files: distances
-    /// come first, so that a dependent rotation is left out rather than a distance (grammar/NOTES.md).
+    /// Returns which constraint equations depend on earlier ones.
+    ///
+    /// `entries` holds the gradients with respect to the part unknowns as (equation, unknown, derivative), in any order. The order of the
+    /// equations follows real message files: distances come first, so that a dependent rotation is dropped rather than a distance
+    /// (grammar/NOTES.md).
     pub(crate) fn redundant_rows(&self, entries: &[(u32, u32, f64)]) -> Vec<bool> {
         let columns = self.first_equation;
         let scale = self.column_lengths();
@@ -51,7 +56,7 @@ impl System {
             }
         }
         for row in products.into_iter().chain(weak).chain(others) {
-            // An equation without any gradient cannot be held by anything; the assembly reports it.
+            // An equation without any gradient cannot be satisfied by any reaction; the assembly reports it.
             out[row] = basis.take(&rows[row], REDUNDANT) != Taken::In;
         }
         if basis.given_up {
@@ -60,7 +65,8 @@ impl System {
         out
     }
 
-    /// The same by an elimination, which may take out others; again what holds places goes before what holds velocities.
+    /// Finds the dependent rows by an elimination, which may drop other rows than [`Self::redundant_rows`]. Again holonomic equations take
+    /// precedence over nonholonomic ones.
     fn dependent_rows(&self, rows: &[Vec<(usize, f64)>]) -> Vec<bool> {
         let mut out = self.dependent_among(rows, &self.is_nonholonomic);
         for equation in (0..self.equations).filter(|&k| self.is_nonholonomic[k]) {
@@ -70,13 +76,13 @@ impl System {
                 .iter_mut()
                 .zip(&self.is_nonholonomic[equation + 1..])
                 .for_each(|(out, later)| *out |= later);
-            // Those before depend on none of each other: with one more that does, one is left over.
+            // The rows kept so far are independent: a further dependent row leaves one row over.
             out[equation] = self.dependent_among(rows, &whole) != whole;
         }
         out
     }
 
-    /// Which rows depend on others, those left aside among them.
+    /// Returns which rows depend on others, including the rows in `aside`.
     fn dependent_among(&self, rows: &[Vec<(usize, f64)>], aside: &[bool]) -> Vec<bool> {
         let mut matrix = Matrix::new(self.equations.max(self.first_equation));
         for (equation, row) in rows.iter().enumerate().filter(|(k, _)| !aside[*k]) {
@@ -87,7 +93,7 @@ impl System {
         matrix.finish();
         let mut out = aside.to_vec();
         for equation in dependent_columns(&matrix.view()) {
-            // The matrix is square: columns behind the equations are empty.
+            // The matrix is square, so columns behind the equations are empty.
             if let Some(out) = out.get_mut(equation as usize) {
                 *out = true;
             }
@@ -95,8 +101,8 @@ impl System {
         out
     }
 
-    /// The equations in the order in which they are taken: distances of joints; scalar products of joints, the last of each joint first;
-    /// all others, as motions and couplers, at last those of velocities.
+    /// Returns the equations in the order in which they are processed: distances of joints; scalar products of joints, starting with the
+    /// last of each joint; all others, such as motions and couplers, ending with the nonholonomic ones.
     fn in_order(&self) -> [Vec<usize>; 3] {
         let [mut distances, mut products] = [Vec::new(), Vec::new()];
         let mut other = vec![true; self.equations];
@@ -117,7 +123,7 @@ impl System {
                 }
             }
         }
-        // What holds places goes before what holds velocities: that one of both is left out that leaves the places as they are.
+        // Holonomic equations come before nonholonomic ones, so that of two dependent equations the one that constrains positions is kept.
         let (of_velocities, mut others): (Vec<usize>, Vec<usize>) = (0..self.equations)
             .filter(|&k| other[k])
             .partition(|&k| self.is_nonholonomic[k]);
@@ -125,8 +131,8 @@ impl System {
         [distances, products, others]
     }
 
-    /// Of every equation the kind of those that may be left out in its place: scalar products of joints for each other, and distances; none of
-    /// the others.
+    /// Returns the exchange class of every equation. An equation may be dropped in place of another one of its class: scalar products of
+    /// joints for each other, and distances for each other. All other equations have no class.
     pub(crate) fn exchangeable(&self) -> Vec<Option<u8>> {
         let mut kinds = vec![None; self.equations];
         let [distances, products, _] = self.in_order();
@@ -138,7 +144,7 @@ impl System {
         kinds
     }
 
-    /// What one unit of each body unknown moves: 1 for translations, the length of the model for rotations.
+    /// Returns the length moved by a unit of each body unknown: 1 for translations, the length of the model for rotations.
     fn column_lengths(&self) -> Vec<f64> {
         let mut out = vec![1.0; self.first_equation];
         for body in &self.bodies {
@@ -150,35 +156,36 @@ impl System {
     }
 }
 
-/// What came of a row.
+/// Result of adding a row to the basis.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Taken {
-    /// It says something new.
+    /// The row is independent of the earlier ones.
     In,
-    /// It follows from those taken before.
+    /// The row depends on the earlier ones.
     Dependent,
-    /// It has no gradient.
+    /// The row has no gradient.
     Nothing,
 }
 
-/// Orthonormal rows, each from the first to the last of its numbers that is not zero.
+/// Orthonormal basis of the rows. Each row is stored from its first to its last nonzero entry.
 struct Basis {
     rows: Vec<(Range<usize>, Vec<f64>)>,
-    /// Where each column stands.
+    /// Position of each column.
     order: Vec<usize>,
-    /// The row that is taken in.
+    /// Row that is being added.
     v: Vec<f64>,
-    /// How many rows are to come in all, and how many came.
+    /// Total number of rows to be added.
     all: usize,
+    /// Number of rows processed so far.
     came: usize,
-    /// How many products were made.
+    /// Number of products computed.
     products: usize,
-    /// It would take more than [`LARGE`]: nothing is looked at any more.
+    /// Whether the work would exceed [`LARGE`], so that no further row is processed.
     given_up: bool,
 }
 
 impl Basis {
-    /// Of rows with so many columns in an order.
+    /// Creates a basis for `all` rows with `columns` columns, stored in the given order.
     fn of(columns: usize, order: Vec<usize>, all: usize) -> Self {
         Self {
             rows: Vec::new(),
@@ -191,9 +198,9 @@ impl Basis {
         }
     }
 
-    /// Takes a row in that keeps more than a share of its length when its part in the basis is taken off.
+    /// Adds a row if more than a share of its length remains after its projection onto the basis is subtracted.
     fn take(&mut self, row: &[(usize, f64)], share: f64) -> Taken {
-        // Later rows take more products than those before, which more of the others overlap.
+        // Later rows need more products than earlier ones, because they overlap with more rows.
         self.came += 1;
         let many = self.products / self.came > LARGE / self.all.max(1);
         self.given_up |= many && self.products > LARGE / 10;
@@ -216,7 +223,7 @@ impl Basis {
         if before == 0.0 {
             return Taken::Nothing;
         }
-        // Twice is enough (Kahan), and once for a row that keeps most of its length.
+        // Two passes of orthogonalisation suffice (Kahan), and one for a row that keeps most of its length.
         for _ in 0..2 {
             *products += rows.len();
             for (of, b) in rows.iter() {
@@ -253,7 +260,7 @@ impl Basis {
     }
 }
 
-/// From the first to the last number that is larger than this.
+/// Returns the range from the first to the last number whose magnitude exceeds `nothing`.
 fn support(v: &[f64], nothing: f64) -> Range<usize> {
     let first = v.iter().position(|x| x.abs() > nothing);
     let first = first.unwrap_or(v.len());

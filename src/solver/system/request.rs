@@ -1,4 +1,4 @@
-//! What REQUESTs and SENSORs show of a configuration.
+//! Values of REQUESTs and SENSORs in a configuration.
 
 use super::compiled_function::Source;
 use super::{Configuration, NoValue, System};
@@ -6,11 +6,14 @@ use crate::mechanics::{Pose, Vec3, Vec6, psi_theta_phi};
 use crate::model::{MarkerIx, Request, RequestKind};
 
 impl Configuration<'_> {
-    /// The eight components of the model's request number `index`; after [`Configuration::look`].
+    /// Returns the eight components of the model's request number `index`. Requires [`Configuration::look`].
     ///
-    /// DISPLACEMENT: distance, x, y, z (RM axes), zero, PSI, THETA, PHI. FORCE: magnitude, x, y, z (RM axes) of the force on I, the same of
-    /// the torque about the I origin. VELOCITY, ACCELERATION: of I less that of J; zero in
-    /// statics. Absent functions are zero.
+    /// Components by kind, resolved in RM axes:
+    /// - DISPLACEMENT: distance, x, y, z, zero, PSI, THETA, PHI.
+    /// - FORCE: magnitude, x, y, z of the force on I, then the same of the torque about the I origin.
+    /// - VELOCITY, ACCELERATION: magnitude, x, y, z for I minus those for J, then the same of the rotation; zero in statics.
+    ///
+    /// Absent functions are zero.
     ///
     /// # Errors
     /// [`NoValue`] if a function or an element it reads is undefined in this configuration.
@@ -32,7 +35,7 @@ impl Configuration<'_> {
                 let mut w = Vec6::zeros();
                 for condition in &self.system.conditions {
                     if condition.i == Some(i.0) {
-                        // ADAMS counts a GCON at its I marker, whatever J is (grammar/NOTES.md).
+                        // ADAMS counts the reaction of a GCON at its I marker, whatever J is (grammar/NOTES.md).
                         let (F, T) = self.read_condition(condition.name.id, *i);
                         w += Vec6::new(F.x, F.y, F.z, T.x, T.y, T.z);
                     }
@@ -57,7 +60,8 @@ impl Configuration<'_> {
         }
     }
 
-    /// Velocity or acceleration of I less that of J in ground: magnitude, x, y, z along the axes of RM; the same of the rotation.
+    /// Returns velocity or acceleration of I minus that of J in ground: magnitude, then x, y, z along the axes of RM, then the same of the
+    /// rotation.
     fn rates(
         &self,
         (i, j, rm): (MarkerIx, Option<MarkerIx>, Option<MarkerIx>),
@@ -74,7 +78,7 @@ impl Configuration<'_> {
         [v.norm(), v.x, v.y, v.z, w.norm(), w.x, w.y, w.z]
     }
 
-    /// Value of one function of the request number `index`, and its gradient by the unknowns as (unknown, derivative) pairs; after
+    /// Returns value and gradient of one function of the request number `index`; the gradient is a list of (unknown, derivative). Requires
     /// [`Configuration::look`]. `None` if the request has no such function.
     ///
     /// # Errors
@@ -95,7 +99,7 @@ impl Configuration<'_> {
         Ok(Some((value, &self.scratch.gradient[range])))
     }
 
-    /// The FUNCTION of the model's sensor number `index`; after [`Configuration::look`].
+    /// Returns the value of FUNCTION of the model's sensor number `index`. Requires [`Configuration::look`].
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
@@ -103,7 +107,8 @@ impl Configuration<'_> {
         self.value_of(self.system.sensors[index].0)
     }
 
-    /// The EVALUATE function of the model's sensor number `index`, which SENVAL gives once it fired.
+    /// Returns the value of EVALUATE of the model's sensor number `index`, which SENVAL returns after the sensor has triggered. `None`
+    /// without EVALUATE.
     ///
     /// # Errors
     /// [`NoValue`] if it is undefined in this configuration.
@@ -116,7 +121,7 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Whether the FUNCTION of the model's sensor number `index` reads accelerations or forces, itself or by variables.
+    /// Returns whether the FUNCTION of the model's sensor number `index` reads accelerations or forces, itself or through variables.
     pub fn sensor_reads_balance(&self, index: usize) -> bool {
         let mut seen = vec![false; self.functions.len()];
         let mut open = vec![self.sensors[index].0];

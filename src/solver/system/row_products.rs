@@ -1,31 +1,31 @@
-//! What the rows of the constraints make of velocities and multipliers. The rows themselves are not kept: an iteration over time needs them at
-//! every stage, and no more of them than this.
+//! Products of the constraint rows with velocities and multipliers. The rows themselves are not stored: a time integration needs only these
+//! products, at every stage.
 
 use super::{NoValue, Parameters, Scratch, State, System};
 use crate::linear::Sink;
 
-/// `G V + time` and `G' mu`, added up while the equations are assembled.
+/// Products `G V + time` and `G' mu`, accumulated while the equations are assembled.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct RowProducts {
-    /// The velocities of the parts, in the order of the unknowns.
+    /// Velocities of the parts, in the order of the unknowns.
     pub v: Vec<f64>,
-    /// A number per equation.
+    /// Multiplier vector, one number per equation.
     mu: Vec<f64>,
-    /// `G V + time`: the rate of every equation.
+    /// Rate of every equation, `G V + time`.
     pub rates: Vec<f64>,
-    /// `G' mu`, a number per freedom of the parts.
+    /// Generalised forces `G' mu`, one per degree of freedom of the parts.
     pub pull: Vec<f64>,
     first_equation: usize,
     first_variable: usize,
     unknowns: usize,
-    /// Of each row whether it is one of velocities: its gradient is that by these.
+    /// Whether each row is nonholonomic. The gradient of such a row is taken with respect to the velocities.
     of_velocities: Vec<bool>,
-    /// Derivatives by variables: (row, variable, derivative).
+    /// Derivatives with respect to variables and states: (row, unknown, derivative).
     others: Vec<(u32, u32, f64)>,
 }
 
 impl RowProducts {
-    /// Of a system.
+    /// Creates zero products for a system.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             mu: vec![0.0; system.equations],
@@ -85,7 +85,8 @@ impl Sink for RowProducts {
 }
 
 impl System {
-    /// Residuals of everything, rates included where the state moves, with what the rows make of its velocities and of `mu`.
+    /// Computes the residuals of all equations, including rates if the state moves, and the products of the rows with its velocities and
+    /// with `mu`.
     ///
     /// # Errors
     /// [`NoValue`] if an element has no value here.

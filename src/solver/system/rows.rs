@@ -1,4 +1,4 @@
-//! The equations of the constraints along a motion: gradients, rates, and what of the second rates no acceleration enters.
+//! Constraint equations along a motion: gradients, rates, and the acceleration-independent part of the second time derivatives.
 
 use super::NoValue;
 use super::structure::{Drive, Joint, Rate, StateEquation};
@@ -7,26 +7,27 @@ use crate::constraint::Constraint;
 use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6, exp};
 
-/// The rows of the constraint equations: their gradients by the motions of the parts.
+/// Rows of the constraint equations: their gradients with respect to the motions of the parts.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows {
     first_equation: usize,
     first_variable: usize,
     time_column: usize,
-    /// The first column of velocities, and of each row whether it is one of velocities: its gradient is that by these.
+    /// First column of the velocities.
     first_velocity: usize,
+    /// Whether each row is nonholonomic. The gradient of such a row is taken with respect to the velocities.
     of_velocities: Vec<bool>,
     /// (row, column, derivative), rows counted from the first equation.
     pub entries: Vec<(u32, u32, f64)>,
-    /// Derivative by the time; with [`Configuration::row_rates`] also by what else changes with it. With G the entries every row asks
-    /// for `G V + time = 0`.
+    /// Time derivative of each row at constant part positions, so that `G V + time = 0` with G given by `entries`.
+    /// [`Configuration::row_rates`] adds the part due to variables and states.
     pub time: Vec<f64>,
-    /// Derivatives by unknowns from the first variable on: (row, unknown, derivative).
+    /// Derivatives with respect to the unknowns from the first variable on: (row, unknown, derivative).
     others: Vec<(u32, u32, f64)>,
 }
 
 impl Rows {
-    /// Of a system.
+    /// Creates empty rows for a system.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             first_equation: system.first_equation,
@@ -39,21 +40,21 @@ impl Rows {
         }
     }
 
-    /// Makes ready for an assembly.
+    /// Clears the rows before an assembly.
     pub(crate) fn clear(&mut self) {
         self.entries.clear();
         self.others.clear();
         self.time.fill(0.0);
     }
 
-    /// Adds `G V` to one number per equation.
+    /// Adds `G V` to `out`, one number per equation.
     pub(crate) fn times(&self, v: &[f64], out: &mut [f64]) {
         for &(row, column, value) in &self.entries {
             out[row as usize] += value * v[column as usize];
         }
     }
 
-    /// Leaves out derivatives that are zero.
+    /// Removes derivatives that are zero.
     pub(crate) fn pack(&mut self) {
         self.entries.retain(|(_, _, value)| *value != 0.0);
     }
@@ -86,25 +87,25 @@ impl Sink for Rows {
     }
 }
 
-/// Times a function is looked at on each side for its second rate, in steps.
+/// Offsets in steps, and weights, of the fourth-order central difference of first rates that gives a second rate.
 const SIDES: [(f64, f64); 4] = [
     (-2.0, 1.0 / 12.0),
     (-1.0, -8.0 / 12.0),
     (1.0, 8.0 / 12.0),
     (2.0, -1.0 / 12.0),
 ];
-/// Between two such looks no part turns further, radians.
+/// Maximum rotation of a part within one difference step, in radians.
 const CLOSE: f64 = 5e-3;
-/// Passes in which variables that read each other settle.
+/// Maximum number of fixed-point passes for variables that read each other.
 const PASSES: usize = 50;
 
 impl System {
-    /// The velocities of the parts in the order of the unknowns.
+    /// Writes the velocities of the parts to `out`, in the order of the unknowns.
     pub(crate) fn velocity_vector(&self, state: &State, out: &mut Vec<f64>) {
         self.gathered(&state.velocities, out);
     }
 
-    /// Velocities or accelerations of the parts in the order of the unknowns.
+    /// Writes velocities or accelerations of the parts to `out`, in the order of the unknowns.
     pub(crate) fn gathered(&self, rates: &[super::Rates], out: &mut Vec<f64>) {
         out.clear();
         for (body, rates) in self.bodies.iter().zip(rates) {
@@ -113,7 +114,7 @@ impl System {
         }
     }
 
-    /// The other way round.
+    /// Distributes values in the order of the unknowns to the rates of the parts, the inverse of [`Self::gathered`].
     pub(crate) fn scattered(&self, values: &[f64], rates: &mut [super::Rates]) {
         for (body, rates) in self.bodies.iter().zip(rates) {
             for k in 0..body.freedoms {
@@ -127,7 +128,7 @@ impl System {
         }
     }
 
-    /// Residuals and rows of the constraints alone.
+    /// Computes residuals and rows of the constraints alone.
     ///
     /// # Errors
     /// [`NoValue`] if a function has no value here.
@@ -157,15 +158,18 @@ impl System {
 }
 
 impl Configuration<'_> {
-    /// Adds to the time derivatives of the rows what comes through variables and states at these rates.
+    /// Adds to the time derivatives of the rows the part due to variables and states with the given rates.
     fn row_rates(&self, time: &mut [f64], others: &[(u32, u32, f64)], rates: &[f64]) {
         for &(row, unknown, by) in others {
             time[row as usize] += by * rates[unknown as usize];
         }
     }
 
-    /// The rates of the rows of a stage, from [`Configuration::row_rates`] and, of rows of velocities, all of them. Its states have the rates
-    /// that go with their changes: those the rows see, so that corrections of both agree.
+    /// Completes the rates of the rows at an integrator stage: nonholonomic rows get their full rate, and the others get the part due to
+    /// variables and states.
+    ///
+    /// The dynamic states have the rates of the stage, which belong to their increments. The rows use the same rates, so that the
+    /// corrections of both agree.
     pub(super) fn stage_rates(&self, rates: &mut [f64], others: &[(u32, u32, f64)]) {
         self.add_asked(rates);
         if !others.is_empty() {
@@ -174,9 +178,10 @@ impl Configuration<'_> {
         }
     }
 
-    /// The rates of the unknowns from the first variable on along the motion: of the variables `v' - e_v v' = e_q V + e_t`, by passes, of
-    /// states that are given explicitly what they are given by. What MOTIONs and GCONs read knows no velocities: others are refused when the
-    /// model is compiled.
+    /// Returns the time derivatives of the unknowns from the first variable on, along the motion.
+    ///
+    /// Variables satisfy `v' - e_v v' = e_q V + e_t`, solved by fixed-point passes. Explicit states have the rates that their equations
+    /// give. MOTIONs and GCONs read no velocities here; those that do are rejected when the model is compiled.
     fn data_rates(&self) -> Vec<f64> {
         let state = self.state;
         self.rates_of_data(|k, equation| match &equation.moving {
@@ -192,12 +197,12 @@ impl Configuration<'_> {
         })
     }
 
-    /// The same with these rates of the states.
+    /// Returns the same rates for given rates of the states.
     fn rates_of_data(&self, of_state: impl Fn(usize, &StateEquation) -> f64) -> Vec<f64> {
         let system = self.system;
         let mut rates = vec![0.0; system.moving_unknowns - system.first_variable];
         if !system.data_constrain {
-            // Nothing reads them, and what they follow from may not have been evaluated.
+            // Nothing reads them, and the functions they depend on may not have been evaluated.
             return rates;
         }
         for (k, equation) in system.states.iter().enumerate() {
@@ -217,7 +222,7 @@ impl Configuration<'_> {
         rates
     }
 
-    /// The velocity of an unknown of the parts.
+    /// Returns the velocity of an unknown of the parts.
     pub(super) fn velocity_of(&self, unknown: usize) -> f64 {
         let bodies = &self.system.bodies;
         let body = bodies.partition_point(|b| b.first + b.freedoms <= unknown);
@@ -230,7 +235,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// The rate of a function along the motion, the velocities constant and the rates of variables and states given.
+    /// Returns the time derivative of a function along the motion, at constant velocities and with given rates of variables and states.
     fn rate_along(&self, function: usize, variables: &[f64]) -> f64 {
         let system = self.system;
         let n = system.moving_unknowns;
@@ -249,16 +254,19 @@ impl Configuration<'_> {
         rate
     }
 
-    /// gamma of every constraint equation: with the accelerations A its second rate is `G A + gamma`. After [`Configuration::look`].
+    /// Computes gamma of every constraint equation: for accelerations A its second time derivative is `G A + gamma`. Requires
+    /// [`Configuration::look`].
     ///
-    /// Of one term, with u the rates of I in J (J axes), row r, C the derivative of the row along the motion, s its parameter:
-    /// `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`, where b is what of the second rates of p_ij_j and of the rotation no acceleration enters:
-    /// `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))`, `b_t = -R_j' (w_j x w_i)`, a of the arms alone. Functions of
-    /// the time alone: exact. Others: differences of their exact rates along the motion, at most `step` apart, of fourth order. Of a GCON of velocities
-    /// it is the first rate of its function.
+    /// For one term, let u be the rates of I in J (J axes), r the row, C the derivative of the row along the motion and s the parameter.
+    /// Its gamma is `r . b + u_t' C u_t + 2 s' r_s . u + f_s s''`. b is the part of the second derivatives of p_ij_j and of the rotation
+    /// without part accelerations: `b_p = R_j' (a_i - a_j - 2 w_j x (v_i - v_j) + w_j x (w_j x d))` and `b_t = -R_j' (w_j x w_i)`, where a
+    /// is the centripetal acceleration of the arms alone.
+    ///
+    /// Functions of time alone are differentiated exactly. Others use fourth-order differences of their exact rates along the motion, with
+    /// steps of at most `step`. For a nonholonomic GCON, gamma is the first time derivative of its function.
     ///
     /// # Errors
-    /// [`NoValue`] if a function has no value next to here.
+    /// [`NoValue`] if a function has no value at a neighbouring point.
     pub(crate) fn gamma(&mut self, step: f64, gamma: &mut [f64]) -> Result<(), NoValue> {
         let system = self.system;
         gamma.fill(0.0);
@@ -331,7 +339,7 @@ impl Configuration<'_> {
         }
     }
 
-    /// What of the second rates of `p_ij_j` and of the rotation of I in J no acceleration of a part enters, J axes.
+    /// Returns the part of the second derivatives of `p_ij_j` and of the rotation of I in J that contains no part acceleration, J axes.
     fn convective(&self, i: usize, j: usize) -> Vec6 {
         let arms = |marker: usize| {
             let frame = self.moving_frame(Some(marker));
@@ -347,7 +355,8 @@ impl Configuration<'_> {
         Vec6::new(p.x, p.y, p.z, t.x, t.y, t.z)
     }
 
-    /// First and second rates of functions along the motion, the accelerations zero: of the time alone exact, else as [`SIDES`] has it.
+    /// Returns the first and second time derivatives of functions along the motion, at zero accelerations. They are exact for functions of
+    /// time alone; otherwise the second uses the difference [`SIDES`].
     fn function_rates(&mut self, functions: &[usize], step: f64) -> Result<Vec<[f64; 2]>, NoValue> {
         if functions.is_empty() {
             return Ok(Vec::new());
@@ -396,7 +405,8 @@ impl Configuration<'_> {
 }
 
 impl System {
-    /// Brings the VARIABLEs that read themselves to their functions, by passes; one without a value is zero.
+    /// Iterates the VARIABLEs that read themselves until they equal their functions, in fixed-point passes. A function without a value
+    /// counts as zero.
     ///
     /// # Errors
     /// [`NoValue`] if an element that a function measures has no value here.

@@ -6,7 +6,7 @@ use crate::element::{MultiWrench, Wrench};
 use crate::function::Seen;
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 
-/// What GCONs need for the differences of their gradients.
+/// Working memory for differences of GCON gradients.
 #[derive(Clone, Debug)]
 pub(crate) struct Beside {
     pub state: super::State,
@@ -14,7 +14,8 @@ pub(crate) struct Beside {
     pub step: Vec<f64>,
 }
 
-/// A number that a function changes with, as a column of its gradient: the whole function if it is none of its literals.
+/// Additional gradient column of a function: the derivative with respect to one of its literals, or to the function value as a whole if
+/// `literal` is `None`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Seed {
     pub function: usize,
@@ -22,12 +23,12 @@ pub(crate) struct Seed {
     pub column: usize,
 }
 
-/// Memory of one assembly, used again and again.
+/// Working memory of an assembly, reused between assemblies.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     /// Pose of every used marker in ground.
     pub(crate) markers: Vec<Pose>,
-    /// From the reference point of its part to the marker, in ground axes.
+    /// Vector from the reference point of its part to each marker, ground axes.
     pub(crate) arms: Vec<Vec3>,
     pub(crate) wrench: Wrench,
     pub(crate) contribution: Contribution,
@@ -38,30 +39,31 @@ pub struct Scratch {
     pub(crate) inputs: Vec<f64>,
     pub(crate) by_input: Vec<f64>,
     pub(crate) by_literal: Vec<f64>,
-    /// Ends of the gradients of the inputs.
+    /// End indices in `gradient` of the gradients of the inputs.
     pub(crate) spans: Vec<usize>,
-    /// A configuration close by, for differences.
+    /// Neighbouring configuration for finite differences.
     pub(crate) beside: Option<Box<Beside>>,
     pub(crate) functions: Vec<FunctionValue>,
-    /// How often functions were evaluated anew, and in which of these times each of those that are none of the equations was.
+    /// Counter of function evaluations.
     pub(crate) looks: u64,
+    /// Value of `looks` at the last evaluation of each function outside the equations.
     pub(crate) looked: Vec<u64>,
-    /// How many functions had no value and count as zero; an error where there is no number.
+    /// Number of undefined functions, which count as zero. With `None`, an undefined function is an error.
     pub(crate) lacking: Option<usize>,
-    /// Further columns of gradients, behind those of the unknowns.
+    /// Additional gradient columns, behind those of the unknowns.
     pub(crate) seeds: Vec<Seed>,
-    /// What was seen of each switch where the state is held on pieces.
+    /// Observed state of each switch while the functions are held on pieces.
     pub(crate) seen: Vec<Seen>,
-    /// Displacement, its rate and second rate of the MOTIONs that prescribe a rate.
+    /// Displacement, velocity and acceleration of each MOTION that prescribes a velocity or acceleration.
     pub(crate) driven: Vec<[f64; 3]>,
-    /// (unknown, derivative) of all functions, one after the other.
+    /// Gradients of all functions as (unknown, derivative), one after the other.
     pub(crate) gradient: Vec<(usize, f64)>,
-    /// The largest force and torque met: what round-off is measured by.
+    /// Largest force or torque encountered, the reference for round-off.
     pub(crate) largest: f64,
 }
 
 impl Scratch {
-    /// Memory of the right size.
+    /// Allocates the memory for a system.
     pub fn new(system: &System) -> Self {
         Self {
             markers: vec![Pose::identity(); system.owners.len()],

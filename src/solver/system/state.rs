@@ -1,17 +1,17 @@
 use crate::function::{Piece, Reference, half_width};
 use crate::mechanics::{Mat3, Pose, Vec3};
 
-/// Velocity of a part, or its acceleration: of the origin and of the rotation, ground axes.
+/// Velocity or acceleration of a part: of its origin and its rotation, ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Rates {
-    /// Of the part's origin.
+    /// Linear velocity or acceleration of the part's origin.
     pub linear: Vec3,
-    /// Of its rotation.
+    /// Angular velocity or acceleration.
     pub angular: Vec3,
 }
 
 impl Rates {
-    /// At rest.
+    /// Returns zero rates.
     pub(crate) const fn zero() -> Self {
         Self {
             linear: Vec3::new(0.0, 0.0, 0.0),
@@ -20,34 +20,34 @@ impl Rates {
     }
 }
 
-/// Where a MOTION that prescribes a rate stands: the constants of integration, moved on from time to time.
+/// Integration constants of a MOTION that prescribes a velocity or acceleration. They are advanced during the simulation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Driven {
-    /// Time at which it has these values.
+    /// Time to which these values refer.
     pub time: f64,
-    /// The displacement.
+    /// Displacement at that time.
     pub value: f64,
-    /// Its rate; of a velocity motion not used.
+    /// Rate of the displacement; unused for a velocity motion.
     pub rate: f64,
 }
 
-/// Where a friction stands: what of its creep lies behind, and from where it goes on.
+/// State of a joint friction: the creep at the anchor, which is the end of the last step, and the joint position there.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct StictionState {
-    /// It sticks: the creep counts.
+    /// Whether the surfaces stick, so that the creep counts.
     pub sticking: bool,
-    /// The creep at the anchor, by directions.
+    /// Creep at the anchor, one component per sliding direction.
     pub creep: Vec3,
-    /// The displacement along zj there.
+    /// Displacement along zj at the anchor.
     pub place: f64,
-    /// The rotation of I in J there.
+    /// Rotation of I in J at the anchor.
     pub turn: Mat3,
-    /// The displacement when the joint was first assembled.
+    /// Displacement along zj at the first assembly of the joint; `None` before it.
     pub first: Option<f64>,
 }
 
 impl StictionState {
-    /// Nothing sticks, and nothing was assembled yet.
+    /// Returns the state of a sliding friction before the first assembly.
     pub(crate) fn none() -> Self {
         Self {
             sticking: false,
@@ -59,26 +59,26 @@ impl StictionState {
     }
 }
 
-/// What one solve changes: cloneable, so that the next solve starts from the last answer.
+/// Variables that a solve changes. The state can be cloned, so that the next solve starts from the last solution.
 #[derive(PartialEq, Debug)]
 pub struct State {
-    /// TIME.
+    /// Simulation time, TIME.
     pub time: f64,
-    /// MODE: 5 in statics, 6 in quasi-statics (guide/formats.md 3.1).
+    /// Analysis mode, MODE: 5 in statics, 6 in quasi-statics (guide/formats.md 3.1).
     pub mode: i32,
-    /// Pose of each part of the model in ground, by [`PartIx`](crate::model::PartIx); ground is the identity.
+    /// Pose of each part in ground, by [`PartIx`](crate::model::PartIx); ground is the identity.
     pub poses: Vec<Pose>,
-    /// One per scalar constraint equation. The reaction on I is minus multiplier times the equation's gradient.
+    /// Lagrange multipliers, one per scalar constraint equation. The reaction on I is minus the multiplier times the equation's gradient.
     pub multipliers: Vec<f64>,
-    /// VARIABLE values, in the order of the model.
+    /// Values of the VARIABLEs, in the order of the model.
     pub variables: Vec<f64>,
-    /// DIFF states, then the states of LSE, GSE, TFSISO; held ones too.
+    /// DIFF states, then the states of LSE, GSE, TFSISO, including those held constant.
     pub states: Vec<f64>,
-    /// Which constraint equations are redundant and take part in nothing; empty before the first analysis.
+    /// Whether each constraint equation is redundant and therefore ignored; empty before the first analysis.
     pub redundant: Vec<bool>,
-    /// AX, AY, AZ of each pair at the last equilibrium: turns are counted from here.
+    /// AX, AY, AZ of each marker pair at the last equilibrium, the reference for counting full turns.
     pub pair_angles: Vec<Vec3>,
-    /// The same for angle measures of functions.
+    /// Reference angles of the functions' angle measures at the last equilibrium.
     pub measure_angles: Vec<Reference>,
     /// Velocity of each part; empty at rest, as in statics.
     pub velocities: Vec<Rates>,
@@ -86,25 +86,26 @@ pub struct State {
     pub accelerations: Vec<Rates>,
     /// Time derivative of each dynamic state; empty at rest.
     pub state_rates: Vec<f64>,
-    /// MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
+    /// Integration constants of MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
     pub driven: Vec<Driven>,
-    /// Where each friction of a joint stands.
+    /// State of each joint friction.
     pub grips: Vec<StictionState>,
-    /// What SENVAL gives, in the order of the model's SENSORs; the session sets it when a sensor fires.
+    /// Values of SENVAL, in the order of the model's SENSORs. The session sets them when a sensor triggers.
     pub sensors: Vec<f64>,
-    /// The pieces that IMPACTs, BISTOPs and IFs are held on within a step of a motion; empty elsewhere: all are as their arguments have them.
+    /// Pieces on which piecewise functions are held within an integration step. Empty outside a step, when the arguments select the piece.
     pub pieces: Vec<Piece>,
 }
 
 impl State {
-    /// Functions are as their arguments have them; those held between two sides stay, which have no value of their own there.
+    /// Releases the held pieces, so that arguments select the piece again. Functions held between two sides stay held, because they have no
+    /// value of their own at the jump.
     pub(crate) fn clear_branches(&mut self) {
         for piece in &mut self.pieces {
             *piece = piece.filter(|_| half_width(*piece).is_some());
         }
     }
 
-    /// No parts at all: a place holder that costs nothing.
+    /// Returns a placeholder state without parts, which allocates nothing.
     pub(crate) const fn empty() -> Self {
         Self {
             time: 0.0,
@@ -126,19 +127,19 @@ impl State {
         }
     }
 
-    /// True if its rates count; in statics nothing moves.
+    /// Returns whether the state has velocities and accelerations. It has none in statics.
     pub fn moves(&self) -> bool {
         !self.velocities.is_empty()
     }
 
-    /// Gives everything a rate, zero where it has none yet.
+    /// Allocates velocities, accelerations and state rates, zero where there was none.
     pub fn set_moving(&mut self) {
         self.velocities.resize(self.poses.len(), Rates::zero());
         self.accelerations.resize(self.poses.len(), Rates::zero());
         self.state_rates.resize(self.states.len(), 0.0);
     }
 
-    /// Brings everything to rest.
+    /// Removes all rates and releases sticking friction.
     pub fn set_at_rest(&mut self) {
         self.velocities.clear();
         self.accelerations.clear();
@@ -148,7 +149,7 @@ impl State {
         }
     }
 
-    /// The angles that turns are counted from, one after the other; those that functions measure with their normals.
+    /// Returns the reference angles for counting full turns, in one list. Angles measured by functions are followed by their normals.
     pub fn turns(&self) -> Vec<f64> {
         let pairs = self.pair_angles.iter().flat_map(|angles| angles.iter());
         let measured = self.measure_angles.iter().flat_map(|from| {
@@ -158,7 +159,7 @@ impl State {
         pairs.copied().chain(measured).collect()
     }
 
-    /// Counts turns from these angles; those of another model are left.
+    /// Sets the reference angles for counting full turns. A list of the wrong length, from another model, is ignored.
     pub fn set_turns(&mut self, turns: &[f64]) {
         let pairs = 3 * self.pair_angles.len();
         if turns.len() == pairs + 4 * self.measure_angles.len() {
@@ -173,7 +174,7 @@ impl State {
         }
     }
 
-    /// The answer of this state, without what only the solver needs.
+    /// Returns the equilibrium of this state, without the solver's internal data.
     pub fn equilibrium(&self) -> Equilibrium {
         Equilibrium {
             time: self.time,
@@ -189,7 +190,7 @@ impl Clone for State {
         new
     }
 
-    /// Keeps the memory: a solve copies states in every iteration.
+    /// Copies without new allocation, because a solve copies states in every iteration.
     fn clone_from(&mut self, other: &Self) {
         self.time = other.time;
         self.mode = other.mode;
@@ -210,11 +211,11 @@ impl Clone for State {
     }
 }
 
-/// Where all parts are at rest: what every solver, ours or an external one, has to say.
+/// Equilibrium positions of all parts: the result that every solver, built-in or external, returns.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Equilibrium {
-    /// TIME of the step.
+    /// Time of the step, TIME.
     pub time: f64,
-    /// Pose of each part of the model in ground, by [`PartIx`](crate::model::PartIx).
+    /// Pose of each part in ground, by [`PartIx`](crate::model::PartIx).
     pub poses: Vec<Pose>,
 }

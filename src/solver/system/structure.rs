@@ -20,77 +20,84 @@ pub struct ElementIx(pub usize);
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct ConstraintIx(pub usize);
 
-/// A part or point mass.
+/// Part or point mass.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub name: Name,
-    /// First unknown.
+    /// Index of the first unknown.
     pub first: usize,
-    /// 0 for ground, 3 for a point mass, 6 for a part.
+    /// Number of degrees of freedom: 0 for ground, 3 for a point mass, 6 for a part.
     pub freedoms: usize,
-    /// Slot of MASS.
+    /// Index of MASS in theta.
     pub mass: usize,
+    /// CM marker, if given.
     pub cm: Option<usize>,
-    /// What statics moves it by, part axes: its centre of mass, without one the mean of the markers that joints and forces act at. So
-    /// nothing depends on where the part's frame is.
+    /// Reference point of the part in statics, in part axes.
+    ///
+    /// It is the centre of mass, or without one the mean of the markers at which joints and forces act. The solution is therefore
+    /// independent of the position of the part's frame.
     pub centre: Vec3,
     /// Inertia matrix about the origin of the CM marker, in its axes.
     pub inertia: Mat3,
     pub start: Start,
 }
 
-/// How a body begins to move, as its statement has it.
+/// Initial velocity of a body, as given by its statement.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
-    /// VX, VY, VZ of the centre of mass, along the axes of a marker; ground axes if none is given.
+    /// VX, VY, VZ of the centre of mass, along the axes of `linear_axes`.
     pub linear: [Option<f64>; 3],
+    /// Marker that gives the axes of the linear velocity; ground axes if absent.
     pub linear_axes: Option<usize>,
-    /// WX, WY, WZ, along the axes of a marker; those of the part if none is given.
+    /// WX, WY, WZ, along the axes of `angular_axes`.
     pub angular: [Option<f64>; 3],
+    /// Marker that gives the axes of the angular velocity; part axes if absent.
     pub angular_axes: Option<usize>,
-    /// EXACT: x, y, z, psi, theta, phi.
+    /// EXACT: whether x, y, z, psi, theta, phi are kept by the assembly.
     pub exact: [bool; 6],
 }
 
-/// What a force element does.
+/// Force definition of a force element.
 #[derive(Debug)]
 pub(crate) enum Action {
-    /// A force law of the pair, and where its parameters come from.
+    /// Force law of the marker pair, with the source of its parameters.
     Law(&'static dyn Law, Drive),
-    /// Functions for force and torque components in the axes of the frame marker.
+    /// Functions of the force and torque components in the axes of the frame marker.
     Vector([Option<usize>; 6]),
 }
 
-/// A force element: a wrench on marker I, given in the axes of marker `frame`, with the opposite wrench at the I origin on the
-/// part `reaction`.
+/// Force element: a wrench on marker I, given in the axes of marker `frame`. The opposite wrench acts at the I origin on the part
+/// `reaction`.
 #[derive(Debug)]
 pub(crate) struct Element {
     pub name: Name,
     pub i: usize,
-    /// J or JFLOAT.
+    /// J or JFLOAT marker.
     pub j: usize,
-    /// The marker whose axes the wrench is given in: J, or RM of a vector force; `None` means ground axes.
+    /// Marker whose axes resolve the wrench: J, or RM of a vector force; `None` means ground axes.
     pub frame: Option<usize>,
-    /// Part that takes the opposite wrench; `None` for ACTIONONLY.
+    /// Part on which the reaction acts; `None` for ACTIONONLY.
     pub reaction: Option<usize>,
     pub action: Action,
-    /// What it adds by the velocity of I in J.
+    /// Damping, which depends on the velocity of I relative to J.
     pub damping: Option<Damping>,
-    /// Index into the angle references.
+    /// Index into `State::pair_angles`.
     pub pair: usize,
     pub active: bool,
 }
 
-/// NFORCE: a force between n markers and one.
+/// NFORCE: a force between n I markers and one J marker.
 #[derive(Debug)]
 pub(crate) struct NForce {
     pub name: Name,
     pub i: Vec<usize>,
     pub j: usize,
+    /// Range of its parameters in theta.
     pub theta: Range<usize>,
-    /// Angle references, one per I marker.
+    /// Indices into `State::pair_angles`, one per I marker.
     pub pairs: Vec<usize>,
-    /// Blocks of the damping matrix, row by row: wrench a by the velocity of marker b, J axes. Empty if there is none.
+    /// Blocks of the damping matrix, row by row: derivative of wrench a with respect to the velocity of marker b, J axes. Empty without
+    /// damping.
     pub damping: Vec<Mat6>,
     pub active: bool,
 }
@@ -103,7 +110,7 @@ impl NForce {
     }
 }
 
-/// One summand of a constraint: a set of scalar equations between two markers.
+/// Term of a constraint: a set of scalar equations between two markers, times a scale.
 #[derive(Debug)]
 pub(crate) struct Term {
     pub i: usize,
@@ -113,51 +120,51 @@ pub(crate) struct Term {
     pub pair: usize,
 }
 
-/// Where the parameters of a force law or a constraint come from.
+/// Source of the parameters of a force law or a constraint.
 #[derive(Clone, Debug)]
 pub(crate) enum Drive {
-    /// Numbers of theta.
+    /// Range of theta.
     Theta(Range<usize>),
-    /// One parameter: the value of a function.
+    /// Single parameter, given by the value of a function.
     Function(usize),
-    /// A fixed number.
+    /// Constant value.
     Held(f64),
-    /// A velocity or acceleration motion: in statics held where it is.
+    /// MOTION that prescribes a velocity or acceleration. Its displacement is held constant in statics.
     Rate(RateDrive),
 }
 
-/// A MOTION that prescribes a rate.
+/// MOTION that prescribes a velocity or an acceleration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RateDrive {
-    /// The prescribed function: of time alone.
+    /// Prescribed function, which depends on time alone.
     pub function: usize,
-    /// False for a velocity, true for an acceleration.
+    /// Whether the function is an acceleration (true) or a velocity (false).
     pub second: bool,
     /// Index into [`State::driven`].
     pub index: usize,
-    /// ICDISP; where the parts are if absent.
+    /// Initial displacement ICDISP; the displacement of the parts at the start if absent.
     pub start: Option<f64>,
-    /// ICVEL.
+    /// Initial velocity, ICVEL.
     pub start_rate: f64,
 }
 
-/// JOINT, JPRIM, MOTION, COUPLER, GEAR: the scaled sum of its terms is zero.
+/// Constraint of a JOINT, JPRIM, MOTION, COUPLER or GEAR: the scaled sum of its terms equals `offset`.
 #[derive(Debug)]
 pub(crate) struct Joint {
     pub name: Name,
     pub terms: Vec<Term>,
     pub drive: Drive,
-    /// What the sum is held at (GEAR).
+    /// Constant value of the sum (GEAR).
     pub offset: f64,
-    /// First scalar equation.
+    /// Index of the first scalar equation.
     pub first: usize,
     pub count: usize,
     pub active: bool,
 }
 
 impl Joint {
-    /// How many terms, from the first on, act between the same two markers: what a COUPLER or GEAR does at its first joint. A cylindrical
-    /// joint in a GEAR has two terms, what it turns and what it shifts.
+    /// Returns the number of leading terms that act between the same two markers, which are the terms of a COUPLER or GEAR at its first
+    /// joint. A cylindrical joint in a GEAR has two terms, rotation and translation.
     pub(crate) fn at_first(&self) -> usize {
         let ends = |term: &Term| (term.i, term.j);
         let first = self.terms.first().map(ends);
@@ -166,73 +173,78 @@ impl Joint {
     }
 }
 
-/// GCON: a function is zero.
+/// GCON: constrains a function to zero.
 #[derive(Debug)]
 pub(crate) struct GconEquation {
     pub name: Name,
-    /// I: where the reaction is reported.
+    /// I marker, at which the reaction is reported.
     pub i: Option<usize>,
     pub function: usize,
     pub equation: usize,
     pub active: bool,
 }
 
-/// VARIABLE: the value of a function.
+/// VARIABLE: equals the value of a function.
 #[derive(Debug)]
 pub struct VariableEquation {
     pub name: Name,
     pub function: usize,
     pub active: bool,
-    /// Its unknown, value minus function being zero, if the function reads the VARIABLE itself.
+    /// Index of its unknown, if the function reads the VARIABLE itself. The equation is then value minus function = 0.
     pub unknown: Option<usize>,
 }
 
-/// DIFF or a row of linear states: at rest.
+/// Right-hand side of a DIFF or of a row of linear states.
 #[derive(Clone, Debug)]
 pub(crate) enum Rate {
-    /// The function is zero.
+    /// Value of a function.
     Function(usize),
-    /// The state keeps its value: STATIC_HOLD, where it is not an unknown, or DYNAMIC_HOLD, or switched off.
+    /// The state is constant: STATIC_HOLD (where it is then no unknown), DYNAMIC_HOLD, or an inactive statement.
     Held,
-    /// Row of A x + B u = 0: (state, coefficient), (variable, coefficient).
+    /// Row of A x + B u: (state, coefficient) and (variable, coefficient).
     Linear(Vec<(usize, f64)>, Vec<(usize, f64)>),
 }
 
-/// One dynamic state.
+/// Equation of one dynamic state.
 #[derive(Debug)]
 pub(crate) struct StateEquation {
     pub name: Name,
+    /// Right-hand side in statics, which is zero at equilibrium.
     pub rate: Rate,
-    /// Its unknown in statics; none if held.
+    /// Index of its unknown in statics; `None` if held constant.
     pub unknown: Option<usize>,
-    /// Its unknown in motion.
+    /// Index of its unknown in motion.
     pub moving_unknown: usize,
-    /// What its rate is in motion, also where statics holds it.
+    /// Right-hand side in motion, also for a state that statics holds constant.
     pub moving: Rate,
-    /// The function is zero with the rate inside of it.
+    /// Whether the equation is implicit: the function contains the rate and equals zero.
     pub implicit: bool,
-    /// False if its statement is switched off: the state is zero then.
+    /// Whether its statement is active; otherwise the state is zero.
     pub active: bool,
 }
 
-/// The frozen structure of one model: what is connected to what, and where each unknown and each number stands.
+/// Fixed structure of one model: its topology, and the indices of the unknowns and parameters.
 ///
-/// Unknowns, in this order: of every part a translation of its reference point (ground axes) and a rotation vector (ground axes,
-/// `R <- exp(dphi) R`), of every point mass a translation; one multiplier per scalar constraint equation; values of VARIABLEs that read
-/// themselves; dynamic states that are not held. Equations have the same order: force and torque about the part's reference point (ground axes), constraints,
-/// `v - e`, rates. The reference point is [`System::reference_point`].
+/// The unknowns are ordered as follows:
+/// - per part, a translation of its reference point and a rotation vector (ground axes, `R <- exp(dphi) R`); per point mass, a translation;
+/// - one multiplier per scalar constraint equation;
+/// - values of VARIABLEs that read themselves;
+/// - dynamic states that are not held constant.
+///
+/// The equations have the same order: force and torque about the part's reference point (ground axes), constraints, `v - e`, rates of
+/// states. The reference point is [`System::reference_point`].
 #[derive(Debug)]
 pub struct System {
     pub(crate) bodies: Vec<Body>,
     /// Part of each marker.
     pub(crate) owners: Vec<usize>,
-    /// Which markers move with others.
+    /// Markers that move with other markers (RM).
     pub(crate) carried: Arc<Carried>,
-    /// Of each floating marker the I marker of its force, which it is always at.
+    /// I marker of the force of each floating marker. The floating marker always coincides with it.
     pub(crate) floating: BTreeMap<usize, usize>,
     /// Names of the markers.
     pub(crate) markers: Vec<Name>,
-    /// Markers whose place in ground is needed.
+    /// Markers whose pose in ground is needed.
     pub(crate) used: Vec<usize>,
     pub(crate) elements: Vec<Element>,
     pub(crate) multis: Vec<NForce>,
@@ -242,93 +254,95 @@ pub struct System {
     /// VARIABLEs: algebraic unknowns.
     pub variables: Vec<VariableEquation>,
     pub(crate) states: Vec<StateEquation>,
-    /// F1 to F8 of each REQUEST of the model.
+    /// Functions F1 to F8 of each REQUEST of the model.
     pub(crate) requests: Vec<[Option<usize>; 8]>,
-    /// FORCE requests.
+    /// Elements that act between the markers of each FORCE request, and whether the reported marker is their J.
     pub(crate) request_forces: Vec<Vec<(Exerted, bool)>>,
     /// FUNCTION and EVALUATE of each SENSOR of the model.
     pub(crate) sensors: Vec<(usize, Option<usize>)>,
     pub(crate) functions: Vec<CompiledFunction>,
-    /// Functions of the equations, each after those it reads: what forces, constraints, rates of states, SENSORs and unknown VARIABLEs need.
-    /// All others are evaluated where they are shown.
+    /// Functions needed by the equations, each after those it reads. Forces, constraints, rates of states, SENSORs and unknown VARIABLEs
+    /// need them. All other functions are evaluated only when their value is reported.
     pub(crate) order: Vec<usize>,
-    /// Those of them that MOTIONs and GCONs need.
+    /// Functions among [`Self::order`] that MOTIONs and GCONs need.
     pub(crate) order_of_constraints: Vec<usize>,
-    /// Whether MOTIONs or GCONs read states or unknown VARIABLEs: these are then all of [`Self::order`].
+    /// Whether MOTIONs or GCONs read states or unknown VARIABLEs. `order_of_constraints` then equals [`Self::order`].
     pub(crate) data_constrain: bool,
-    /// Whether a function is among [`Self::order`].
+    /// Whether each function is in [`Self::order`].
     pub(crate) in_equations: Vec<bool>,
-    /// The place of every function in an order in which each comes after those it reads.
+    /// Rank of every function in an order in which each comes after those it reads.
     pub(crate) ranks: Vec<usize>,
-    /// The VARIABLEs that are unknowns, in the order of these.
+    /// VARIABLEs that are unknowns, in the order of their unknowns.
     pub(crate) implicit: Vec<usize>,
-    /// First of three slots of gravity.
+    /// Index in theta of the first of three gravity components.
     pub(crate) gravity: usize,
     pub(crate) ucf: f64,
-    /// Metres in a unit of length.
+    /// Length unit of the model, in metres.
     pub(crate) metre: f64,
     pub(crate) catalogue: Catalogue,
     pub(crate) parameters: Parameters,
     pub(crate) initial: State,
     pub(crate) settings: EquilibriumSettings,
-    /// First multiplier.
+    /// Index of the first multiplier, which is the first constraint equation.
     pub(crate) first_equation: usize,
     pub(crate) equations: usize,
     pub(crate) first_variable: usize,
     pub(crate) unknowns: usize,
-    /// The unknowns of a motion: the states that statics holds come last.
+    /// Number of unknowns in motion. The states that statics holds constant come last.
     pub(crate) moving_unknowns: usize,
-    /// What a motion cannot take into account though statics can.
+    /// Diagnostics of statements that statics can solve but motion cannot.
     pub(crate) not_in_motion: Vec<Diagnostic>,
-    /// The joint of each constraint equation.
+    /// Index of the joint of each constraint equation; `None` for a GCON.
     pub(crate) joint_of: Vec<Option<usize>>,
-    /// Of each constraint equation whether it holds velocities: `f(q, V, t) = 0`, linear in V, which no place satisfies or violates.
+    /// Whether each constraint equation is nonholonomic: `f(q, V, t) = 0`, linear in the velocities V. Positions alone neither satisfy nor
+    /// violate it.
     pub(crate) is_nonholonomic: Vec<bool>,
-    /// The mean mass and length that motions are measured by.
+    /// Mass scale of motions: the median mass of the bodies.
     pub(crate) reference_mass: f64,
-    /// How far a radian reaches: the mean distance of markers from the centre of their part.
+    /// Length scale that converts radians to lengths: the mean distance of markers from the centre of their part.
     pub length: f64,
-    /// The size of the mechanism as the dataset has it: the largest distance of two markers, within a factor of two.
+    /// Size of the mechanism in the dataset: the largest distance between two markers, within a factor of two.
     pub(crate) extent: f64,
-    /// Times at which functions of the time are not smooth, increasing.
+    /// Times at which functions of time are not smooth, in increasing order.
     pub(crate) breaks: Vec<f64>,
-    /// What [`State::pieces`] holds a motion on.
+    /// Piecewise functions, to which the entries of [`State::pieces`] refer.
     pub(crate) switches: Vec<Switch>,
 }
 
-/// A function of several pieces within the one of a statement.
+/// Piecewise function within the FUNCTION of a statement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Switch {
-    /// Which of the functions of the system.
+    /// Index of the function in the system.
     pub function: usize,
-    /// The time alone chooses its piece.
+    /// Whether its piece depends on time alone.
     pub of_time: bool,
-    /// Its value may jump where it changes.
+    /// Whether its value may jump at a switch.
     pub jumps: bool,
 }
 
 impl System {
-    /// How many unknowns and equations there are.
+    /// Returns the number of unknowns, which equals the number of equations.
     pub fn unknowns(&self) -> usize {
         self.unknowns
     }
 
-    /// Index of the first multiplier: how many freedoms the parts have.
+    /// Returns the index of the first multiplier, which equals the number of degrees of freedom of the parts.
     pub fn equations_start(&self) -> usize {
         self.first_equation
     }
 
-    /// What the equations of motion leave out; a motion without it would not be the model's.
+    /// Returns diagnostics of statements that the equations of motion do not include. With any of them, a dynamic simulation would not
+    /// represent the model.
     pub fn not_in_motion(&self) -> &[Diagnostic] {
         &self.not_in_motion
     }
 
-    /// Which dynamic states are switched on.
+    /// Returns which dynamic states are active.
     pub fn active_states(&self) -> Vec<bool> {
         self.states.iter().map(|state| state.active).collect()
     }
 
-    /// The unknown of a dynamic state, if it is one.
+    /// Returns the index of the unknown of a dynamic state; `None` if it is held constant.
     pub(crate) fn state_unknown(&self, state: usize, moving: bool) -> Option<usize> {
         let equation = &self.states[state];
         if moving {
@@ -338,38 +352,39 @@ impl System {
         }
     }
 
-    /// True if VARIABLEs or dynamic states are unknowns besides poses and multipliers.
+    /// Returns whether VARIABLEs or dynamic states are unknowns besides poses and multipliers.
     pub fn has_data_unknowns(&self) -> bool {
         self.first_variable < self.unknowns
     }
 
-    /// The numbers of the dataset.
+    /// Returns the parameters of the dataset.
     pub fn parameters(&self) -> Parameters {
         self.parameters.clone()
     }
 
-    /// The configuration of the dataset.
+    /// Returns the initial state, as given by the dataset.
     pub fn state(&self) -> State {
         self.initial.clone()
     }
 
-    /// EQUILIBRIUM as the dataset has it.
+    /// Returns the settings of EQUILIBRIUM.
     pub fn settings(&self) -> &EquilibriumSettings {
         &self.settings
     }
 
-    /// Which number of the dataset is which number of theta.
+    /// Returns the catalogue, which maps numbers of the dataset to elements of theta.
     pub fn catalogue(&self) -> &Catalogue {
         &self.catalogue
     }
 
-    /// Unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for ground.
+    /// Returns the unknowns of a part: translation of its reference point, then rotation vector, in ground axes. Empty for ground.
     pub fn part_unknowns(&self, part: PartIx) -> Range<usize> {
         let body = &self.bodies[part.0];
         body.first..body.first + body.freedoms
     }
 
-    /// The reference point of a part, part axes: its centre in statics, its origin in motion, whose velocities results hold.
+    /// Returns the reference point of a part in part axes. It is the centre in statics and the origin in motion, because results report the
+    /// velocity of the origin.
     pub fn local_reference(&self, state: &State, part: usize) -> Vec3 {
         if state.moves() {
             Vec3::zeros()
@@ -378,18 +393,20 @@ impl System {
         }
     }
 
-    /// From the origin of a part to its reference point, ground axes.
+    /// Returns the vector from the origin of a part to its reference point, ground axes.
     pub fn reference_arm(&self, state: &State, part: usize) -> Vec3 {
         state.poses[part].R * self.local_reference(state, part)
     }
 
-    /// The point that the translation of a part moves and its torques are about, in ground: its centre of mass in statics (without one
-    /// the mean of the markers that joints and forces act at), its origin in motion.
+    /// Returns the reference point of a part in ground, to which its translation and its torque balance refer.
+    ///
+    /// In statics it is the centre of mass, or without one the mean of the markers at which joints and forces act. In motion it is the
+    /// origin of the part.
     pub fn reference_point(&self, state: &State, part: PartIx) -> Vec3 {
         state.poses[part.0].p + self.reference_arm(state, part.0)
     }
 
-    /// True if a MOTION that is switched on drives parts.
+    /// Returns whether an active MOTION drives parts.
     pub fn is_driven(&self) -> bool {
         let drives = |joint: &Joint| matches!(joint.drive, Drive::Function(_) | Drive::Rate(_));
         self.joints
@@ -397,12 +414,12 @@ impl System {
             .any(|joint| joint.active && drives(joint))
     }
 
-    /// The name of a part.
+    /// Returns the name of a part.
     pub fn part_name(&self, part: PartIx) -> &Name {
         &self.bodies[part.0].name
     }
 
-    /// A force element by keyword and id.
+    /// Returns a force element by keyword and id.
     pub fn element(&self, kind: &str, id: u32) -> Option<ElementIx> {
         self.elements
             .iter()
@@ -410,7 +427,7 @@ impl System {
             .map(ElementIx)
     }
 
-    /// A constraint by keyword and id.
+    /// Returns a constraint by keyword and id.
     pub fn constraint(&self, kind: &str, id: u32) -> Option<ConstraintIx> {
         self.joints
             .iter()
@@ -418,7 +435,7 @@ impl System {
             .map(ConstraintIx)
     }
 
-    /// All force elements.
+    /// Returns all force elements.
     pub fn elements(&self) -> impl Iterator<Item = (ElementIx, &Name)> {
         self.elements
             .iter()
@@ -426,7 +443,7 @@ impl System {
             .map(|(k, e)| (ElementIx(k), &e.name))
     }
 
-    /// All constraints that act between markers.
+    /// Returns all constraints that act between markers.
     pub fn constraints(&self) -> impl Iterator<Item = (ConstraintIx, &Name)> {
         self.joints
             .iter()
@@ -434,7 +451,7 @@ impl System {
             .map(|(k, c)| (ConstraintIx(k), &c.name))
     }
 
-    /// What an equation balances, for messages: `PART/4 'KNUCKLE' force along x`, `JOINT/4 Zi.Xj`.
+    /// Returns the name of an equation for messages: `PART/4 'KNUCKLE' force along x`, `JOINT/4 Zi.Xj`.
     pub fn equation_name(&self, equation: usize) -> String {
         const BALANCE: [&str; 6] = [
             "force along x",
@@ -464,9 +481,9 @@ impl System {
             .map_or_else(String::new, |s| s.name.to_string())
     }
 
-    /// False for an equation of a constraint that is switched off.
+    /// Returns false for an equation of an inactive constraint.
     pub fn equation_is_active(&self, equation: usize) -> bool {
-        // Joints stand in the order of their equations, conditions too; each equation is one of either.
+        // Each equation belongs to a joint or to a GCON.
         let at = self.joint_of.get(equation).copied().flatten();
         match at {
             Some(joint) => self.joints[joint].active,
@@ -478,17 +495,17 @@ impl System {
         }
     }
 
-    /// True for an equation that is switched on and not redundant.
+    /// Returns whether an equation is active and not redundant.
     pub(crate) fn takes_part(&self, state: &State, equation: usize) -> bool {
         state.redundant.get(equation) != Some(&true) && self.equation_is_active(equation)
     }
 
-    /// True for an equation that takes part and holds places; all others hold velocities or nothing.
+    /// Returns whether an equation is active, not redundant, and constrains positions (holonomic).
     pub(crate) fn holds_places(&self, state: &State, equation: usize) -> bool {
         !self.is_nonholonomic[equation] && self.takes_part(state, equation)
     }
 
-    /// Whether in motion the equation of this state reads its own rate.
+    /// Returns whether the equation of a state reads its own rate in motion.
     pub(crate) fn state_reads_rate(&self, state: usize) -> bool {
         let Rate::Function(function) = self.states[state].moving else {
             return false;
@@ -498,13 +515,14 @@ impl System {
         sources.into_iter().any(own)
     }
 
-    /// Degrees of freedom of the parts less the equations that take part: of the velocities, where some hold these.
+    /// Returns the degrees of freedom of the parts minus the number of active, non-redundant equations. Nonholonomic equations count too,
+    /// so the result counts free velocities.
     pub(crate) fn freedoms_left(&self, state: &State) -> usize {
         let held = (0..self.equations).filter(|&k| self.takes_part(state, k));
         self.first_equation.saturating_sub(held.count())
     }
 
-    /// What an unknown of a part moves, for messages: `PART/4 'KNUCKLE' along x`.
+    /// Returns the name of an unknown for messages: `PART/4 'KNUCKLE' along x`.
     pub(crate) fn freedom_name(&self, unknown: usize) -> String {
         const FREEDOMS: [&str; 6] = [
             "along x", "along y", "along z", "about x", "about y", "about z",
@@ -519,7 +537,7 @@ impl System {
         format!("{} {}", body.name, FREEDOMS[unknown - body.first])
     }
 
-    /// `Zi.Xj in JOINT/4`, as ADAMS names an equation (guide/formats.md 6.5).
+    /// Returns the name of a constraint equation as ADAMS writes it: `Zi.Xj in JOINT/4` (guide/formats.md 6.5).
     pub fn constraint_equation_name(&self, equation: usize) -> EquationName {
         for joint in &self.joints {
             if (joint.first..joint.first + joint.count).contains(&equation) {

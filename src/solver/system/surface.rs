@@ -1,60 +1,63 @@
-//! Surfaces of joints that rub on each other, as a FRICTION has them.
+//! Friction surfaces of joints, as defined by FRICTION.
 
 use super::Name;
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec6;
 
-/// Places of a friction behind the values of the functions.
+/// Number of function-value slots per friction, behind those of the functions.
 pub(crate) const SLOTS: usize = 3;
-/// A direction in which the surfaces of a joint slide.
+/// Sliding direction of a joint's surfaces.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum Slide {
-    /// Along zj.
+    /// Translation along zj.
     AlongZ,
-    /// About an axis of I.
+    /// Rotation about an axis of I.
     AboutI(usize),
-    /// About an axis of J.
+    /// Rotation about an axis of J.
     AboutJ(usize),
 }
 
-/// What of a joint's reaction presses the surfaces together.
+/// Normal load of the friction surfaces as a function of the joint reaction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Pressing {
-    /// A force that is always there.
+    /// Constant preload force.
     pub preload: f64,
-    /// Factors of the force across the axis, the force along it, the moment across it and the moment about it.
+    /// Factor of the force perpendicular to the axis.
     pub across: f64,
+    /// Factor of the force along the axis.
     pub along: f64,
+    /// Factor of the moment perpendicular to the axis.
     pub bending: f64,
+    /// Factor of the moment about the axis.
     pub torsion: f64,
-    /// The whole force counts, whatever its direction: a ball.
+    /// Whether the total force counts regardless of its direction, as in a ball joint.
     pub ball: bool,
-    /// The moment across is divided by an overlap: at the start, and its change by the displacement.
+    /// Overlap by which the perpendicular moment is divided: initial value, and derivative with respect to the displacement.
     pub overlap: Option<(f64, f64)>,
 }
 
-/// FRICTION of one joint, or of one yoke of it.
+/// FRICTION of one joint, or of one of its yokes.
 #[derive(Debug)]
 pub(crate) struct Friction {
     pub name: Name,
-    /// Index into the joints of the system.
+    /// Index of the joint in the system.
     pub joint: usize,
     pub i: usize,
     pub j: usize,
     pub pair: usize,
-    /// One to three directions; what they exert stands in the axes of one marker.
+    /// One to three sliding directions. Their forces are resolved in the axes of one marker.
     pub slides: Vec<Slide>,
-    /// Of rotations.
+    /// Radius of the surface, the lever arm for rotations.
     pub radius: f64,
     pub law: FrictionLaw,
-    /// EFFECT has stiction: surfaces creep.
+    /// Whether EFFECT includes stiction, so that the surfaces creep.
     pub sticks: bool,
-    /// EFFECT has sliding.
+    /// Whether EFFECT includes sliding.
     pub slips: bool,
-    /// Its law at rest, where it counts in statics too.
+    /// Friction law in statics, if the friction acts there.
     pub at_rest: Option<FrictionLaw>,
     pub pressing: Pressing,
-    /// FRICTION_TORQUE_PRELOAD.
+    /// Torque preload, FRICTION_TORQUE_PRELOAD.
     pub torque_preload: f64,
     pub active: bool,
 }
@@ -68,7 +71,7 @@ impl Friction {
         }
     }
 
-    /// The marker whose axes the wrench is given in.
+    /// Returns the marker whose axes resolve the wrench.
     pub(crate) fn frame(&self) -> usize {
         match self.slides.first() {
             Some(Slide::AboutI(_)) => self.i,
@@ -76,7 +79,7 @@ impl Friction {
         }
     }
 
-    /// The wrench of a unit generalised force in a direction, axes of the frame.
+    /// Returns the wrench of a unit generalised force in a sliding direction, in the axes of the frame.
     pub(crate) fn unit(slide: Slide) -> Vec6 {
         Vec6::ith(
             match slide {

@@ -3,7 +3,8 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, exp};
 use crate::model::PartIx;
 
 impl System {
-    /// Moves a state along a correction of the unknowns: translations of the reference points add, `R <- exp(dphi) R` about these.
+    /// Applies a correction of the unknowns to a state. Translations of the reference points are added; rotations act about these points as
+    /// `R <- exp(dphi) R`.
     pub fn advance(&self, state: &mut State, correction: &[f64]) {
         for part in 0..self.bodies.len() {
             self.displace(state, PartIx(part), correction);
@@ -22,7 +23,7 @@ impl System {
         }
     }
 
-    /// Moves one part along a correction of the unknowns.
+    /// Applies a correction of the unknowns to one part.
     pub fn displace(&self, state: &mut State, part: PartIx, correction: &[f64]) {
         let d = &correction[self.part_unknowns(part)];
         if d.is_empty() {
@@ -38,7 +39,8 @@ impl System {
         }
     }
 
-    /// What a small change of the unknowns changes the pose of a part by: translation of its origin, rotation vector, ground axes.
+    /// Returns the pose change of a part due to a small change of the unknowns: translation of its origin, then rotation vector, ground
+    /// axes.
     pub fn pose_change(&self, state: &State, part: PartIx, dx: &[f64]) -> [f64; 6] {
         let mut change = [0.0; 6];
         let d = &dx[self.part_unknowns(part)];
@@ -51,7 +53,7 @@ impl System {
         change
     }
 
-    /// Takes the configuration as an equilibrium: turns are counted from here on.
+    /// Accepts the configuration as an equilibrium and updates the reference angles for counting full turns.
     pub(crate) fn accept(
         &self,
         parameters: &super::Parameters,
@@ -85,7 +87,7 @@ impl System {
     }
 }
 
-/// Takes away the round-off of a product of rotations: one Newton step towards the polar factor.
+/// Removes the round-off of a product of rotations by one Newton step towards the polar factor.
 pub(crate) fn orthonormal(R: &Mat3) -> Mat3 {
     R * (Mat3::identity() * 1.5 - R.transpose() * R * 0.5)
 }

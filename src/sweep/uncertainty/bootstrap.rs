@@ -1,4 +1,4 @@
-//! Fits of readings drawn anew.
+//! Bootstrap: fits of resampled readings.
 
 use nalgebra::DVector;
 
@@ -7,25 +7,25 @@ use crate::{Row, Status, Stream, normal};
 use admire_identify::global::Row as Reading;
 use admire_identify::global::gauss_newton::{Ending, Prior, Tolerances};
 
-/// Fewer residuals of a kind than this are drawn from those of all kinds.
+/// Smallest number of residuals of a kind for a pool of its own; smaller kinds share one pool.
 const FEW: usize = 20;
-/// A reading that nearly determines its own prediction has nothing left to draw.
+/// Upper limit of the leverage. A reading with a greater leverage nearly determines its own prediction and has no usable residual.
 const LEVERAGE: f64 = 0.99;
 
-/// What every replicate draws from.
+/// Data from which every replicate is drawn.
 pub(crate) struct Bootstrap<'a> {
     estimate: &'a Estimate<'a>,
     stream: Stream,
-    /// Errors that are drawn, kind by kind.
+    /// Pools of errors, one for each kind of reading.
     pools: Vec<Vec<f64>>,
-    /// The pool of each residual.
+    /// Index of the pool of each residual.
     pool_of: Vec<usize>,
-    /// Root of the mean square of all errors that are drawn: one if noise and tolerances are as the fit has them.
+    /// Root mean square of all pooled errors; 1 if noise and tolerances are as large as the fit assumes.
     pub noise_ratio: f64,
 }
 
 impl<'a> Bootstrap<'a> {
-    /// Of a fit.
+    /// Prepares the bootstrap of a fit.
     pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64) -> Self {
         let kinds = kinds(estimate);
         let (pools, pool_of) = pools(
@@ -45,7 +45,7 @@ impl<'a> Bootstrap<'a> {
         }
     }
 
-    /// A replicate: the numbers, and half of the chi-square that is left.
+    /// Runs a replicate. The outputs are the identified numbers and half the remaining chi-square.
     pub(crate) fn run(&self, case: u64) -> Row {
         let start = std::time::Instant::now();
         let fitted = self.fitted(case);
@@ -55,7 +55,7 @@ impl<'a> Bootstrap<'a> {
     fn fitted(&self, case: u64) -> Result<Vec<f64>, String> {
         let minimum = &self.estimate.minimum;
         let own = self.estimate.marginal.priors();
-        // Each replicate has a stretch of the stream of its own.
+        // Each replicate has its own section of the stream.
         let first = case * (self.pool_of.len() + own.len()) as u64;
         let residual = &minimum.evaluation.residual;
         let shift = DVector::from_fn(residual.len(), |k, _| {
@@ -94,7 +94,7 @@ impl<'a> Bootstrap<'a> {
     }
 }
 
-/// The kind of reading each residual stems from.
+/// Returns the kind of reading of each residual.
 fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     let problem = estimate.problem;
     let observations = estimate
@@ -112,7 +112,7 @@ fn kinds(estimate: &Estimate<'_>) -> Vec<usize> {
     estimate.marginal.rows().map(kind).collect()
 }
 
-/// What is drawn for the residuals of each kind, and the pool of each residual. Errors are readings less predictions.
+/// Returns the pools of errors, and the index of the pool of each residual. An error is reading minus prediction.
 fn pools(
     kinds: &[usize],
     residual: &DVector<f64>,
@@ -130,7 +130,7 @@ fn pools(
         pools[*pool].push(error);
     }
     if pools[last].len() < FEW {
-        // Too few even together: the kinds that have many lend theirs.
+        // If the shared pool is still too small, it takes the errors of all kinds.
         let all: Vec<f64> = pools.iter().flatten().copied().collect();
         pools[last] = all;
     }

@@ -1,6 +1,6 @@
-//! Whether chains agree, and how many independent draws they are worth (Gelman et al., Bayesian Data Analysis, 3rd ed., 11.4 and 11.5).
+//! Convergence and effective size of chains (Gelman et al., Bayesian Data Analysis, 3rd ed., 11.4 and 11.5).
 
-/// Halves of chains, each of the same length.
+/// Splits each chain into halves of equal length.
 fn halves(chains: &[Vec<f64>]) -> Vec<&[f64]> {
     chains
         .iter()
@@ -21,7 +21,7 @@ fn variance(values: &[f64]) -> f64 {
     sum / (values.len() as f64 - 1.0)
 }
 
-/// Mean of the variances within, and the variance of the whole as the halves estimate it.
+/// Returns the mean variance within the halves, and the estimated variance of the whole distribution.
 fn variances(halves: &[&[f64]]) -> (f64, f64) {
     let n = halves[0].len() as f64;
     let within = halves.iter().map(|half| variance(half)).sum::<f64>() / halves.len() as f64;
@@ -29,7 +29,7 @@ fn variances(halves: &[&[f64]]) -> (f64, f64) {
     (within, within * (n - 1.0) / n + variance(&means))
 }
 
-/// Potential scale reduction of split chains: one where all halves tell the same. NaN for chains of fewer than four draws.
+/// Returns the potential scale reduction of split chains, which is 1 if all halves agree. NaN for chains of fewer than four draws.
 pub(crate) fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
@@ -39,7 +39,7 @@ pub(crate) fn split_r_hat(chains: &[Vec<f64>]) -> f64 {
     (whole / within).sqrt()
 }
 
-/// Effective number of independent draws, by Geyer's pairs of autocorrelations.
+/// Returns the effective number of independent draws, from Geyer's pairs of autocorrelations.
 pub(crate) fn effective_draws(chains: &[Vec<f64>]) -> f64 {
     let halves = halves(chains);
     if halves.first().is_none_or(|half| half.len() < 2) {
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use crate::{Stream, normal};
 
-    /// An autoregression whose effective number is known: n (1 - a) / (1 + a).
+    /// Creates autoregressive chains with a known effective number of draws: n (1 - a) / (1 + a).
     fn chains(a: f64, length: usize) -> Vec<Vec<f64>> {
         (0..8)
             .map(|chain| {

@@ -5,25 +5,25 @@ use admire_identify::global::gauss_newton::{Minimum, Prior, Tolerances};
 use admire_identify::global::{Marginal, MarginalProblem, profile_interval};
 use admire_identify::{IdentifyError, Problem};
 
-/// The fit that is done again: the sought numbers at their best, and how well they are known there.
+/// Fit to be repeated: the best values of the unknowns and their covariance.
 pub(crate) struct Estimate<'a> {
-    /// The study.
+    /// Identification problem of the study.
     pub problem: &'a Problem<'a>,
-    /// The sought numbers with all else marginalised.
+    /// Unknowns with all else marginalised.
     pub marginal: &'a Marginal,
-    /// Where they are best.
+    /// Minimum of the fit.
     pub minimum: Minimum,
-    /// Their covariance there.
+    /// Covariance of the unknowns at the minimum.
     pub covariance: DMatrix<f64>,
-    /// Its lower triangular root.
+    /// Lower Cholesky factor of the covariance.
     pub root: DMatrix<f64>,
 }
 
 impl<'a> Estimate<'a> {
-    /// Ends the fit with all else marginalised. `None` where it has no end.
+    /// Completes the fit with all else marginalised. `None` if it has no minimum.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// When a load drives something that the solver cannot change.
     pub(crate) fn new(
         problem: &'a Problem<'a>,
         marginal: &'a Marginal,
@@ -43,18 +43,18 @@ impl<'a> Estimate<'a> {
         }))
     }
 
-    /// The fit once more, knowing nothing of others.
+    /// Returns a fresh copy of the fit, independent of earlier fits.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// When a load drives something that the solver cannot change.
     pub(crate) fn again(&self) -> Result<MarginalProblem<'a>, IdentifyError> {
         self.marginal.problem(self.problem)
     }
 
-    /// Intervals by profile likelihood, of the numbers themselves.
+    /// Computes intervals by profile likelihood, of the numbers themselves rather than their logarithms.
     ///
     /// # Errors
-    /// A load that drives nothing the solver can change.
+    /// When a load drives something that the solver cannot change.
     pub(crate) fn profiles(&self) -> Result<Vec<[Option<f64>; 2]>, IdentifyError> {
         let priors = self.marginal.priors();
         let (scale, held) = (self.marginal.scale(), held(priors));
@@ -67,7 +67,7 @@ impl<'a> Estimate<'a> {
         Ok((0..self.marginal.len()).map(of).collect())
     }
 
-    /// The share of each reading in its own prediction.
+    /// Returns the leverage of each reading: the sensitivity of its prediction to the reading itself.
     pub(crate) fn leverages(&self) -> DVector<f64> {
         let jacobian = &self.minimum.evaluation.jacobian;
         let across = jacobian * &self.root;

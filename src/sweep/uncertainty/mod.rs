@@ -1,15 +1,15 @@
-//! How well numbers are known, by doing it again: fits of readings drawn anew, and draws from the posterior itself.
+//! Uncertainty of identified numbers by repetition: bootstrap fits of resampled readings, and draws from the posterior.
 //!
-//! Both work on the unknowns with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)) and run in the
-//! harness of the sweeps: numbers from a counter, a journal, a table. So threads and interruptions change no bit.
+//! Both work on the unknowns with all tolerances marginalised ([`Marginal`](admire_identify::global::Marginal)). They use the engine of the
+//! sweeps: counter-based random numbers, a journal, a table. Threads and interruptions therefore change no bit.
 //!
-//! Bootstrap: readings are the predictions of the fit plus its whitened residuals, drawn with replacement. Residuals are drawn, not load
-//! cases: the cases of a rig are designed, each loads something no other does, and all of them share the same tolerances. Whitened by
-//! noise and tolerances the residuals are exchangeable, which draws the tolerances anew as well. They are those of their kind of
-//! reading, over the root of one less their leverage, less their mean (Davison and Hinkley 1997, section 6.2). Priors count as readings
-//! and are drawn too.
+//! Bootstrap: readings are the predictions of the fit plus its whitened residuals, drawn with replacement. Residuals are drawn rather than
+//! load cases, because the cases of a rig are designed: each has its own loads, and all share the same tolerances. Residuals whitened by
+//! noise and tolerances are exchangeable, so that drawing them draws the tolerances, too. Each residual is drawn from its kind of reading,
+//! divided by the root of one minus its leverage, and centred (Davison and Hinkley 1997, section 6.2). Priors count as readings and are
+//! drawn, too.
 //!
-//! Posterior: Hamiltonian Monte Carlo (Neal 2011) in the coordinates of the fit's covariance.
+//! Posterior: Hamiltonian Monte Carlo (Neal 2011) in coordinates whitened by the fit's covariance.
 
 mod bootstrap;
 mod chains;

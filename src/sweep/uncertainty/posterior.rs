@@ -1,7 +1,7 @@
 //! Draws from the posterior by Hamiltonian Monte Carlo.
 //!
-//! `x = estimate + L z`, `L L'` the covariance of the fit: where the model is nearly linear, z is nearly a unit Gaussian, and a quarter
-//! of an oscillation leads to a draw that remembers hardly anything. Leapfrog steps with the exact gradient `L'(J'r + (x - m)/sd^2)`.
+//! With `x = estimate + L z`, where `L L'` is the covariance of the fit, z is nearly a unit Gaussian if the model is nearly linear. A
+//! quarter of an oscillation then leads to a nearly independent draw. Leapfrog steps use the exact gradient `L'(J'r + (x - m)/sd^2)`.
 
 use nalgebra::DVector;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -11,49 +11,52 @@ use crate::{Row, Status, Stream, normal};
 use admire_identify::global::MarginalProblem;
 use admire_identify::global::gauss_newton::LeastSquares;
 
-/// Leapfrog steps of a quarter of an oscillation that are tried, few first.
+/// Numbers of leapfrog steps per quarter oscillation that the pilot tries, in ascending order.
 const STEPS: [usize; 5] = [4, 6, 9, 14, 22];
-/// The least mean probability to accept that a number of steps must reach in the pilot.
+/// Smallest mean acceptance probability in the pilot at which a number of steps is chosen.
 const ACCEPT: f64 = 0.85;
-/// Places where pilots begin, and trajectories of each. Far from the estimate the posterior may be much narrower than there.
+/// Number of pilot chains. They start at different points, because the posterior may be much narrower far from the estimate.
 const PILOTS: u64 = 8;
+/// Number of trajectories of each pilot chain.
 const PILOT: u64 = 4;
-/// Chains begin where a Gaussian posterior has all but so much of its probability.
+/// Probability of the region of a Gaussian posterior within which chains start.
 const TYPICAL: f64 = 0.99;
-/// Draws at the beginning of every chain that are thrown away.
+/// Number of draws discarded at the beginning of every chain.
 const WARM_UP: u64 = 30;
-/// The length of a trajectory is drawn around its mean by so much each way: none is periodic.
+/// Relative half range of the random trajectory length, which avoids periodic trajectories.
 const JITTER: f64 = 0.2;
 
-/// Chains of draws.
+/// Sampler of the posterior in several chains.
 pub(crate) struct Posterior<'a> {
     estimate: &'a Estimate<'a>,
     seed: u64,
-    /// Draws of a chain.
+    /// Number of draws in a chain.
     length: u64,
-    /// Leapfrog steps of a trajectory.
+    /// Number of leapfrog steps in a trajectory.
     pub steps: usize,
 }
 
-/// A place in the coordinates of the fit.
+/// Point in whitened coordinates.
 struct Point {
     z: DVector<f64>,
-    /// Half chi-square with priors, and its gradient.
+    /// Half chi-square with priors.
     energy: f64,
+    /// Gradient of the energy with respect to `z`.
     gradient: DVector<f64>,
 }
 
-/// Where a chain is after a trajectory.
+/// State of a chain after a trajectory.
 struct End {
     x: Vec<f64>,
-    /// Half chi-square with priors there.
+    /// Half chi-square with priors at this state.
     energy: f64,
-    /// Probability with which the trajectory's end was accepted.
+    /// Acceptance probability of the trajectory's end.
     probability: f64,
 }
 
 impl<'a> Posterior<'a> {
-    /// Of a fit, in chains of this length. Takes the fewest steps that a short pilot accepts.
+    /// Prepares the sampler of a fit, with chains of this length. A short pilot chooses the smallest number of steps with sufficient
+    /// acceptance.
     pub(crate) fn new(estimate: &'a Estimate<'a>, seed: u64, length: u64) -> Self {
         let mut new = Self {
             estimate,
@@ -83,18 +86,19 @@ impl<'a> Posterior<'a> {
         new
     }
 
-    /// Chain and draw of a case, from 0.
+    /// Returns the chain and draw of a case, counted from 0.
     pub(crate) fn place(&self, case: u64) -> (u64, u64) {
         (case / self.length, case % self.length)
     }
 
-    /// A draw: the numbers, half chi-square with priors, and the probability with which the trajectory's end was accepted.
+    /// Makes a draw. The outputs are the identified numbers, half chi-square with priors, and the acceptance probability of the
+    /// trajectory's end.
     pub(crate) fn run(&self, case: u64, before: Option<&Row>) -> Row {
         let start = std::time::Instant::now();
         let (chain, draw) = self.place(case);
         let stream = Stream::named(self.seed, &format!("chain {chain}"));
         let count = self.estimate.marginal.len();
-        // The next draw starts from the numbers as they stand in the table: a chain that was interrupted goes on as if it had not been.
+        // The next draw starts from the numbers in the table, so that an interrupted chain continues exactly as if uninterrupted.
         let x: Vec<f64> = if let Some(row) = before {
             row.outputs[..count]
                 .iter()
@@ -119,8 +123,8 @@ impl<'a> Posterior<'a> {
         }
     }
 
-    /// Where a chain begins: drawn from the covariance of the fit, nearer to the estimate where the model has no answer, or the readings
-    /// exclude it: the step that suits the posterior would not lead away from there.
+    /// Returns the start of a chain, drawn from the covariance of the fit. The start is moved towards the estimate if the model has no
+    /// equilibrium there or the readings exclude it, because the step length of the posterior would not lead away from such a point.
     fn scattered(&self, stream: &Stream) -> Vec<f64> {
         let count = self.estimate.marginal.len() as u64;
         let z = normals(stream, 0, count);
@@ -140,7 +144,7 @@ impl<'a> Posterior<'a> {
             .unwrap_or_else(|| self.estimate.minimum.x.clone())
     }
 
-    /// One trajectory from x.
+    /// Computes one trajectory from x.
     fn draw(&self, x: &[f64], stream: &Stream, number: u64) -> End {
         let count = self.estimate.marginal.len() as u64;
         let first = number * (count + 2);
@@ -149,7 +153,7 @@ impl<'a> Posterior<'a> {
             energy: f64::NAN,
             probability: 0.0,
         };
-        // What is solved here depends on x and the stream alone.
+        // This fit depends only on x and the stream.
         let Ok(mut fit) = self.estimate.again() else {
             return stay;
         };

@@ -1,4 +1,4 @@
-//! A fit that is repeated: from what was asked to what `identification.json` says of every number.
+//! Repetition of a fit: from the request to the entries of `identification.json` for every number.
 
 use std::path::{Path, PathBuf};
 
@@ -14,39 +14,39 @@ use crate::{
 use admire_identify::global::Marginal;
 use admire_identify::{BootstrapMade, Fit, IdentifyError, PosteriorMade, Problem};
 
-/// Chains of the posterior: enough to see whether they agree, few enough that the beginning of each costs little.
+/// Number of posterior chains: enough to compare them, few enough that their warm-up is cheap.
 pub(crate) const CHAINS: u64 = 8;
-/// Fewer replicates say nothing of the ends of an interval.
+/// Smallest number of replicates that determines the ends of an interval.
 pub const LEAST_REPLICATES: u64 = 100;
-/// Fewer draws say nothing of the ends of an interval, or of whether chains agree.
+/// Smallest number of draws that determines the ends of an interval and the agreement of chains.
 pub const LEAST_DRAWS: u64 = 100;
-/// Repeats at most.
+/// Largest number of repetitions.
 pub const MOST: u64 = 10_000_000;
 
-/// What is asked for.
+/// Requested repetitions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Repeats {
-    /// Fits of readings drawn anew.
+    /// Number of bootstrap fits.
     pub bootstrap: Option<u64>,
-    /// Draws from the posterior; made a multiple of the number of chains.
+    /// Number of draws from the posterior, rounded up to a multiple of the number of chains.
     pub posterior: Option<u64>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// So many at a time.
+    /// Number of parallel threads.
     pub threads: usize,
 }
 
-/// One of the two.
+/// Kind of repetition.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
-    /// Fits of readings drawn anew.
+    /// Bootstrap fits of resampled readings.
     Bootstrap,
     /// Draws from the posterior.
     Posterior,
 }
 
 impl Kind {
-    /// The name of its table.
+    /// Returns the name of its table.
     pub const fn file(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap.parquet",
@@ -54,7 +54,7 @@ impl Kind {
         }
     }
 
-    /// What it is called.
+    /// Returns its name.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Bootstrap => "bootstrap",
@@ -63,15 +63,15 @@ impl Kind {
     }
 }
 
-/// Told how far it is; says whether to go on.
+/// Callback for progress; returns whether to continue.
 pub(crate) type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
 
-/// What came of a fit that was repeated.
+/// Result of a repetition.
 #[derive(Clone, Debug)]
 pub enum Made {
-    /// The path of a table.
+    /// Path of a table.
     Table(PathBuf),
-    /// What the table would hold, in its order.
+    /// Rows of the table, in its order.
     Rows(Vec<Row>),
 }
 
@@ -91,8 +91,8 @@ impl Made {
     }
 }
 
-/// Repeats a fit, and puts what comes of it into the fit. Journals and tables are kept in `folder`, where an interrupted run goes on;
-/// without one everything stays in memory. `None` if it was interrupted.
+/// Repeats a fit and stores the results in `fit`. Journals and tables are kept in `folder`, from which an interrupted run continues;
+/// without a folder everything stays in memory. `None` if the run was interrupted.
 ///
 /// # Errors
 /// When a journal or table cannot be written, or the fit cannot be repeated.
@@ -162,24 +162,24 @@ pub fn repeat(
     Ok(Some(done))
 }
 
-/// Why a fit is not repeated.
+/// Reason why a fit is not repeated.
 #[derive(Debug, thiserror::Error)]
 pub enum RepeatError {
-    /// Its problem cannot be set up.
+    /// The identification problem cannot be set up.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// There is no estimate to begin from.
+    /// There is no minimum to start from.
     #[error("the fit with tolerances marginalised has no minimum where it could be repeated")]
     NoEstimate,
-    /// A journal or table fails.
+    /// A journal or table cannot be used.
     #[error(transparent)]
     Harness(#[from] SweepError),
-    /// None has an answer.
+    /// No replicate has a result.
     #[error("no replicate has an answer: {0}")]
     NoReplicate(String),
 }
 
-/// Where a run with these options is kept.
+/// Returns the files of a run with these options.
 fn places(folder: &Path, work: &Work<'_>, (kind, count, seed): (Kind, u64, u64)) -> Places {
     let key = format!(
         "{}\n{}\n{}\n{count}\n{seed}",
@@ -195,7 +195,7 @@ fn places(folder: &Path, work: &Work<'_>, (kind, count, seed): (Kind, u64, u64))
     }
 }
 
-/// Twelve digits that tell runs with other options apart.
+/// Returns a code of twelve digits that distinguishes runs with different options.
 fn short(key: &str) -> String {
     let digest = Sha256::digest(key.as_bytes());
     let hexadecimal = digest.iter().take(6).map(|byte| format!("{byte:02x}"));
@@ -261,7 +261,7 @@ impl Cases for Work<'_> {
     }
 }
 
-/// Puts what was made into the fit.
+/// Stores the results in the fit.
 fn take(
     work: &Work<'_>,
     (kind, count, seed): (Kind, u64, u64),
@@ -319,12 +319,12 @@ fn take(
     Ok(())
 }
 
-/// Chains that differ by more than this have not met.
+/// Largest R-hat of converged chains.
 const APART: f64 = 1.05;
-/// Intervals are told apart where one is so many times as wide as the other.
+/// Ratio of widths from which two intervals count as different.
 const DIFFERENT: f64 = 1.25;
 
-/// Says where repeats and profile likelihood disagree.
+/// Adds remarks about disagreement between the repetition and the profile likelihood.
 fn remark(kind: Kind, fit: &mut Fit) {
     let of = |k: usize| match kind {
         Kind::Bootstrap => fit.parameters[k].bootstrap,

@@ -1,7 +1,7 @@
 use super::chains::{effective_draws, split_r_hat};
 use admire_identify::Repeated;
 
-/// What many values of a number say, chain by chain; `profile` is its interval by profile likelihood.
+/// Summarises the repeated values of a number, chain by chain; `profile` is its interval by profile likelihood.
 pub(crate) fn spread(
     chains: &[Vec<f64>],
     estimate: f64,
@@ -34,7 +34,8 @@ pub(crate) fn spread(
     }
 }
 
-/// On the line between sorted values; the median of an odd number of them is the middle one (Hyndman and Fan 1996, type 8).
+/// Returns a quantile by linear interpolation between sorted values (Hyndman and Fan 1996, type 8). The median of an odd number of values
+/// is the middle one.
 fn quantile(sorted: &[f64], p: f64) -> f64 {
     let n = sorted.len() as f64;
     let at = (p * (n + 1.0 / 3.0) + 1.0 / 3.0 - 1.0).clamp(0.0, n - 1.0);

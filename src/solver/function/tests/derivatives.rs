@@ -1,8 +1,8 @@
-//! Derivatives of functions of numbers against differences.
+//! Derivatives of numeric functions against central differences.
 
 use super::{Scratch, compile};
 
-/// A small linear congruential generator: the points of a test are the same everywhere.
+/// Small linear congruential generator, which makes the test points reproducible on every machine.
 struct Points(u64);
 
 impl Points {
@@ -15,7 +15,7 @@ impl Points {
     }
 }
 
-/// Derivatives by inputs and literals against central differences at random points.
+/// Checks derivatives with respect to inputs and literals against central differences at random points.
 fn check_derivatives(text: &str) {
     let case = compile(text);
     let program = &case.program;
@@ -57,7 +57,7 @@ fn check_derivatives(text: &str) {
             };
             let h = 1e-5;
             let difference = (at(h, &mut scratch) - at(-h, &mut scratch)) / (2.0 * h);
-            // Half of the step shows whether a kink lies within reach of the difference.
+            // A second difference with half the step shows whether a kink lies within the step.
             let finer = (at(h / 2.0, &mut scratch) - at(-h / 2.0, &mut scratch)) / h;
             let scale = 1.0 + exact.abs() + value.abs();
             if (difference - finer).abs() < 1e-6 * scale {
@@ -77,7 +77,7 @@ fn check_derivatives(text: &str) {
     }
 }
 
-/// Every function of numbers, in its domain.
+/// Every numeric function, evaluated inside its domain.
 const SMOOTH: [&str; 25] = [
     "VARVAL(1)*VARVAL(2)/VARVAL(3)-VARVAL(1)**VARVAL(2)",
     "VARVAL(1)**2+VARVAL(2)**3-2**VARVAL(3)+(-VARVAL(1))**INT(2.5)",
@@ -113,7 +113,7 @@ fn derivatives_are_those_of_central_differences() {
     }
 }
 
-/// No function of numbers is left out above. What measures the state is checked in whole decks (tests/solver/functions.rs).
+/// The list above covers all numeric functions. Functions that measure the state are checked in whole decks (tests/solver/functions.rs).
 #[test]
 fn every_function_of_numbers_is_among_them() {
     use admire_syntax::grammar::{FUNCTIONS, Solved};
@@ -128,7 +128,7 @@ fn every_function_of_numbers_is_among_them() {
     }
 }
 
-/// Of these second rates are known wherever nothing but VARVAL(1) moves; of IMPACT and BISTOP they are not.
+/// Expressions whose second time derivatives always exist if only VARVAL(1) moves. IMPACT and BISTOP have none.
 const BENT: [&str; 10] = [
     "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0.5)*VARVAL(1)",
     "SWEEP(VARVAL(1),2,0.4,0.5,1.3,1.1,0)+SWEEP(VARVAL(1),2,0.9,5,1.3,1.1,0.6)",
@@ -142,7 +142,7 @@ const BENT: [&str; 10] = [
     "IF(VARVAL(1)-1:COS(VARVAL(1)),0,VARVAL(1)**3)*VARVAL(1)",
 ];
 
-/// Second rates along `x + x' t + x'' t^2 / 2` against differences of the first rates.
+/// Second time derivatives along `x + x' t + x'' t^2 / 2` agree with differences of the first time derivatives.
 #[test]
 fn second_rates_are_those_of_differences() {
     let mut points = Points(5);
@@ -203,7 +203,8 @@ fn second_rates_are_those_of_differences() {
     assert!(found > 500, "{found}");
 }
 
-/// At the edges of domains and pieces the derivative is that of one side, or between both, or zero where a side is infinitely steep.
+/// At the edges of domains and pieces the derivative equals a one-sided derivative, lies between both, or is zero where a side is
+/// infinitely steep.
 #[test]
 fn derivatives_at_edges_are_those_of_a_side() {
     for (text, edge) in [

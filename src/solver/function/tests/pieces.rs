@@ -1,8 +1,8 @@
-//! Functions held on a piece: their formula goes on beyond its end, and how far the arguments are beyond is seen.
+//! Functions held on a piece: their formula continues beyond the end of the piece, and the excess of the arguments is reported.
 
 use super::{Fault, Scratch, compile};
 
-/// Value, derivatives by VARIABLE/1 and /2, the piece of the arguments and the excess.
+/// Returns the value, the derivatives with respect to VARIABLE/1 and /2, the piece of the arguments and the excess.
 fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {
     let case = compile(text);
     assert_eq!(case.program.switches().len(), 1, "{text}");
@@ -26,7 +26,8 @@ fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) 
     )
 }
 
-/// At points on either side: on its own piece a function is itself and not beyond; on that of the other point it is the formula of there.
+/// Tests points on either side of a switch. Held on its own piece, a function has its usual value and a non-positive excess. Held on the
+/// piece of the other point, it follows the formula of that piece.
 #[test]
 fn held_functions_follow_the_formula_of_their_piece() {
     type Formula = fn(f64, f64) -> (f64, [f64; 2]);
@@ -140,7 +141,7 @@ fn held_functions_follow_the_formula_of_their_piece() {
     }
 }
 
-/// What is equal but for round-off changes no side.
+/// Arguments that are equal up to round-off cause no switch.
 #[test]
 fn arguments_that_are_equal_but_for_round_off_are_not_beyond() {
     let more = 3.0 * (1.0 + f64::EPSILON);
@@ -154,7 +155,8 @@ fn arguments_that_are_equal_but_for_round_off_are_not_beyond() {
     }
 }
 
-/// Where the time alone chooses, when is known beforehand and nothing is held, but for what repeats.
+/// If a piece depends on time alone, its switching times are known in advance and nothing is held, except for functions that switch
+/// repeatedly.
 #[test]
 fn what_the_time_alone_chooses_is_known() {
     for (text, of_time) in [
@@ -171,7 +173,7 @@ fn what_the_time_alone_chooses_is_known() {
     }
 }
 
-/// What is no number has no whole part, whatever piece the function is held on.
+/// NaN has no integer part, on whatever piece the function is held.
 #[test]
 fn no_number_has_no_whole_part() {
     for function in ["AINT", "ANINT", "INT", "NINT"] {
@@ -202,7 +204,7 @@ fn numbers_too_large_for_a_whole_number_keep_their_value() {
     }
 }
 
-/// Between its sides a function goes in a line from one to the other, over the width that it is held on; its end is that of the width.
+/// Held between its sides, a function is linear from one side to the other over the half width. The excess is zero at that half width.
 #[test]
 fn held_between_its_sides_a_function_is_a_line() {
     use crate::function::{between, half_width};
@@ -223,7 +225,7 @@ fn held_between_its_sides_a_function_is_a_line() {
         assert_eq!(side, if x < 0.0 { 3 } else { 1 });
         assert!((excess - (x.abs() - 0.25)).abs() < 1e-15);
     }
-    // One within a part of the other: the inner one is on its own side.
+    // An IF nested in a part of another: the inner IF keeps its own side.
     let case = compile("IF(VARVAL(1):IF(VARVAL(2):1,2,3),0,7)+VARVAL(2)");
     let inputs = case.inputs([0.125, -1.0, 0.0, 0.0]);
     let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
@@ -234,6 +236,6 @@ fn held_between_its_sides_a_function_is_a_line() {
         &mut Scratch::default(),
         (&mut by, &mut by_literal),
     );
-    // A quarter of 1, three quarters of 7, and -1.
+    // A quarter of 1 plus three quarters of 7, minus 1.
     assert_eq!(value, Ok(4.5));
 }

@@ -1,4 +1,4 @@
-//! Splines against the examples of their papers and of the manual.
+//! Tests of splines against the examples of their papers and of the manual.
 
 use super::{near, refused, value};
 use admire_syntax::diagnostic::Code;

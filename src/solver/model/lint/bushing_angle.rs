@@ -3,11 +3,13 @@ use crate::mechanics::{Vec3, projected_angles};
 use crate::model::{Header, MarkerIx};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Beyond this the projected angles are no longer the components of a rotation.
+/// Angle in degrees beyond which the projected angles are no longer the components of a rotation vector.
 const LARGEST: f64 = 10.0;
 
-/// Bushings, beams and fields that are turned about x or y at the design position, from where they carry no load: from J, or for a
-/// field from its LENGTH. About z alone a large angle does no harm (guide/formats.md 2.7).
+/// Reports bushings, beams and fields that are rotated too far about x or y at the design position.
+///
+/// The rotation is measured from the load-free orientation: the axes of J, or for a field its LENGTH. A large rotation about z alone is
+/// harmless (guide/formats.md 2.7).
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let model = design.model;
     for bushing in &model.bushings {

@@ -3,25 +3,26 @@ use crate::mechanics::Vec3;
 use crate::model::{Model, PartKind};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Nothing longer is a mechanism, in metres.
+/// Maximum plausible length of a mechanism, m.
 const LONGEST: f64 = 1e3;
-/// What is longer than this weighs something, in metres and kilograms per metre: a rope of 10 mm weighs half a kilogram.
+/// Length in m above which [`LIGHTEST`] is applied.
 const LONG: f64 = 50.0;
+/// Minimum plausible mass per length, kg/m; a rope of 10 mm diameter has 0.5 kg/m.
 const LIGHTEST: f64 = 0.3;
-/// Kilograms in the cube of the mechanism's size, per cubic metre: iron has 8e3, osmium 2e4.
+/// Maximum plausible mass per cube of the mechanism's size, kg/m^3; iron has 8e3, osmium 2e4.
 const DENSEST: f64 = 1e8;
-/// Gravity over that of the Earth: the Moon has 0.17, Jupiter 2.5.
+/// Plausible range of gravity relative to Earth's; the Moon has 0.17, Jupiter 2.5.
 const GRAVITY: std::ops::Range<f64> = 0.1..10.0;
-/// Of a bushing, in newtons per metre: a cubic metre of steel has 2e11.
+/// Maximum plausible stiffness of a bushing, N/m; a cube of steel of 1 m^3 has 2e11.
 const STIFFEST: f64 = 1e14;
-/// Of all parts together, in kilograms: the largest ships have 7e8.
+/// Maximum plausible total mass of all parts, kg; the largest ships have 7e8.
 const HEAVIEST: f64 = 1e10;
 
-/// Earth's gravity, m/s2.
+/// Standard gravity of the Earth, m/s^2.
 const G0: f64 = 9.80665;
 
-/// A mechanism that is unlike anything built in the units it states: an error where two quantities say so. Decks without UNITS are not
-/// asked.
+/// Reports a mechanism whose quantities are implausible in its stated units: a warning for one quantity, an error for two or more. Decks
+/// without UNITS are not checked.
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let model = design.model;
     let Some(stated) = design.dataset.statement("UNITS", None) else {
@@ -91,7 +92,7 @@ fn reasons(design: &Design<'_>) -> Vec<String> {
     reasons
 }
 
-/// Three digits, with an exponent only where they would be many.
+/// Formats a value with three significant digits, with an exponent for very small and very large values.
 fn short(value: f64) -> String {
     if (1e-3..1e6).contains(&value) {
         let places = (2 - libm::log10(value).floor() as i32).max(0) as usize;
@@ -101,7 +102,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The diagonal of the box around the markers of all moving parts, in the deck's units.
+/// Returns the diagonal of the bounding box of the markers of all moving parts, in the deck's units.
 fn extent(design: &Design<'_>) -> f64 {
     let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     for (at, marker) in design.model.markers.iter().enumerate() {
@@ -117,7 +118,7 @@ fn extent(design: &Design<'_>) -> f64 {
     if diagonal.is_finite() { diagonal } else { 0.0 }
 }
 
-/// The largest radius of gyration of a part.
+/// Returns the largest radius of gyration of a part.
 fn widest(model: &Model) -> f64 {
     let radius = |part: &crate::model::Part| {
         let most = part.ip[..3].iter().copied().fold(0.0, f64::max);
@@ -130,7 +131,7 @@ fn widest(model: &Model) -> f64 {
     model.parts.iter().map(radius).fold(0.0, f64::max)
 }
 
-/// The largest translational stiffness of a bushing.
+/// Returns the largest translational stiffness of a bushing.
 fn stiffest(model: &Model) -> f64 {
     let bushings = model.bushings.iter().flat_map(|bushing| bushing.k);
     bushings.fold(0.0, f64::max)

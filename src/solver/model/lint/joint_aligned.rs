@@ -3,28 +3,29 @@ use crate::mechanics::{Pose, Vec3};
 use crate::model::{Header, JointKind, MarkerIx, Model, PrimitiveKind};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// Origins may be so far apart, as a share of the size of the model: what ten printed digits leave.
+/// Allowed distance of the origins, relative to the size of the model: the rounding of coordinates printed with ten digits.
 const GAP: f64 = 1e-5;
-/// Axes may differ by so much, in degrees: ADAMS tells nothing of joints that are tilted by nearly as much (grammar/NOTES.md).
+/// Allowed angle between axes, in degrees. ADAMS does not report joints tilted by nearly this angle (grammar/NOTES.md).
 const TILT: f64 = 1.0;
 
-/// What a constraint asks of its markers at the design position.
+/// Alignment that a constraint requires of its markers at the design position.
 #[derive(Clone, Copy, Default)]
 struct Wanted {
-    /// Which components of the distance of I from J, in J axes, are zero.
+    /// Components of the distance from J to I, in J axes, that must be zero.
     distance: [bool; 3],
-    /// Axes of I along the same axes of J.
+    /// The x axes must be parallel and point the same way.
     x_along_x: bool,
+    /// The z axes must be parallel and point the same way.
     z_along_z: bool,
-    /// The z axes are parallel in either direction.
+    /// The z axes must be parallel, in either direction.
     z_parallel: bool,
-    /// The z axes are normal.
+    /// The z axes must be perpendicular.
     z_normal: bool,
-    /// x of I is normal to y of J.
+    /// The x axis of I must be perpendicular to the y axis of J.
     x_normal_y: bool,
 }
 
-/// Joints and primitives whose markers do not lie as the constraint needs them at the design position.
+/// Reports joints and primitives whose markers are not aligned at the design position as the constraint requires.
 pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     let size = size(design.model);
     for (kind, header, markers, wanted) in pairs(design.model) {
@@ -32,17 +33,17 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// How far the origins of a constraint's markers are apart where they should not be.
+/// Constraint whose marker origins do not coincide as required.
 pub struct Apart {
-    /// The name of the constraint.
+    /// Name of the constraint.
     pub name: String,
-    /// From J to I, in the axes of J; zero along axes that are free.
+    /// Distance from J to I in the axes of J; zero along unconstrained axes.
     pub distance: Vec3,
-    /// The axes of J that are not free.
+    /// Whether each axis of J is constrained.
     pub counts: [bool; 3],
 }
 
-/// The active constraints whose markers are apart at the design position, in the order of the model.
+/// Returns the active constraints whose marker origins are apart at the design position, in the order of the model.
 pub fn apart(model: &Model) -> Vec<Apart> {
     let size = size(model);
     let mut found = Vec::new();
@@ -62,7 +63,7 @@ pub fn apart(model: &Model) -> Vec<Apart> {
     found
 }
 
-/// Every constraint of two markers, and what it asks of them.
+/// Returns every joint and primitive with the alignment that it requires.
 fn pairs(
     model: &Model,
 ) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Wanted)> {
@@ -117,7 +118,7 @@ fn of_joint(kind: JointKind) -> Wanted {
             z_normal: true,
             ..point
         },
-        // One relation of travel and turn: any position is a start.
+        // These constrain only the relation of travel and rotation, which any position can start from.
         JointKind::Screw { .. } | JointKind::RackPin { .. } => Wanted::default(),
     }
 }
@@ -153,7 +154,7 @@ fn of_primitive(kind: PrimitiveKind) -> Wanted {
     }
 }
 
-/// The diagonal of the box that holds every marker.
+/// Returns the diagonal of the bounding box of all markers.
 fn size(model: &Model) -> f64 {
     let mut low = Vec3::repeat(f64::INFINITY);
     let mut high = Vec3::repeat(f64::NEG_INFINITY);
@@ -195,7 +196,7 @@ fn pair(
     );
 }
 
-/// Distance of I from J, in J axes; zero along axes that are free.
+/// Returns the distance from J to I in J axes; zero along unconstrained axes.
 fn distance(i: &Pose, j: &Pose, wanted: Wanted) -> Vec3 {
     let p_ij_j = j.R.transpose() * (i.p - j.p);
     Vec3::from_fn(|axis, _| {

@@ -1,6 +1,7 @@
-//! Lint that needs places and directions: what is wrong with the model at its design position.
+//! Lint rules that need positions and directions: faults of the model at its design position.
 //!
-//! Knows how the model lies before anything moves, not how it is solved. What statements alone show is in `syntax::lint`.
+//! Uses the model before any motion, independent of its solution. Faults that are visible in the statements alone are reported by
+//! `syntax::lint`.
 
 mod bushing_angle;
 mod implausible_units;
@@ -15,7 +16,7 @@ use crate::mechanics::Pose;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 
-/// Runs the rules over a model and the dataset it was made from. Complaints are in the order of their places in the file.
+/// Runs the rules over a model and its dataset. The diagnostics are in the order of their positions in the file.
 pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     let design = Design { dataset, model };
     let mut found = Vec::new();
@@ -27,15 +28,15 @@ pub fn check(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     found
 }
 
-/// Torques that nothing feels.
+/// Returns warnings about torques that have no effect because they act on a POINT_MASS.
 pub fn lost_torques(dataset: &Dataset, model: &Model) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     lost_torque::check(&Design { dataset, model }, &mut found);
     found
 }
 
-/// What says that the numbers of a deck are in other units than its UNITS, if anything does: for commands that do not check, a
-/// warning in any case.
+/// Returns a warning if the values of a deck are implausible in its stated UNITS. Meant for commands that do not run the full check; the
+/// severity is always a warning.
 pub fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic> {
     let mut found = Vec::new();
     implausible_units::check(&Design { dataset, model }, &mut found);
@@ -44,24 +45,24 @@ pub fn implausible_units(dataset: &Dataset, model: &Model) -> Option<Diagnostic>
     Some(warning)
 }
 
-/// The model at its design position.
+/// Model at its design position, with its dataset.
 struct Design<'a> {
     dataset: &'a Dataset,
     model: &'a Model,
 }
 
 impl Design<'_> {
-    /// Where a marker is in ground; `None` for floating ones and for bodies only real ADAMS places.
+    /// Returns the pose of a marker in ground. `None` for floating markers and for bodies that only real ADAMS places.
     fn pose(&self, marker: MarkerIx) -> Option<Pose> {
         self.model.marker_pose(marker)
     }
 
-    /// A pair of markers, I and J.
+    /// Returns the poses of a pair of markers I and J.
     fn pair(&self, i: MarkerIx, j: MarkerIx) -> Option<(Pose, Pose)> {
         Some((self.pose(i)?, self.pose(j)?))
     }
 
-    /// How an object is called, with its kind: `JOINT/3 (knuckle_ball)`.
+    /// Returns the name of an object with its kind for messages: `JOINT/3 (knuckle_ball)`.
     fn title(&self, kind: &str, header: &Header) -> String {
         let statement = &self.dataset.statements()[header.origin];
         match statement.view_name {

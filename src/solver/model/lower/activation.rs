@@ -6,7 +6,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
 use admire_syntax::{Argument, Number, Statement};
 
-/// Turns the objects of one kind on or off.
+/// Operation that activates or deactivates objects of one kind.
 struct Turn<'a> {
     kind: &'static str,
     chosen: &'a dyn Fn(u32) -> bool,
@@ -25,7 +25,7 @@ impl EachList for Turn<'_> {
     }
 }
 
-/// Turns the objects a command names on or off.
+/// Activates or deactivates the objects that a command names.
 pub(super) fn activate(
     model: &mut Model,
     command: &Statement,

@@ -5,7 +5,7 @@ use crate::model::{
 };
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// JOINT.
+/// Lowers a JOINT.
 pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
     let kinds = [
         JointKind::Spherical,
@@ -72,7 +72,7 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
     })
 }
 
-/// JPRIM.
+/// Lowers a JPRIM.
 pub(super) fn primitive(reader: &mut Reader) -> Option<Primitive> {
     let kinds = [
         PrimitiveKind::AtPoint,
@@ -91,11 +91,11 @@ pub(super) fn primitive(reader: &mut Reader) -> Option<Primitive> {
     })
 }
 
-/// COUPLER with SCALES.
+/// Lowers a COUPLER with SCALES.
 pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
     let joints = joints(reader, "JOINTS")?;
     let mut scales = reader.reals("SCALES").unwrap_or_default();
-    // One factor fewer than joints: the first is one (guide/formats.md 2.6).
+    // If there is one factor fewer than joints, the first factor is one (guide/formats.md 2.6).
     if scales.len() + 1 == joints.len() {
         scales.insert(0, 1.0);
     }
@@ -139,7 +139,7 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
     })
 }
 
-/// The joints an argument names, with the displacement their type leaves free.
+/// Returns the joints that an argument names, with the displacement that their type leaves free.
 fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> {
     let mut joints = Vec::new();
     for id in reader.written_ids(name)? {
@@ -157,7 +157,7 @@ fn joints(reader: &mut Reader, name: &str) -> Option<Vec<(usize, CouplerKind)>> 
     Some(joints)
 }
 
-/// Whether a joint leaves a displacement along or about z of J free that a MOTION, a COUPLER or a GEAR may take hold of.
+/// Returns whether a joint leaves the displacement along or about z of J free for a MOTION, COUPLER or GEAR.
 fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
     match kind {
         JointKind::Cylindrical => true,
@@ -167,7 +167,7 @@ fn leaves_free(kind: JointKind, displacement: CouplerKind) -> bool {
     }
 }
 
-/// Complains about a joint that does not have the displacement asked for, or none at all.
+/// Reports a joint that does not have the required displacement, or no free displacement at all.
 fn refuse<T>(
     reader: &mut Reader,
     argument: &str,
@@ -193,7 +193,7 @@ fn refuse<T>(
     None
 }
 
-/// GEAR.
+/// Lowers a GEAR.
 pub(super) fn gear(reader: &mut Reader) -> Option<Gear> {
     let joints = joints(reader, "JOINTS")?;
     let [(first, _), (second, _)] = joints[..] else {
@@ -206,7 +206,7 @@ pub(super) fn gear(reader: &mut Reader) -> Option<Gear> {
     })
 }
 
-/// GCON.
+/// Lowers a GCON.
 pub(super) fn gcon(reader: &mut Reader) -> Option<Gcon> {
     Some(Gcon {
         header: reader.header(),
@@ -215,7 +215,7 @@ pub(super) fn gcon(reader: &mut Reader) -> Option<Gcon> {
     })
 }
 
-/// MOTION.
+/// Lowers a MOTION.
 pub(super) fn motion(reader: &mut Reader) -> Option<Motion> {
     let turn = reader.has("ROTATIONAL");
     let slide = reader.has("TRANSLATIONAL");

@@ -8,7 +8,7 @@ use admire_syntax::files::Files;
 use admire_syntax::property::PropertyFile;
 use admire_syntax::units::Units;
 
-/// VARIABLE.
+/// Lowers a VARIABLE.
 pub(super) fn variable(reader: &mut Reader) -> Option<Variable> {
     Some(Variable {
         header: reader.header(),
@@ -17,7 +17,7 @@ pub(super) fn variable(reader: &mut Reader) -> Option<Variable> {
     })
 }
 
-/// DIFF.
+/// Lowers a DIFF.
 pub(super) fn diff(reader: &mut Reader) -> Option<Diff> {
     Some(Diff {
         header: reader.header(),
@@ -29,7 +29,7 @@ pub(super) fn diff(reader: &mut Reader) -> Option<Diff> {
     })
 }
 
-/// LSE and TFSISO as linear state equations.
+/// Lowers an LSE or TFSISO to linear state equations.
 pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
     let (a, b, c, d) = if reader.def.name == "TFSISO" {
         let numerator = reader.reals("NUMERATOR")?;
@@ -59,7 +59,7 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
         header: reader.header(),
         kind: reader.def.name,
         x: reader.written_id("X")?,
-        // LSE may have no input; no array has the id zero.
+        // An LSE may have no input; id 0 belongs to no array.
         u: reader.written_id("U").unwrap_or(0),
         y: reader.written_id("Y"),
         ic: reader.written_id("IC"),
@@ -73,14 +73,16 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
 
 type Matrix = Vec<Vec<f64>>;
 
-/// True for matrices of an LSE whose rows and columns of states fit together. Others were complained of (`dimensions`), and have no states.
+/// Returns whether the state dimensions of the matrices of an LSE agree. Mismatches are reported by `dimensions`, and such an LSE is
+/// dropped.
 fn fit((a, b, c, _): &(Matrix, Matrix, Matrix, Matrix)) -> bool {
     let states = a.len();
     let wide = |matrix: &Matrix| matrix.iter().all(|row| row.len() == states);
     wide(a) && wide(c) && (b.is_empty() || b.len() == states)
 }
 
-/// x' = A x + b u, y = c x + d u of (n0 + n1 s + ...)/(d0 + d1 s + ...), in the controllable canonical form.
+/// Returns the matrices of x' = A x + b u, y = c x + d u in controllable canonical form. The transfer function is (n0 + n1 s + ...)/(d0 +
+/// d1 s + ...).
 fn controllable_form(
     numerator: &[f64],
     denominator: &[f64],
@@ -110,7 +112,7 @@ fn controllable_form(
     Some((a, b, vec![c], vec![vec![through]]))
 }
 
-/// ARRAY.
+/// Lowers an ARRAY.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn array(reader: &mut Reader) -> Option<ArrayData> {
     let size = reader.real("SIZE") as usize;
@@ -133,10 +135,10 @@ pub(super) fn array(reader: &mut Reader) -> Option<ArrayData> {
     })
 }
 
-/// A size without numbers makes so many zeros at most.
+/// Maximum number of zeros created for an array that gives only its size.
 const MOST_IMPLIED: usize = 1_000_000;
 
-/// SPLINE from points.
+/// Lowers a SPLINE given by points.
 pub(super) fn spline(reader: &mut Reader) -> Option<Spline> {
     let x = reader.reals("X").unwrap_or_default();
     let rows: Vec<Vec<f64>> = reader
@@ -169,7 +171,7 @@ pub(super) fn spline(reader: &mut Reader) -> Option<Spline> {
     })
 }
 
-/// SPLINE from a property file: the curve of its BLOCK (of the first curve if none is named) in the units of the model.
+/// Lowers a SPLINE given by a property file: the curve of its BLOCK, or the first curve if BLOCK is absent, in the units of the model.
 pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) -> Option<Spline> {
     let name = reader.text("FILE")?;
     let source = files.get(&name)?;
@@ -210,7 +212,7 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
     })
 }
 
-/// STRING.
+/// Lowers a STRING.
 pub(super) fn string(reader: &mut Reader) -> Option<StringData> {
     Some(StringData {
         header: reader.header(),
@@ -218,7 +220,7 @@ pub(super) fn string(reader: &mut Reader) -> Option<StringData> {
     })
 }
 
-/// SENSOR.
+/// Lowers a SENSOR.
 pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
     let halts = reader.has("HALT");
     Some(Sensor {
@@ -246,7 +248,7 @@ pub(super) fn sensor(reader: &mut Reader) -> Option<Sensor> {
     })
 }
 
-/// PINPUT, POUTPUT and PSTATE.
+/// Lowers a PINPUT, POUTPUT or PSTATE.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn plant_port(reader: &mut Reader) -> Option<PlantPort> {
     Some(PlantPort {
@@ -256,7 +258,7 @@ pub(super) fn plant_port(reader: &mut Reader) -> Option<PlantPort> {
     })
 }
 
-/// REQUEST.
+/// Lowers a REQUEST.
 pub(super) fn request(reader: &mut Reader) -> Option<Request> {
     Some(Request {
         header: reader.header(),
@@ -333,7 +335,7 @@ mod tests {
                 vec![vec![0.0]]
             )
         );
-        // Equal degrees feed through: (1 + 2 s)/(1 + s) = 2 - 1/(1 + s).
+        // Equal degrees give a direct feedthrough: (1 + 2 s)/(1 + s) = 2 - 1/(1 + s).
         let (_, _, c, d) = controllable_form(&[1.0, 2.0], &[1.0, 1.0]).unwrap();
         assert_eq!((c, d), (vec![vec![-1.0]], vec![vec![2.0]]));
         assert!(controllable_form(&[1.0, 2.0], &[1.0]).is_none());

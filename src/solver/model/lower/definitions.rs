@@ -12,19 +12,19 @@ use admire_syntax::grammar::StatementDef;
 use admire_syntax::text::Source;
 use admire_syntax::{Dataset, Overlay, Statement, as_id, floating_faults};
 
-/// The statements a model stands for: those of its dataset, and what commands have put over them.
+/// Statements that define a model: those of its dataset and the commands overlaid on them.
 #[derive(Clone, Debug)]
 pub struct Definitions {
     dataset: Dataset,
     files: Files,
     ids: std::sync::Arc<Ids>,
     over: Overlays,
-    /// The commands that were put over the dataset, one a line, as they were written.
+    /// Commands overlaid on the dataset, one per line, as written.
     commands: Vec<u8>,
 }
 
 impl Definitions {
-    /// Resolves a dataset, see `lower_with`, to be changed by commands later.
+    /// Resolves a dataset as `lower_with` does, and keeps its definitions for later changes by commands.
     pub fn lower(dataset: &Dataset, files: &Files) -> Checked<(Model, Self)> {
         let lowering = lowered(dataset, files);
         let definitions = Self {
@@ -40,19 +40,21 @@ impl Definitions {
         }
     }
 
-    /// The dataset itself.
+    /// Returns the dataset.
     pub fn dataset(&self) -> &Dataset {
         &self.dataset
     }
 
-    /// The commands that changed the model since it was resolved, a command file without its blank first line.
+    /// Returns the commands that changed the model since it was resolved, in the form of a command file without its blank first line.
     pub fn commands(&self) -> &[u8] {
         &self.commands
     }
 
-    /// Applies a command that redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or
-    /// turns objects on and off (`DEACTIVATE/MOTION, ID=4`): its arguments are put over those of the statement, which is lowered
-    /// again. `source` is the command file. With an error among the complaints nothing is changed.
+    /// Applies a command to the model.
+    ///
+    /// The command redefines an object (`SFORCE/3, FUNCTION=100`), changes settings (`EQUILIBRIUM/ERROR=1E-6`), or activates and
+    /// deactivates objects (`DEACTIVATE/MOTION, ID=4`). Its arguments are overlaid on those of the statement, which is then lowered again.
+    /// `source` is the command file. If the returned diagnostics contain an error, nothing is changed.
     pub fn redefine(
         &mut self,
         model: &mut Model,
@@ -91,7 +93,7 @@ impl Definitions {
         let key = (def.name, command.number());
         let settings = def.id.is_none().then(|| Overlay::of(command, source));
         let Some(mut overlay) = self.statement(def, key.1).or(settings) else {
-            // The words of ADAMS, which goes on all the same.
+            // Message text of ADAMS, which then continues.
             let message = match command.number() {
                 Some(id) => format!("{}/{id}", def.name),
                 None => def.name.to_string(),
@@ -121,7 +123,7 @@ impl Definitions {
                 None => self.over.remove(&key),
             };
         }
-        // What is wrong with the dataset itself was said when it was read.
+        // Faults of the dataset itself were reported when it was read.
         let of_command = |complaint: &Diagnostic| {
             complaint.severity == Severity::Error
                 || complaint
@@ -133,7 +135,7 @@ impl Definitions {
         diagnostics
     }
 
-    /// A statement as it stands. `None` if the dataset does not define it.
+    /// Returns the current form of a statement. `None` if the dataset does not define it.
     pub fn statement(&self, def: &'static StatementDef, id: Option<u32>) -> Option<Overlay> {
         if let Some(overlay) = self.over.get(&(def.name, id)) {
             return Some(overlay.clone());
@@ -151,7 +153,7 @@ impl Definitions {
         }
     }
 
-    /// Lowers a statement as it stands now, and puts the object in the place of the old one.
+    /// Lowers the current form of a statement and replaces the old object.
     fn lower_again(
         &self,
         model: &mut Model,
@@ -181,7 +183,7 @@ impl Definitions {
         }
     }
 
-    /// The statement as the only one of a model; `None` if it sets something, which it has done then.
+    /// Lowers a statement alone into an empty model. Settings are applied to `model` directly, and `None` is returned.
     fn lower_alone(
         &self,
         model: &mut Model,
@@ -239,7 +241,7 @@ impl Definitions {
         Some(fresh)
     }
 
-    /// What a body or marker needs of others, and others of it: frames RM, inertia about IM.
+    /// Completes the dependencies between a redefined body or marker and others: frames given by RM, inertia about IM.
     fn finish_frame(&self, model: &mut Model, def: &'static StatementDef, id: u32) {
         let Some(stated) = self.context(&[]).stated(def.name, id) else {
             return;
@@ -259,7 +261,7 @@ impl Definitions {
     }
 }
 
-/// The header of an object.
+/// Operation that finds the header of an object.
 struct Find {
     kind: &'static str,
     id: u32,
@@ -275,7 +277,8 @@ impl EachList for Find {
     }
 }
 
-/// Puts new objects in the place of the one that has the header; of several that stand for one statement each in its list.
+/// Operation that replaces the object with the given header by a new one. If one statement defines objects in several lists, each is
+/// replaced in its list.
 struct Replace {
     kind: &'static str,
     header: Header,

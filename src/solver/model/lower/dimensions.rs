@@ -1,11 +1,11 @@
-//! Whether matrices and arrays have the sizes that those who use them need (state_array, fstate_lse).
+//! Check that matrices and arrays have the sizes that their users need (state_array, fstate_lse).
 
 use super::reader::Context;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::StatementDef;
 use admire_syntax::{Stated, as_id};
 
-/// What can be told of the sizes of one statement of a dataset.
+/// Checks the sizes in one statement of a dataset.
 pub(super) fn check(
     statement: Stated,
     def: &'static StatementDef,
@@ -120,7 +120,7 @@ impl<'a> Sizes<'a> {
         }
     }
 
-    /// Rows and columns of the MATRIX that an argument names, if it states them.
+    /// Returns the numbers of rows and columns of the MATRIX that an argument names, if stated.
     fn of_matrix(&self, argument: &str) -> Option<(usize, usize)> {
         let matrix = self.named("MATRIX", argument)?;
         Some((
@@ -134,7 +134,7 @@ impl<'a> Sizes<'a> {
         self.context.stated(kind, id)
     }
 
-    /// How many elements the ARRAY has that an argument names. `None` where that is left to those who use it.
+    /// Returns the number of elements of the ARRAY that an argument names. `None` if the array leaves its size to its users.
     fn of_array(&self, argument: &str) -> Option<usize> {
         let array = self.named("ARRAY", argument)?;
         let given = |name: &str| Some(array.numbers(name).len()).filter(|count| *count > 0);
@@ -204,7 +204,7 @@ impl<'a> Sizes<'a> {
     fn transfer_function(&mut self) {
         let count = |name: &str| self.statement.numbers(name).len();
         let order = count("DENOMINATOR").saturating_sub(1);
-        // Leading zeros of the denominator are no states.
+        // Leading zero coefficients of the denominator add no states.
         let least = self
             .statement
             .numbers("DENOMINATOR")

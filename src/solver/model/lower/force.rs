@@ -6,7 +6,7 @@ use crate::model::{
 use admire_syntax::grammar;
 use admire_syntax::grammar::LawDef;
 
-/// BUSHING.
+/// Lowers a BUSHING.
 pub(super) fn bushing(reader: &mut Reader) -> Option<Bushing> {
     Some(Bushing {
         header: reader.header(),
@@ -21,13 +21,13 @@ pub(super) fn bushing(reader: &mut Reader) -> Option<Bushing> {
     })
 }
 
-/// True for statements with a law between two markers that have no type of their own in the model.
+/// Returns whether a statement has a two-marker law but no type of its own in the model.
 pub(super) fn is_pair_force(kind: &str) -> bool {
     !matches!(kind, "BUSHING" | "SPRINGDAMPER")
         && grammar::statement(kind).is_some_and(|def| !def.laws.is_empty())
 }
 
-/// A force by a law of the grammar: its numbers are where the grammar says.
+/// Lowers a force whose law is defined by the grammar, which also locates its parameters.
 pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     let def = reader.def;
     let chosen = |law: &&LawDef| law.flag.is_none_or(|flag| reader.has(flag));
@@ -49,7 +49,7 @@ pub(super) fn pair_force(reader: &mut Reader) -> Option<PairForce> {
     })
 }
 
-/// SPRINGDAMPER.
+/// Lowers a SPRINGDAMPER.
 pub(super) fn springdamper(reader: &mut Reader) -> Option<SpringDamper> {
     let kind = reader.first_flag(&[
         ("TRANSLATIONAL", SpringKind::Translational),
@@ -71,7 +71,7 @@ pub(super) fn springdamper(reader: &mut Reader) -> Option<SpringDamper> {
     })
 }
 
-/// SFORCE.
+/// Lowers an SFORCE.
 pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
     let kind = reader.first_flag(&[
         ("TRANSLATIONAL", SforceKind::Translational),
@@ -87,8 +87,8 @@ pub(super) fn sforce(reader: &mut Reader) -> Option<Sforce> {
     })
 }
 
-/// GFORCE, VFORCE, VTORQUE from component functions; what comes from USER subroutines or vector expressions is read by the
-/// caller as unsolved.
+/// Lowers a GFORCE, VFORCE or VTORQUE with component functions. The caller treats those with USER subroutines or vector expressions as
+/// unsolved.
 pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
     const NAMES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
     let components = std::array::from_fn(|k| reader.function(NAMES[k]));
@@ -106,7 +106,7 @@ pub(super) fn vector_force(reader: &mut Reader) -> Option<VectorForce> {
     })
 }
 
-/// NFORCE. Its matrix and arrays are taken from their statements.
+/// Lowers an NFORCE. Its matrix and arrays are read from their own statements.
 pub(super) fn nforce(reader: &mut Reader) -> Option<Nforce> {
     let i = reader.markers("IMARKERS")?;
     let n = 6 * i.len();
@@ -117,7 +117,7 @@ pub(super) fn nforce(reader: &mut Reader) -> Option<Nforce> {
     if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
         return reader.missing(&format!("a KMATRIX of {n} by {n} values"));
     }
-    // The model keeps it column by column, as FIELD has it.
+    // The model stores it column by column, as for FIELD.
     let by_columns =
         |matrix: &[Vec<f64>]| -> Vec<f64> { (0..n * n).map(|at| matrix[at % n][at / n]).collect() };
     let k = by_columns(&matrix);

@@ -6,7 +6,7 @@ use crate::model::{
 use admire_syntax::Stated;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// PART, POINT_MASS, and the bodies only real ADAMS solves.
+/// Lowers a PART, a POINT_MASS or a body that only real ADAMS solves.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn part(reader: &mut Reader) -> Option<Part> {
     let kind = match reader.def.name {
@@ -44,9 +44,11 @@ fn start(reader: &Reader) -> InitialVelocity {
     }
 }
 
-/// MARKER. One that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`); one that moves
-/// along a curve or on a surface is on none, and the model is not solved. Its frame with RM is completed by [`place_relative`], when all
-/// markers are known.
+/// Lowers a MARKER.
+///
+/// A marker that names no body is on `before`, the PART, POINT_MASS or FLEX_BODY defined before it (`state_marker`). A marker that moves
+/// along a curve or on a surface has no body, and the model is then not solved. A frame relative to RM is completed by [`place_relative`]
+/// when all markers are known.
 #[allow(clippy::unnecessary_wraps)] // All readers have one signature.
 pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Marker> {
     let part = match (named_body(reader), before) {
@@ -77,12 +79,13 @@ pub(super) fn marker(reader: &mut Reader, before: Option<PartIx>) -> Option<Mark
     })
 }
 
-/// True for a marker that moves along a CURVE or on a SURFACE.
+/// Returns whether a marker moves along a CURVE or on a SURFACE.
 pub(super) fn moves(marker: &Stated) -> bool {
     marker.has("CURVE") || marker.has("SURFACE")
 }
 
-/// The body a marker names. An undefined one was reported; the model is not used then, but every marker keeps its place.
+/// Returns the body that a marker names. An undefined body was already reported; it yields the first part, so that every marker keeps its
+/// index.
 fn named_body(reader: &Reader) -> Option<PartIx> {
     let (name, space) = [
         ("PART", "part"),
@@ -95,7 +98,8 @@ fn named_body(reader: &Reader) -> Option<PartIx> {
     Some(reader.part(name, space).unwrap_or(PartIx(0)))
 }
 
-/// The rotation by Euler angles or by points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2), and how it was given.
+/// Returns the rotation from Euler angles, or from points on the z axis and in the x-z plane (guide/formats.md 2.1, 2.2), and the form in
+/// which it was given.
 fn orientation(
     reader: &mut Reader,
     euler: &str,
@@ -127,14 +131,15 @@ fn orientation(
     (R.unwrap_or_else(Mat3::identity), Some(Orientation::Points))
 }
 
-/// Axes from directions of z and x; one of them is exact, the other gives a half plane. A missing one follows the base's axis.
+/// Returns the axes from directions of z and x. One direction is exact; the other determines a half plane. A missing direction is taken
+/// from the base axes.
 fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
     let exact_x = (usexp && x.is_some()) || z.is_none();
     let unit = |v: Vec3| v.try_normalize(1e-12);
     if exact_x {
         let x = unit(x?)?;
         let z = z.unwrap_or_else(Vec3::z);
-        // Along x, the base's z says nothing: then its negative x stands for it.
+        // If x lies along the base's z axis, the base's negative x axis replaces it.
         let z = unit(z - x * x.dot(&z)).or_else(|| unit(-Vec3::x() + x * x.x))?;
         return Some(Mat3::from_columns(&[x, z.cross(&x), z]));
     }
@@ -145,14 +150,14 @@ fn axes(z: Option<Vec3>, x: Option<Vec3>, usexp: bool) -> Option<Mat3> {
     let x = match across {
         Some(x) => x,
         None if given => return None,
-        // Along z, the base's x says nothing: then its y stands for it.
+        // If z lies along the base's x axis, the base's y axis replaces it.
         None => unit(Vec3::y() - z * z.y)?,
     };
     Some(Mat3::from_columns(&[x, z.cross(&x), z]))
 }
 
-/// Places the markers that are given in the frame of another one (RM) on their parts, each behind the one it is given in. Returns those
-/// that are given in each other's frames.
+/// Computes the part frames of the markers given relative to another marker (RM), each after its reference marker. Returns the markers
+/// whose references form a cycle.
 pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     let parent = |model: &Model, marker: MarkerIx| {
         let relative = model.markers[marker.0].relative.as_ref();
@@ -161,7 +166,7 @@ pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     let mut done = std::collections::HashSet::new();
     let mut cyclic = Vec::new();
     for start in (0..model.markers.len()).map(MarkerIx) {
-        // The chain of markers that wait for each other, the innermost last.
+        // Chain of markers that depend on each other, the innermost last.
         let mut chain = Vec::new();
         let mut waiting = std::collections::HashSet::new();
         let mut marker = start;
@@ -183,7 +188,7 @@ pub(super) fn place_relative(model: &mut Model) -> Vec<MarkerIx> {
     cyclic
 }
 
-/// The frame of a marker on its own part, from what it states in the frame of RM.
+/// Computes the frame of a marker on its own part from the frame it states relative to RM.
 fn place_in(model: &mut Model, marker: MarkerIx) {
     let own = &model.markers[marker.0];
     let Some(relative) = &own.relative else {
@@ -203,7 +208,7 @@ fn place_in(model: &mut Model, marker: MarkerIx) {
     own.orientation = Orientation::Points;
 }
 
-/// Brings inertia that was given about the marker IM to the origin and axes of the marker CM, where the model keeps it.
+/// Converts inertia given about the marker IM to the origin and axes of the marker CM, as stored in the model.
 pub(super) fn inertia_about(model: &mut Model, part: PartIx, im: MarkerIx) {
     let part = &mut model.parts[part.0];
     let Some(cm) = part.cm.filter(|cm| *cm != im) else {
@@ -211,7 +216,8 @@ pub(super) fn inertia_about(model: &mut Model, part: PartIx, im: MarkerIx) {
     };
     let (cm, im) = (&model.markers[cm.0], &model.markers[im.0]);
     let [xx, yy, zz, xy, xz, yz] = part.ip;
-    // IP holds products as positive integrals: the off-diagonal entries of the matrix are their negatives (guide/formats.md 2.1).
+    // IP holds the products of inertia as positive integrals, so the off-diagonal entries of the matrix are their negatives
+    // (guide/formats.md 2.1).
     let J_im = Mat3::new(xx, -xy, -xz, -xy, yy, -yz, -xz, -yz, zz);
     let d = cm.qp - im.qp;
     let steiner = Mat3::identity() * d.norm_squared() - d * d.transpose();

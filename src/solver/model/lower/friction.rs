@@ -2,13 +2,13 @@ use super::reader::Reader;
 use crate::model::{Friction, FrictionInputs, JointKind};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// TRANSITION_VELOCITY_COEFFICIENT where nothing is given (grammar/NOTES.md, FRICTION).
+/// Default of TRANSITION_VELOCITY_COEFFICIENT (grammar/NOTES.md, FRICTION).
 const TRANSITION: f64 = 1.5;
 
-/// FRICTION.
+/// Lowers a FRICTION.
 pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
     let id = reader.written_id("JOINT")?;
-    // An undefined one is complained about as a reference.
+    // An undefined joint is reported as an undefined reference.
     let (joint, of) = reader.joint(id)?;
     let kind = of.kind;
     if !has_friction(kind) {
@@ -79,7 +79,7 @@ pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
     })
 }
 
-/// The joints that FRICTION may stand in (`state_friction`).
+/// Returns whether FRICTION may act in a joint of this type (`state_friction`).
 fn has_friction(kind: JointKind) -> bool {
     matches!(
         kind,

@@ -5,29 +5,30 @@ use admire_syntax::Dataset;
 use admire_syntax::grammar::StatementDef;
 use admire_syntax::hash::QuickMap;
 
-/// Where the objects of a dataset are that others refer to, in constant time.
+/// Index of the objects of a dataset that others refer to, with lookup in constant time.
 #[derive(Clone, Debug)]
 pub(super) struct Ids {
     /// Index into the model's list by id, for each id space.
     index: QuickMap<&'static str, QuickMap<u32, usize>>,
-    /// The same for markers, which most references are to.
+    /// Index of the markers by id, kept separately because most references are to markers.
     markers: QuickMap<u32, usize>,
-    /// True if two statements of one space have the same id.
+    /// Whether two statements of one space have the same id.
     repeats: bool,
-    /// Places of the joints in the model's list, once they are lowered.
+    /// Index of each joint in the model's list by id, available once the joints are lowered.
     joints: QuickMap<u32, usize>,
 }
 
-/// The id spaces of bodies: they share one list of the model.
+/// Id spaces of bodies, which share one list of the model.
 const BODIES: [&str; 4] = ["part", "point_mass", "flex_body", "fe_part"];
 
-/// True for PART, POINT_MASS and the bodies only real ADAMS solves.
+/// Returns whether a statement is a PART, a POINT_MASS or a body that only real ADAMS solves.
 pub(super) fn is_body(def: &StatementDef) -> bool {
     def.id.is_some_and(|space| BODIES.contains(&space))
 }
 
 impl Ids {
-    /// The ids of a dataset: bodies and markers get the index they will have, everything else the index of its statement.
+    /// Collects the ids of a dataset. Bodies and markers get their future index in the model, all other objects the index of their
+    /// statement.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let mut index: QuickMap<&'static str, QuickMap<u32, usize>> = QuickMap::default();
         let mut bodies = 0;
@@ -68,7 +69,7 @@ impl Ids {
         }
     }
 
-    /// Index of a body or a marker in the model's list; of the statement for the rest of a dataset.
+    /// Returns the index of a body or a marker in the model's list, and for other objects the index of their statement.
     pub(crate) fn index(&self, space: &str, id: u32) -> Option<usize> {
         match space {
             "marker" => self.markers.get(&id).copied(),
@@ -80,17 +81,17 @@ impl Ids {
         self.index("marker", id).map(MarkerIx)
     }
 
-    /// True if an object of this id space has the id.
+    /// Returns whether an object of this id space has the id.
     pub(crate) fn defines(&self, space: &str, id: u32) -> bool {
         self.index(space, id).is_some()
     }
 
-    /// True if two statements of a dataset have the same id in one space.
+    /// Returns whether two statements of the dataset have the same id in one space.
     pub(crate) fn repeats(&self) -> bool {
         self.repeats
     }
 
-    /// Ids of a space in order, for suggestions.
+    /// Returns the ids of a space in ascending order, for suggestions.
     pub(crate) fn all(&self, space: &str) -> Vec<u32> {
         let ids = match space {
             "marker" => Some(&self.markers),
@@ -101,12 +102,12 @@ impl Ids {
         all
     }
 
-    /// Index of a joint in the model's list.
+    /// Returns the index of a joint in the model's list.
     pub(crate) fn joint(&self, id: u32) -> Option<usize> {
         self.joints.get(&id).copied()
     }
 
-    /// After the joints were lowered: their ids in the order of the model's list.
+    /// Sets the ids of the lowered joints, in the order of the model's list.
     pub(crate) fn set_joints(&mut self, ids: impl Iterator<Item = u32>) {
         self.joints = ids.enumerate().map(|(at, id)| (id, at)).collect();
     }

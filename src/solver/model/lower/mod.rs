@@ -1,4 +1,4 @@
-//! From statements to the model. A command is put over the statement it redefines, which is lowered again.
+//! Lowering of statements to the model. A command is overlaid on the statement it redefines, which is then lowered again.
 
 mod activation;
 mod constraint;
@@ -28,14 +28,15 @@ use admire_syntax::grammar::StatementDef;
 use admire_syntax::hash::QuickMap;
 use admire_syntax::{Dataset, Overlay, Stated, Statement, floating_faults};
 
-/// Resolves a dataset without looking at other files; see `lower_with`.
+/// Resolves a dataset without reading other files; see `lower_with`.
 pub fn lower(dataset: &Dataset) -> Checked<Model> {
     lower_with(dataset, &Files::default())
 }
 
-/// Resolves a dataset. Complaints: undefined and duplicate ids, missing arguments, wrong counts, frames that cannot be made.
-/// The model is as good as it could be made; with errors among the complaints it must not be solved. What `files` do not hold is
-/// not read.
+/// Resolves a dataset with the given supplementary files; no other file is read.
+///
+/// Diagnostics report undefined and duplicate ids, missing arguments, wrong counts and invalid frames. The model is completed as far as
+/// possible. With errors among the diagnostics it must not be solved.
 pub(crate) fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Model> {
     let lowering = lowered(dataset, files);
     Checked {
@@ -51,7 +52,7 @@ fn lowered<'a>(dataset: &'a Dataset, files: &'a Files) -> Lowering<'a> {
         ids: Ids::of(dataset),
         settings: Overlays::new(),
         model: Model {
-            // A file without line ends is all title.
+            // In a file without line ends, the first line is the whole file.
             title: dataset.title().chars().take(LONGEST_TITLE).collect(),
             ..Model::default()
         },
@@ -97,16 +98,16 @@ struct Lowering<'a> {
     dataset: &'a Dataset,
     files: &'a Files,
     ids: Ids,
-    /// Statements without an id: a later one is put over those before it.
+    /// Overlays of the statements without an id: a later statement is overlaid on the earlier ones.
     settings: Overlays,
     model: Model,
     diagnostics: Vec<Diagnostic>,
-    /// The statement that has an id first, by id space.
+    /// First statement with each id, by id space.
     unique: QuickMap<(&'static str, u32), usize>,
 }
 
 impl Lowering<'_> {
-    /// False, with a complaint, for a statement whose id is taken.
+    /// Returns whether a statement is the first with its id, and reports a duplicate.
     fn is_first(&mut self, at: usize, statement: &Statement) -> bool {
         let (Some(space), Some((id, span))) = (statement.def.and_then(|def| def.id), statement.id)
         else {
@@ -135,7 +136,7 @@ impl Lowering<'_> {
         false
     }
 
-    /// Bodies, markers and joints: what others refer to by place.
+    /// Lowers bodies, markers and joints, which other statements refer to by index.
     fn frame(
         &mut self,
         at: usize,
@@ -163,7 +164,8 @@ impl Lowering<'_> {
         lower_statement(&mut reader, body.map(PartIx), &mut self.model);
     }
 
-    /// What needs all bodies and markers: exactly one ground, frames given in other frames, inertia given about other markers.
+    /// Completes what depends on all bodies and markers: checks for exactly one ground, places markers given relative to others, and
+    /// converts inertia given about other markers.
     fn finish_frames(&mut self, im_parts: &[(PartIx, MarkerIx)]) {
         let source = self.dataset.source();
         let grounds: Vec<usize> = self
@@ -189,7 +191,7 @@ impl Lowering<'_> {
                     .label(source.name(), self.dataset.title_span(), "in this dataset")
                     .help("add a part at rest: PART/1, GROUND"),
             );
-            // Every index of a body stays valid.
+            // Keeps every body index valid.
             self.model.parts.push(ground());
         }
         for marker in frame::place_relative(&mut self.model) {
@@ -208,7 +210,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Splines from other files: they are turned into the units of the model, which may be stated behind them.
+    /// Reads splines from other files and converts them to the units of the model, which may be stated later in the dataset.
     fn splines_of_files(&mut self) {
         for (at, statement) in self.dataset.statements().iter().enumerate() {
             let stated = Stated::plain(statement, self.dataset.source());
@@ -238,7 +240,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// Everything else, and the rules that hold for every statement.
+    /// Lowers all other statements and applies the rules that hold for every statement.
     fn rest(
         &mut self,
         at: usize,
@@ -298,7 +300,7 @@ impl Lowering<'_> {
     }
 }
 
-/// True for a SPLINE whose file was read, unless its points were given later.
+/// Returns whether the file of a SPLINE was read, and its points were not given later.
 fn is_supplied(spline: &Stated, files: &Files) -> bool {
     spline.latest(&["FILE", "X", "Y"]).next() == Some("FILE")
         && spline
@@ -306,7 +308,7 @@ fn is_supplied(spline: &Stated, files: &Files) -> bool {
             .is_some_and(|name| files.get(&name).is_some())
 }
 
-/// What a rule of the grammar has said already is not said again by the reader of the same statement.
+/// Removes diagnostics of the reader that repeat those of the grammar rules for the same statement.
 fn forget_repeated(diagnostics: &mut Vec<Diagnostic>, known: usize) {
     let place = |diagnostic: &Diagnostic| {
         (
@@ -347,16 +349,16 @@ fn ground() -> Part {
     }
 }
 
-/// More characters of a first line are no title.
+/// Maximum number of title characters kept.
 const LONGEST_TITLE: usize = 4096;
 
 impl Model {
-    /// Resolves a dataset without looking at other files; see [`lower`].
+    /// Resolves a dataset without reading other files; see [`lower`].
     pub fn lower(dataset: &Dataset) -> Checked<Self> {
         lower(dataset)
     }
 
-    /// Resolves a dataset whose splines may stand in other files; see `lower_with`.
+    /// Resolves a dataset whose splines may be in other files; see `lower_with`.
     pub fn lower_with(dataset: &Dataset, files: &Files) -> Checked<Self> {
         lower_with(dataset, files)
     }

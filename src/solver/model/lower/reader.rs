@@ -11,21 +11,21 @@ use admire_syntax::grammar::StatementDef;
 use admire_syntax::text::{Source, Span};
 use admire_syntax::{Dataset, Number, Overlay, Stated, Value, as_id};
 
-/// Statements that others were put over, by keyword and id.
+/// Statements with commands overlaid on them, by keyword and id.
 pub(super) type Overlays = BTreeMap<(&'static str, Option<u32>), Overlay>;
 
-/// The statements of a dataset as they stand, and where what they define is in the model.
+/// Current statements of a dataset, and the model indices of the objects they define.
 #[derive(Clone, Copy)]
 pub(super) struct Context<'a> {
     pub dataset: &'a Dataset,
     pub over: &'a Overlays,
     pub ids: &'a Ids,
-    /// The joints of the model, already lowered.
+    /// Joints of the model, already lowered.
     pub joints: &'a [Joint],
 }
 
 impl<'a> Context<'a> {
-    /// A statement as it stands.
+    /// Returns the current form of a statement.
     pub(crate) fn stated(&self, kind: &'static str, id: u32) -> Option<Stated<'a>> {
         match self.over.get(&(kind, Some(id))) {
             Some(overlay) => Some(overlay.stated()),
@@ -37,7 +37,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// One statement as typed values: those it states, and the defaults of the grammar.
+/// Reader of one statement as typed values: stated values, with the defaults of the grammar for the others.
 pub(super) struct Reader<'a> {
     context: Context<'a>,
     stated: Stated<'a>,
@@ -56,7 +56,7 @@ impl<'a> Deref for Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// Reads a statement that stands at `origin` in its dataset.
+    /// Creates a reader of the statement at index `origin` of its dataset.
     pub(crate) fn new(
         context: Context<'a>,
         stated: Stated<'a>,
@@ -73,7 +73,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The header of the object.
+    /// Returns the header of the object.
     pub(crate) fn header(&self) -> Header {
         let statement = &self.context.dataset.statements()[self.origin];
         Header {
@@ -84,7 +84,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Default values of an argument as the grammar states them.
+    /// Returns the default values of an argument from the grammar.
     fn default(&self, name: &str) -> &'static [f64] {
         self.def
             .arguments
@@ -99,12 +99,12 @@ impl<'a> Reader<'a> {
             .unwrap_or(0.0)
     }
 
-    /// The first `N` numbers.
+    /// Returns the first `N` numbers of an argument.
     pub(crate) fn array<const N: usize>(&self, name: &str) -> [f64; N] {
         std::array::from_fn(self.row(name))
     }
 
-    /// The numbers of an argument by their places, and the defaults behind them.
+    /// Returns a function that gives the number of an argument at an index, or else its default.
     pub(crate) fn row(&self, name: &str) -> impl Fn(usize) -> f64 + use<'a> {
         let (stated, default) = (self.numbers(name), self.default(name));
         move |k| {
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
         Vec3::from(self.array(name))
     }
 
-    /// A point that has no default.
+    /// Returns a point that has no default.
     pub(crate) fn point(&self, name: &str) -> Option<Vec3> {
         self.has(name).then(|| self.vector(name))
     }
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
         Some(numbers.iter().map(|number| number.value).collect())
     }
 
-    /// Ids as written; numbers that are no ids are left out (the grammar rules complain about them).
+    /// Returns the ids as written. Numbers that are not ids are omitted; the grammar rules report them.
     pub(crate) fn written_ids(&self, name: &str) -> Option<Vec<u32>> {
         let numbers = self.argument(name)?.numbers();
         Some(numbers.iter().filter_map(Number::as_id).collect())
@@ -137,12 +137,12 @@ impl<'a> Reader<'a> {
         self.first(name).and_then(as_id)
     }
 
-    /// The marker an argument names.
+    /// Returns the marker that an argument names.
     pub(crate) fn marker(&self, name: &str) -> Option<MarkerIx> {
         self.context.ids.marker(self.written_id(name)?)
     }
 
-    /// The markers an argument names.
+    /// Returns the markers that an argument names.
     pub(crate) fn markers(&self, name: &str) -> Option<Vec<MarkerIx>> {
         self.written_ids(name)?
             .into_iter()
@@ -150,19 +150,19 @@ impl<'a> Reader<'a> {
             .collect()
     }
 
-    /// The body an argument names: `space` is the id space of the argument.
+    /// Returns the body that an argument names; `space` is the id space of the argument.
     pub(crate) fn part(&self, name: &str, space: &'static str) -> Option<PartIx> {
         let id = self.written_id(name)?;
         self.context.ids.index(space, id).map(PartIx)
     }
 
-    /// The joint with this id, and where it stands in the model's list.
+    /// Returns the joint with this id and its index in the model's list.
     pub(crate) fn joint(&self, id: u32) -> Option<(usize, &Joint)> {
         let at = self.context.ids.joint(id)?;
         Some((at, self.context.joints.get(at)?))
     }
 
-    /// The values of a MATRIX, row by row. Complains if they are not in the dataset.
+    /// Returns the values of a MATRIX, row by row. Reports values that are not in the dataset.
     pub(crate) fn matrix(&mut self, name: &str, id: u32) -> Option<Vec<Vec<f64>>> {
         let statement = self.context.stated("MATRIX", id)?;
         let rows = statement.first("ROWS").unwrap_or(0.0) as usize;
@@ -184,7 +184,7 @@ impl<'a> Reader<'a> {
             return Some(matrix);
         }
         if !values.is_empty() && rows.checked_mul(columns) != Some(values.len()) {
-            // The matrix itself is complained about.
+            // The fault is reported for the matrix itself.
             return None;
         }
         if values.is_empty() {
@@ -228,7 +228,7 @@ impl<'a> Reader<'a> {
         self.choices(name)?.first().copied()
     }
 
-    /// The first of the flags that is written.
+    /// Returns the value of the first flag in the list that the statement contains.
     pub(crate) fn first_flag<T: Copy>(&self, flags: &[(&str, T)]) -> Option<T> {
         flags
             .iter()
@@ -236,7 +236,7 @@ impl<'a> Reader<'a> {
             .map(|(_, value)| *value)
     }
 
-    /// How the statement is called in messages: `BUSHING/3`.
+    /// Returns the name of the statement for messages: `BUSHING/3`.
     pub(crate) fn called(&self) -> String {
         match self.number() {
             Some(id) => format!("{}/{id}", self.def.name),
@@ -249,7 +249,7 @@ impl<'a> Reader<'a> {
             .push(diagnostic.label(source.name(), span, ""));
     }
 
-    /// Complains that an argument is needed and gives `None`.
+    /// Reports that an argument is needed and returns `None`.
     pub(crate) fn missing<T>(&mut self, needed: &str) -> Option<T> {
         let diagnostic = Diagnostic::error(
             Code::MissingArgument,
@@ -260,5 +260,5 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// A sparse matrix that would fill the memory is not made.
+/// Maximum number of entries of a sparse matrix, to protect the memory.
 const MOST_VALUES: usize = 1_000_000;

@@ -1,4 +1,4 @@
-//! Which faults of a statement keep a model from being solved.
+//! Faults of a statement that prevent a model from being solved.
 
 use super::ids::Ids;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
@@ -6,7 +6,8 @@ use admire_syntax::grammar::{Solved, ValueKind, nearest};
 use admire_syntax::text::Source;
 use admire_syntax::{Argument, Fault, Statement, Wrong};
 
-/// Arguments whose numbers must lie within their bounds, all of a statement where none is named: out of them a motion means nothing.
+/// Arguments whose numbers must lie within their bounds; an empty list means all arguments of the statement. Outside these bounds a
+/// simulation is meaningless.
 const BOUNDED: [(&str, &[&str]); 6] = [
     ("FRICTION", &[]),
     (
@@ -19,7 +20,7 @@ const BOUNDED: [(&str, &[&str]); 6] = [
     ("SENSOR", &[]),
 ];
 
-/// Complaints about numbers of these that are out of bounds.
+/// Reports numbers of the [`BOUNDED`] arguments that are out of bounds.
 fn check_bounds(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
     let kind = statement.kind();
     let Some((kind, names)) = BOUNDED.iter().find(|(bounded, _)| kind == Some(*bounded)) else {
@@ -36,7 +37,7 @@ fn check_bounds(source: &Source, statement: &Statement, diagnostics: &mut Vec<Di
     }
 }
 
-/// Says by name which arguments only real ADAMS follows. The word OFF among them switches them off.
+/// Reports arguments that only real ADAMS evaluates. The word OFF among them switches them off, so nothing is reported.
 fn check_left_out(source: &Source, statement: &Statement, diagnostics: &mut Vec<Diagnostic>) {
     for left in statement.def.map_or(&[][..], |def| def.left_out) {
         let names = left.arguments.iter();
@@ -60,7 +61,7 @@ fn check_left_out(source: &Source, statement: &Statement, diagnostics: &mut Vec<
     }
 }
 
-/// Complaints about one statement of a file. A command redefines only what it gives: `dataset` is what it is put over.
+/// Reports the faults of one statement of a file. For a command, `dataset` is the dataset it modifies; absent arguments are then allowed.
 pub(super) fn check(
     source: &Source,
     statement: &Statement,
@@ -83,7 +84,7 @@ pub(super) fn check(
                 if !matches!(solved, Some(Solved::Native(_))) {
                     complaint.severity = Severity::Warning;
                 }
-                // Only the first complaints search for what could be meant: a deck that lost its parts complains in every line.
+                // Only the first diagnostics search for a suggestion: a deck that lost its parts has a fault in every line.
                 if diagnostics.len() < 50
                     && let Some(near) = near(ids, space, id)
                 {
@@ -95,7 +96,8 @@ pub(super) fn check(
     );
 }
 
-/// Complaints about what an object lacks once a command was put over it; `whole` is the object under the name of the command.
+/// Reports arguments that an object lacks after a command was overlaid on it. `whole` is the resulting object under the name of the
+/// command.
 pub(super) fn check_redefined(
     source: &Source,
     whole: &Statement,
@@ -109,7 +111,7 @@ pub(super) fn check_redefined(
     });
 }
 
-/// True if something is not there.
+/// Returns whether a fault is a missing argument.
 fn is_absence(fault: &Fault<'_>) -> bool {
     matches!(
         fault.wrong,
@@ -117,8 +119,8 @@ fn is_absence(fault: &Fault<'_>) -> bool {
     )
 }
 
-/// True if the model is the same without it: how many texts there are, and what is cut off a number or which arguments stand
-/// together where they have no effect.
+/// Returns whether a fault leaves the model unaffected. This holds for a wrong number of texts. In statements without effect it also holds
+/// for non-integer numbers and wrong combinations of arguments.
 fn is_harmless(fault: &Fault<'_>) -> bool {
     match fault.wrong {
         Wrong::NoneOf(_)
@@ -137,7 +139,7 @@ fn is_harmless(fault: &Fault<'_>) -> bool {
     }
 }
 
-/// The object whose id is spelt most like one that is not there.
+/// Returns the object whose id is most similar to an undefined one.
 fn near(ids: &Ids, space: &'static str, id: u32) -> Option<String> {
     let all: Vec<String> = ids.all(space).iter().map(u32::to_string).collect();
     let near = nearest(&id.to_string(), all.iter().map(String::as_str))?;

@@ -6,7 +6,7 @@ use crate::model::{
 };
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 
-/// Statements without an id, as they stand: what they set in the model.
+/// Applies the current form of a statement without an id to the model.
 pub(super) fn settings(reader: &mut Reader, model: &mut Model) {
     match reader.def.name {
         "ACCGRAV" => model.gravity = gravity(reader),
@@ -29,7 +29,7 @@ fn gravity(reader: &Reader) -> Vec3 {
     )
 }
 
-/// UNITS: four units, a system, or a consistency factor alone (guide/formats.md 2.15).
+/// Lowers UNITS: four units, a system, or only a consistency factor (guide/formats.md 2.15).
 fn units(reader: &mut Reader) -> Units {
     let named = |table: &[Unit], word: &str| {
         table
@@ -96,7 +96,7 @@ fn equilibrium(reader: &Reader) -> EquilibriumSettings {
     }
 }
 
-/// Arguments of INTEGRATOR that only ADAMS' own methods know.
+/// Arguments of INTEGRATOR that apply only to the methods of ADAMS itself.
 const WITHOUT_EFFECT: [&str; 10] = [
     "KMAX", "PATTERN", "FIXIT", "HRATIO", "MAXERR", "SCALE", "CRATIO", "ALPHA", "BETA", "GAMMA",
 ];
@@ -143,7 +143,7 @@ fn kinematics(reader: &Reader) -> KinematicsSettings {
     }
 }
 
-/// The arguments that are given, other than these and what all commands know.
+/// Returns the arguments that are given, except `used` and those common to all commands.
 fn given_but(reader: &Reader, used: &[&str]) -> Vec<&'static str> {
     let names = reader.def.arguments.iter().map(|argument| argument.name);
     let other = |name: &&str| !used.contains(name) && !["DEFAULT", "LIST"].contains(name);

@@ -4,8 +4,8 @@ use super::settings::settings;
 use super::{constraint, data, force, frame, friction};
 use crate::model::{Model, PartIx};
 
-/// Lowers one statement into the model: an object at the end of the list of its kind, or settings. A marker that names no body is
-/// on `body`.
+/// Lowers one statement into the model: it appends an object to the list of its kind, or changes settings. A marker that names no body is
+/// placed on `body`.
 pub(super) fn statement(reader: &mut Reader, body: Option<PartIx>, model: &mut Model) {
     match reader.def.name {
         "MARKER" => model.markers.extend(frame::marker(reader, body)),

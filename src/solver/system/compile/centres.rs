@@ -1,10 +1,10 @@
-//! The centres of the parts, by which statics moves them, and the lengths that measure a model.
+//! Centres of the parts, about which statics moves them, and the length scales of a model.
 
 use super::super::Parameters;
 use super::super::structure::{Body, Element, Joint, NForce};
 use crate::mechanics::{Pose, Vec3};
 
-/// Gives every part its centre: where it is must not depend on where the part's frame is.
+/// Sets the centre of every part, which must not depend on the position of the part's frame.
 pub(super) fn centres(
     bodies: &mut [Body],
     (elements, joints, multis): (&[Element], &[Joint], &[NForce]),
@@ -36,11 +36,13 @@ pub(super) fn centres(
     }
 }
 
-/// Markers nearer to the centre of their part than this share of the model's extent are at it.
+/// Distance of a marker from the centre of its part, relative to the model's extent, below which it counts as zero.
 const NEAREST: f64 = 1e-9;
 
-/// How far a radian reaches, and the size of the mechanism: the mean distance of used markers from the centre of their part, and the
-/// largest distance of a marker from that one which is furthest from the first.
+/// Returns the length scale of rotations and the size of the mechanism.
+///
+/// The length scale is the mean distance of used markers from the centre of their part. The size is the largest distance of a marker from
+/// the one that is furthest from the first marker.
 pub(super) fn sizes(
     used: &[usize],
     owners: &[usize],
@@ -66,7 +68,7 @@ pub(super) fn sizes(
     let mut count = 0;
     for &marker in used {
         let arm = (parameters.markers()[marker].p - bodies[owners[marker]].centre).norm();
-        // What is next to nothing beside the model is no length to measure it by.
+        // Arms that are negligible relative to the model give no length scale.
         if arm > NEAREST * extent && owners[marker] != 0 {
             sum += arm;
             count += 1;

@@ -1,10 +1,11 @@
-//! GCONs of velocities.
+//! Nonholonomic GCONs, which constrain velocities.
 
 use super::Compiler;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl Compiler<'_> {
-    /// Of each constraint equation whether it holds velocities, after [`Compiler::order`]; warns of those, which statics leaves out.
+    /// Returns whether each constraint equation is nonholonomic. Requires [`Compiler::order`]. Warns about those, because statics ignores
+    /// them.
     pub(super) fn of_velocities(&mut self) -> Vec<bool> {
         let mut out = vec![false; self.equations];
         for condition in &self.conditions {

@@ -1,4 +1,4 @@
-//! Constraint statements to scalar equations.
+//! Compilation of constraint statements to scalar equations.
 
 use super::{Compiler, Header, name, stated};
 use crate::constraint::{
@@ -22,7 +22,7 @@ impl Compiler<'_> {
         self.motions();
     }
 
-    /// Pose of a marker in ground, as the dataset has it.
+    /// Returns the pose of a marker in ground in the design position.
     fn design(&self, marker: usize) -> Pose {
         let m = &self.model.markers[marker];
         let local = Pose { p: m.qp, R: m.R };
@@ -102,7 +102,7 @@ impl Compiler<'_> {
                     JointKind::Revolute => GearedJoint::Revolute,
                     JointKind::Translational => GearedJoint::Translational,
                     JointKind::Cylindrical => GearedJoint::Cylindrical,
-                    // Refused where the statement is read.
+                    // Rejected when the statement is read.
                     _ => continue,
                 };
                 let (i, j) = (joint.i.0, joint.j.0);
@@ -226,7 +226,7 @@ impl Compiler<'_> {
     }
 }
 
-/// The constraint of a statement's type word.
+/// Returns the constraint of a statement and its type keyword.
 fn entry(statement: &str, word: &str) -> &'static ConstraintEntry {
     constraint(statement, word).expect("a constraint for every type of the model")
 }

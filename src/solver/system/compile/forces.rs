@@ -1,4 +1,4 @@
-//! Force statements to elements.
+//! Compilation of force statements to elements.
 
 use super::{Compiler, Header, Name, name};
 use crate::element::{Beam, Damping, Law, ScalarForce};
@@ -65,7 +65,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// A force by a law of the grammar, with the values of the law's arguments.
+    /// Compiles a force defined by a law of the grammar, given the values of the law's arguments.
     fn law(
         &mut self,
         def: &'static StatementDef,
@@ -115,14 +115,14 @@ impl Compiler<'_> {
         });
     }
 
-    /// The damping of the element that was pushed last.
+    /// Sets the damping of the last element.
     fn damp(&mut self, damping: Option<Damping>) {
         if let Some(element) = self.elements.last_mut() {
             element.damping = damping;
         }
     }
 
-    /// Everything with a law of the grammar.
+    /// Compiles all forces defined by a law of the grammar.
     fn laws(&mut self) {
         let stated = |kind| grammar::statement(kind).expect("a statement of the grammar");
         let bushing = stated("BUSHING");
@@ -218,7 +218,7 @@ impl Compiler<'_> {
     }
 }
 
-/// A symmetric matrix from one half of it, column by column: the 21 numbers of BEAM, CMATRIX.
+/// Returns a symmetric matrix from its upper half, column by column: the 21 numbers of CMATRIX of BEAM.
 fn symmetric(half: &[f64]) -> Mat6 {
     let mut C = Mat6::zeros();
     let places = (0..6).flat_map(|column| (0..=column).map(move |row| (row, column)));
@@ -229,7 +229,7 @@ fn symmetric(half: &[f64]) -> Mat6 {
     C
 }
 
-/// A matrix of 6n by 6n numbers, column by column, as its 6 by 6 blocks, row by row; none if it is empty.
+/// Splits a matrix of 6n by 6n numbers, column by column, into its 6 by 6 blocks, row by row. Empty if the matrix is empty.
 fn blocks(numbers: &[f64], n: usize) -> Vec<Mat6> {
     if numbers.len() != 36 * n * n {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! FRICTION statements to the frictions of the system.
+//! Compilation of FRICTION statements.
 
 use super::{Compiler, name};
 use crate::element::FrictionLaw;
@@ -7,7 +7,7 @@ use crate::system::surface::{Friction, Pressing, Slide};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 impl Compiler<'_> {
-    /// After the joints, which come first among the constraints.
+    /// Compiles all FRICTIONs. Must run after the joints, which come first among the constraints.
     pub(super) fn joint_frictions(&mut self) {
         for f in &self.model.frictions {
             let owner = name("FRICTION", &f.header);
@@ -73,7 +73,7 @@ impl Compiler<'_> {
                 }
                 JointKind::Revolute => vec![(vec![Slide::AboutJ(2)], f.pin_radius, pin)],
                 JointKind::Hooke | JointKind::Universal => {
-                    // Cross pins along xi and yj, or along zi and zj.
+                    // The pins of the cross lie along xi and yj, or along zi and zj.
                     let pins = match joint.kind {
                         JointKind::Hooke => [about(0).0, about(1).1],
                         _ => [about(2).0, about(2).1],
@@ -90,7 +90,8 @@ impl Compiler<'_> {
                 }
                 _ => Vec::new(),
             };
-            // EFFECT: without stiction the coefficient of sliding holds to rest, without sliding nothing is left of it beyond the transition.
+            // EFFECT: without stiction, the sliding coefficient applies down to rest. Without sliding, the coefficient is zero beyond the
+            // transition.
             let law = FrictionLaw {
                 mu_static: if f.stiction {
                     f.mu_static

@@ -1,4 +1,4 @@
-//! FUNCTIONs to programs whose inputs know where they stand in the system.
+//! Compilation of FUNCTIONs to programs, and resolution of their inputs in the system.
 
 use super::{Compiler, Function, Name, name, way_out};
 use crate::function::{ElementIx, ForceMeasure, Input, time_breaks};
@@ -10,7 +10,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
 impl Compiler<'_> {
-    /// Compiles a function; gives its index. Its inputs are resolved at the end, when everything has its place.
+    /// Compiles a function and returns its index. Its inputs are resolved at the end, when all indices are known.
     pub(super) fn function(
         &mut self,
         function: &Function,
@@ -70,7 +70,7 @@ impl Compiler<'_> {
         at
     }
 
-    /// Functions that only readings need.
+    /// Compiles the functions of REQUESTs and SENSORs.
     pub(super) fn readings(&mut self) {
         const ARGUMENTS: [&str; 8] = ["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8"];
         for request in &self.model.requests {
@@ -219,15 +219,15 @@ impl Compiler<'_> {
         }
     }
 
-    /// A marker whose place is measured: for a floating one the I marker of its force, at which it always is.
+    /// Marks a measured marker as used and returns it. A floating marker is replaced by the I marker of its force, with which it coincides.
     fn placed(&mut self, marker: MarkerIx) -> MarkerIx {
         let marker = self.floating.get(&marker.0).copied().unwrap_or(marker.0);
         self.used[marker] = true;
         MarkerIx(marker)
     }
 
-    /// Elements and constraints that act directly between two markers, and whether `i` is their J; with no J those that act on `i`
-    /// alone, as FORCE of REQUEST and INFO mean it.
+    /// Returns the elements and constraints that act directly between two markers, and whether `i` is their J. Without J, returns those
+    /// that act on `i` alone, as for FORCE of REQUEST and INFO.
     fn between(&self, i: MarkerIx, j: Option<MarkerIx>) -> Vec<(Exerted, bool)> {
         let Some(j) = j else {
             let alone = |e: &Element| e.i == i.0 && e.reaction.is_none();
@@ -241,7 +241,7 @@ impl Compiler<'_> {
         ends.filter_map(|(who, ends)| match ends {
             (a, Some(b)) if a == i.0 && b == j.0 => Some((who, false)),
             (a, Some(b)) if a == j.0 && b == i.0 => Some((who, true)),
-            // An action-only force knows its J as a direction.
+            // An action-only force uses its J only for the direction.
             _ => None,
         })
         .chain(self.elements.iter().enumerate().filter_map(|(k, e)| {
@@ -251,7 +251,7 @@ impl Compiler<'_> {
         .collect()
     }
 
-    /// All that exerts a force at a marker, and whether the marker is its J: FX(i) of the C++ solver (`cfunc_fx`).
+    /// Returns all sources of a force at a marker, and whether the marker is their J, as for FX(i) of the C++ solver (`cfunc_fx`).
     fn acting_at(&self, i: MarkerIx) -> Vec<(Exerted, bool)> {
         self.ends()
             .filter_map(|(who, ends)| match ends {
@@ -262,7 +262,7 @@ impl Compiler<'_> {
             .collect()
     }
 
-    /// Everything that exerts forces at markers: the marker of the action and, unless it is action-only, of the reaction.
+    /// Returns all sources of forces at markers, with the marker of the action and, unless action-only, of the reaction.
     fn ends(&self) -> impl Iterator<Item = (Exerted, (usize, Option<usize>))> {
         let elements = self.elements.iter().enumerate();
         let elements = elements.map(|(k, e)| (Exerted::Element(k), (e.i, e.reaction.map(|_| e.j))));
@@ -313,7 +313,7 @@ impl Compiler<'_> {
         let mut first = self.model.diffs.len();
         for l in &self.model.linear_states {
             out.states.push((l.x, first, l.a.len()));
-            // The outputs of what is switched off are zero.
+            // The outputs of an inactive statement are zero.
             if let Some(y) = l.y.filter(|_| l.header.active) {
                 let inputs = self.array_variables(l.u);
                 // Either matrix may be absent.
@@ -334,7 +334,7 @@ impl Compiler<'_> {
         out
     }
 
-    /// The variables of a U array.
+    /// Returns the variables of a U array.
     pub(super) fn array_variables(&self, id: u32) -> Vec<Option<usize>> {
         let mut arrays = self.model.arrays.iter();
         match arrays.find(|a| a.header.id == id).map(|a| &a.kind) {
@@ -350,10 +350,10 @@ impl Compiler<'_> {
     }
 }
 
-/// Where the states and outputs of LSE, GSE, TFSISO stand.
+/// Indices of the states and outputs of LSE, GSE and TFSISO.
 #[derive(Default)]
 pub(super) struct LinearArrays {
-    /// Array id, first state, how many.
+    /// Array id, first state, number of states.
     states: Vec<(u32, usize, usize)>,
     outputs: Vec<((u32, usize), LinearRow)>,
 }

@@ -1,6 +1,7 @@
-//! From the model to the frozen structure.
+//! Compilation of the model to the fixed structure.
 //!
-//! Knows no equilibrium. What cannot be solved is said, with what leaving it out means; nothing is silently dropped.
+//! Contains no solution method. Every statement that cannot be solved is reported together with the effect of leaving it out; nothing is
+//! dropped silently.
 
 mod centres;
 mod conditions;
@@ -36,7 +37,7 @@ use admire_syntax::grammar;
 use admire_syntax::grammar::ArgumentDef;
 use admire_syntax::units::Dimension;
 
-/// What helps where a statement is not solved.
+/// Returns the help text for an unsolved statement.
 fn way_out(kind: &str, real: &str) -> String {
     let property = match kind {
         "GFORCE" | "SFORCE" | "VFORCE" | "VTORQUE" => {
@@ -55,7 +56,7 @@ fn way_out(kind: &str, real: &str) -> String {
 }
 
 impl System {
-    /// Compiles a model. Diagnostics tell what is not solved; with an error among them the answer would not be the model's.
+    /// Compiles a model. The diagnostics report unsolved statements. With an error among them, the solution would not represent the model.
     pub fn compile(model: &Model) -> Checked<Self> {
         let mut compiler = Compiler::new(model);
         compiler.markers();
@@ -77,7 +78,7 @@ struct Compiler<'a> {
     theta: Vec<f64>,
     bodies: Vec<Body>,
     used: Vec<bool>,
-    /// Of each floating marker the I marker of its force.
+    /// I marker of the force of each floating marker.
     floating: BTreeMap<usize, usize>,
     elements: Vec<Element>,
     multis: Vec<NForce>,
@@ -92,28 +93,28 @@ struct Compiler<'a> {
     equations: usize,
     programs: crate::function::Compiler<'a>,
     measured_angles: usize,
-    /// Function of each held DIFF.
+    /// Function of each DIFF that statics holds constant.
     held_rates: BTreeMap<usize, usize>,
     state_values: Vec<f64>,
     requests: Vec<[Option<usize>; 8]>,
     request_forces: Vec<Vec<(Exerted, bool)>>,
     sensors: Vec<(usize, Option<usize>)>,
-    /// What needs user-written subroutines.
+    /// Statements that need user-written subroutines.
     users: Vec<Name>,
-    /// Where MOTIONs that prescribe a rate begin.
+    /// Initial integration constants of MOTIONs that prescribe a velocity or acceleration.
     driven: Vec<Driven>,
-    /// Of every function the times at which it is not smooth.
+    /// Times at which each function is not smooth.
     breaks: Vec<Vec<f64>>,
 }
 
-/// An argument of a statement as the grammar has it.
+/// Returns the definition of a statement's argument in the grammar.
 fn stated(kind: &str, argument: &str) -> &'static ArgumentDef {
     grammar::statement(kind)
         .and_then(|def| def.argument(argument))
         .expect("a statement and an argument of the grammar")
 }
 
-/// The name of an object of the model.
+/// Returns the name of an object of the model.
 pub fn name(kind: &'static str, header: &Header) -> Name {
     Name {
         kind,
@@ -156,7 +157,7 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// Gives numbers a place in theta.
+    /// Appends numbers to theta and returns their range.
     fn numbers(
         &mut self,
         (kind, id): (&'static str, Option<u32>),
@@ -180,7 +181,7 @@ impl<'a> Compiler<'a> {
         })
     }
 
-    /// Gives the values of an argument of the grammar a place in theta.
+    /// Appends the values of an argument of the grammar to theta and returns their range.
     fn argument(
         &mut self,
         of: (&'static str, Option<u32>),
@@ -194,7 +195,7 @@ impl<'a> Compiler<'a> {
 
     fn markers(&mut self) {
         let (position, angle) = (stated("MARKER", "QP"), stated("MARKER", "REULER"));
-        // Six numbers per marker stand first, so that a slot tells its marker.
+        // The six numbers of each marker come first, so that a slot identifies its marker.
         for (k, marker) in self.model.markers.iter().enumerate() {
             let of = ("MARKER", Some(marker.header.id));
             let (qp, orientation) = match &marker.relative {
@@ -227,7 +228,7 @@ impl<'a> Compiler<'a> {
                 PartKind::External => ("FLEX_BODY", 0),
             };
             let mass = if part.kind == PartKind::External {
-                // Refused with the statements that are not solved.
+                // Reported with the unsolved statements.
                 self.theta.len()
             } else {
                 let mass = mass[usize::from(part.kind == PartKind::PointMass)];
@@ -271,7 +272,7 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// A place for the angles of a pair of markers.
+    /// Allocates reference angles for a pair of markers and returns their index.
     fn pair(&mut self, i: usize, j: usize) -> usize {
         self.used[i] = true;
         self.used[j] = true;
@@ -363,14 +364,14 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    /// A complaint about a statement with a function; one that is switched off is not missed.
+    /// Reports a fault of a statement with a function, unless the statement is inactive.
     fn complain_of(&mut self, owner: &Name, diagnostic: Diagnostic) {
         if !self.model.is_off(owner.kind, owner.id) {
             self.diagnostics.push(diagnostic);
         }
     }
 
-    /// Statements that take no part. What only writes or draws is not missed, nor what is switched off.
+    /// Reports statements that are not solved. Inactive statements, and those that only write or draw, are omitted.
     fn left_out(&mut self) {
         for u in self.model.unsolved.iter().filter(|u| u.header.active) {
             let Some(effect) = effect_of(u.kind) else {
@@ -527,7 +528,7 @@ impl<'a> Compiler<'a> {
         };
         let mut system = system;
         system.not_in_motion = not_in_motion(&system);
-        // An angle next to 180 degrees may go beyond it on the way to the first equilibrium.
+        // An angle near 180 degrees may pass it on the way to the first equilibrium.
         let mut initial = system.initial.clone();
         system.accept(&system.parameters, &mut initial, &mut Scratch::new(&system));
         system.initial = initial;

@@ -1,4 +1,4 @@
-//! What the equations of motion need besides those of statics, and what they leave out.
+//! Data that the equations of motion need in addition to statics, and statements that they do not include.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ use crate::system::structure::{Drive, Rate};
 use crate::system::{Name, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// The median mass of the bodies that have one; one if none has.
+/// Returns the median mass of the bodies with nonzero mass; one if there is none.
 pub(super) fn reference_mass(model: &Model) -> f64 {
     let bodies = model.parts.iter();
     let mut masses: Vec<f64> = bodies
@@ -21,7 +21,7 @@ pub(super) fn reference_mass(model: &Model) -> f64 {
     masses.get(masses.len() / 2).copied().unwrap_or(1.0)
 }
 
-/// Statements that act in motion and that the equations of motion do not have.
+/// Returns diagnostics for statements that act in motion and that the equations of motion do not include.
 pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let mut refuse = |owner: &Name, message: String| {
@@ -73,7 +73,7 @@ fn reading(owner: &Name, what: &str) -> String {
     )
 }
 
-/// How a function depends on the velocities that it reads: VM and WM are not linear.
+/// Returns the degree of a function in the velocities that it reads. VM and WM are not linear.
 fn degree_in_velocities(system: &System, function: usize) -> Degree {
     let mut degrees = BTreeMap::new();
     for read in system.in_turn(function) {
@@ -97,11 +97,13 @@ fn degree_in_velocities(system: &System, function: usize) -> Degree {
     degrees.remove(&function).unwrap_or(Degree::Nothing)
 }
 
-/// What a constrained function reads, itself or through variables, whose rates do not follow from those of the parts; velocities are allowed
-/// where it constrains these.
+/// Returns a description of an input of a constrained function whose rate does not follow from the part velocities, if it reads one, itself
+/// or through variables.
+///
+/// With `of_velocities`, the function constrains velocities, and reading velocities is allowed.
 fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
-    // What it is where places or velocities are read beside the function itself.
+    // Description to report if positions or velocities are read inside a variable that reads itself.
     let mut open = vec![(function, None)];
     let read = |k: usize, inside: Option<&'static str>| {
         let variable = &system.variables[k];
@@ -150,13 +152,14 @@ fn unsteady(system: &System, function: usize, of_velocities: bool) -> Option<&'s
     None
 }
 
-/// The functions of the variables of a linear combination.
+/// Returns the functions of the variables in a linear combination.
 fn functions_of(system: &System, by_variable: &[(usize, f64)]) -> impl Iterator<Item = usize> {
     let variables = by_variable.iter();
     variables.map(|(k, _)| system.variables[*k].function)
 }
 
-/// What the rate of a state reads that is not known where the places, for a function of velocities also these, and the time are.
+/// Returns a description of an input of a state's rate that does not follow from positions and time, or with `of_velocities` also
+/// velocities.
 fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<&'static str> {
     let mut seen = BTreeSet::new();
     let (mut states, mut functions) = (vec![state], Vec::new());

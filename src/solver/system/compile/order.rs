@@ -1,4 +1,4 @@
-//! Which functions the equations need, in which order, and which VARIABLEs are unknowns.
+//! Evaluation order of the functions: those the equations need, and the VARIABLEs that are unknowns.
 
 use std::collections::BTreeSet;
 
@@ -8,15 +8,15 @@ use crate::system::dependence::Reads;
 use crate::system::structure::{Drive, Rate, Switch};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// The order of the functions.
+/// Evaluation order of the functions.
 pub(super) struct Order {
-    /// Those of the equations.
+    /// Functions of the equations.
     pub equations: Vec<usize>,
-    /// Those of them that constraints need.
+    /// Functions of the equations that constraints need.
     pub constraints: Vec<usize>,
     /// Whether constraints read states or unknown VARIABLEs.
     pub data_constrain: bool,
-    /// The place of every function among all.
+    /// Rank of every function among all functions.
     pub ranks: Vec<usize>,
     /// VARIABLEs that are unknowns.
     pub implicit: Vec<usize>,
@@ -32,8 +32,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Orders the functions, after [`Compiler::sources`]. VARIABLEs in loops become unknowns from `first_variable` on; loops without any are
-    /// complained about.
+    /// Orders the functions. Requires [`Compiler::sources`]. VARIABLEs in loops become unknowns from `first_variable` on; loops without a
+    /// VARIABLE are reported.
     pub(super) fn order(&mut self, first_variable: usize) -> Order {
         let all = 0..self.functions.len();
         let reads = self.reads();
@@ -76,7 +76,7 @@ impl Compiler<'_> {
             Source::Variable(k) => self.variables[*k].unknown.is_some(),
             _ => false,
         };
-        // The rates of what is more than places and the time are those of the equations.
+        // If constraints read more than positions and time, their rates need all functions of the equations.
         let data_constrain = constrained.iter().any(|&f| reads.any(f, beyond));
         let constraints = if data_constrain {
             equations.clone()
@@ -93,7 +93,7 @@ impl Compiler<'_> {
         }
     }
 
-    /// The functions of MOTIONs and GCONs.
+    /// Returns the functions of MOTIONs and GCONs.
     fn constrained(&self) -> Vec<usize> {
         let driven = self.joints.iter().filter_map(|joint| match joint.drive {
             Drive::Function(function) => Some(function),
@@ -103,7 +103,7 @@ impl Compiler<'_> {
         driven.chain(conditions).collect()
     }
 
-    /// The functions that forces, constraints, rates of states, SENSORs and unknown VARIABLEs read.
+    /// Returns the functions that forces, constraints, rates of states, SENSORs and unknown VARIABLEs read.
     fn roots(&self, implicit: &[usize]) -> Vec<usize> {
         let reads = self.reads();
         let mut roots = self.constrained();
@@ -128,7 +128,7 @@ impl Compiler<'_> {
         roots
     }
 
-    /// What a motion watches of the functions of the equations: their pieces, and the times at which they are not smooth.
+    /// Returns what an integration monitors in the functions of the equations: their switches, and the times at which they are not smooth.
     pub(super) fn watched(&mut self, order: &Order) -> (Vec<Switch>, Vec<f64>) {
         let (mut switches, mut breaks) = (Vec::new(), Vec::new());
         for &number in &order.equations {
@@ -145,7 +145,7 @@ impl Compiler<'_> {
             function.switches = first..switches.len();
             breaks.append(&mut self.breaks[number]);
         }
-        // What drives rates is integrated beside the equations.
+        // Functions of prescribed rates are integrated separately from the equations.
         let rates = self.joints.iter().filter_map(|joint| match joint.drive {
             Drive::Rate(drive) => Some(drive.function),
             _ => None,
