@@ -193,7 +193,7 @@ fn priors() -> String {
     out
 }
 
-/// A row of the guide: the word, what each column says of it, and where more stands.
+/// Formats a row of a guide table: the term, the contents of each column, and the page with more information.
 fn of_glossary(entry: &Entry) -> String {
     let mut out = String::new();
     line(&mut out, &format!("{} ({})", entry.term, entry.section));

@@ -32,7 +32,7 @@ pub enum TestKind {
 pub enum Driven {
     /// Heights of the wheel centres.
     Height([f64; 2]),
-    /// The steering input.
+    /// The steering input is driven.
     Steering,
     /// Longitudinal forces, +X rearward.
     Fx([f64; 2]),

@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// And the guide explains no key that is none.
+    /// The guide explains no key that the reader does not query.
     #[test]
     fn every_key_of_the_guide_is_one_the_reader_asks_for() {
         let keys = study_keys();

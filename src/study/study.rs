@@ -63,7 +63,7 @@ pub struct Study {
     pub tolerances: ToleranceSettings,
     /// `[priors]`.
     pub priors: CausePriors,
-    /// `[validate] hold_out`, if given.
+    /// List `[validate] hold_out`, if given.
     pub hold_out: Option<Vec<SpannedText>>,
     /// Deck of `[reference]`, for reports only.
     pub reference: Option<Source>,

@@ -53,7 +53,7 @@ pub struct Spread {
     pub unit: Option<String>,
     /// Number of cases with a value.
     pub count: u64,
-    /// Mean.
+    /// Mean effect.
     pub mean: f64,
     /// Standard deviation.
     pub sd: f64,
