@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
     std::fs::create_dir_all(&folder).expect("a temporary folder");
     deck.save_as(folder.join("edited.adm"), true, false)?;
     println!("written: {}", folder.join("edited.adm").display());
-    for difference in original.diff(&deck, admire::Tolerance::default()) {
+    for difference in original.diff(&deck, admire::DiffTolerance::default()) {
         println!("{}: {:?}", difference.address, difference.change);
     }
     Ok(())

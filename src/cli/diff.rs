@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use admire_syntax::Dataset;
-use admire_syntax::diff::{Change, Difference, Tolerance, diff};
+use admire_syntax::diff::{DiffKind, Difference, DiffTolerance, diff};
 
 use super::Outcome;
 use super::format::Format;
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let (a, b) = (shell.read(&arguments.a)?, shell.read(&arguments.b)?);
     let (a, b) = (Dataset::parse(a).value, Dataset::parse(b).value);
-    let tolerance = Tolerance {
+    let tolerance = DiffTolerance {
         absolute: arguments.abs,
         relative: arguments.rel,
     };
@@ -53,13 +53,13 @@ fn line(difference: &Difference) -> String {
         address += &format!(" ({name})");
     }
     match &difference.change {
-        Change::Added => format!("+ {address}\n"),
-        Change::Removed => format!("- {address}\n"),
-        Change::Number {
+        DiffKind::Added => format!("+ {address}\n"),
+        DiffKind::Removed => format!("- {address}\n"),
+        DiffKind::Number {
             written: [before, after],
             ..
         } => format!("{address}: {before} -> {after}\n"),
-        Change::Text { before, after } => match (before.as_deref(), after.as_deref()) {
+        DiffKind::Text { before, after } => match (before.as_deref(), after.as_deref()) {
             (Some(before), Some(after)) => format!("{address}: {before} -> {after}\n"),
             (Some(before), None) => format!("- {address} {before}").trim_end().to_string() + "\n",
             (None, Some(after)) => format!("+ {address} {after}").trim_end().to_string() + "\n",
@@ -78,7 +78,7 @@ mod tests {
         let read = |text: &str| Dataset::parse(Source::new("x", text.as_bytes())).value;
         let a = "t\n! adams_view_name='b'\nBUSHING/1, I=1, J=2, K=1,2,3\nSFORCE/3, I=1, J=2, ROT, FUNCTION=2*TIME\nPART/1, GROUND\nEND\n";
         let b = "t\n! adams_view_name='b'\nBUSHING/1, I=1, J=2, K=1,2.5,3\nSFORCE/3, I=1, J=2, FUNCTION=3*TIME\nPART/2, GROUND\nEND\n";
-        let lines: Vec<String> = diff(&read(a), &read(b), Tolerance::default())
+        let lines: Vec<String> = diff(&read(a), &read(b), DiffTolerance::default())
             .iter()
             .map(line)
             .collect();

@@ -15,7 +15,7 @@ use super::shell::{Exit, Shell};
 use super::target::Target;
 
 /// One `COLUMN=VALUE`, with the operator before the equals sign.
-struct Assignment {
+struct ColumnAssignment {
     ids: Vec<usize>,
     operator: Option<char>,
     operand: f64,
@@ -110,7 +110,7 @@ fn read(
     text: &str,
     reader: &dyn admire_results::ResultsReader,
     shell: &Shell,
-) -> Result<Assignment, Exit> {
+) -> Result<ColumnAssignment, Exit> {
     let wrong = |message: String| {
         shell.usage(
             Diagnostic::error(Code::BadNumber, message)
@@ -136,7 +136,7 @@ fn read(
         .filter(|last| "*/+-".contains(*last) && !left.ends_with(".*"));
     let column = operator.map_or(left, |last| left[..left.len() - last.len_utf8()].trim_end());
     let selection = selection(reader, &[column.to_string()], shell)?;
-    Ok(Assignment {
+    Ok(ColumnAssignment {
         ids: selection.ids(),
         operator,
         operand,

@@ -8,7 +8,7 @@ use admire_session::check::is_command_file;
 use admire_solver::mechanics::psi_theta_phi;
 use admire_solver::model::{Ignore, Model, PartIx, PartKind};
 use admire_solver::statics::{
-    Continuation, Report, Settings, Softest, SolveError, Solver, StabilisedEquilibrium,
+    Continuation, Report, StaticSettings, Softest, SolveError, Solver, StabilisedEquilibrium,
     history_table,
 };
 use admire_solver::system::{Scratch, State, System};
@@ -104,8 +104,8 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     }
     let mut state = system.state();
     state.time = arguments.time;
-    let settings = Settings::from(system.settings());
-    shell.complain(Settings::limited(system.settings()).as_slice());
+    let settings = StaticSettings::from(system.settings());
+    shell.complain(StaticSettings::limited(system.settings()).as_slice());
     let parameters = system.parameters();
     let mut solver = Solver::new(&system);
     match solver.solve(&system, &parameters, &mut state, &settings) {

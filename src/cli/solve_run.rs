@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use admire_report::{Chart, DrawingError, Figure, Mark, Page, Series};
+use admire_report::{Chart, DrawingError, Figure, SeriesStyle, Page, Series};
 use admire_results::{ResultsError, Selection, StepFilter, StepKind};
 use admire_session::{Moment, Session, commands_for_other_model};
 use admire_solver::model::Ignore;
@@ -211,7 +211,7 @@ fn page(results: &Path, selection: &Selection, rows: &[Vec<f64>]) -> Result<Stri
                 .enumerate()
                 .map(|(k, row)| (time.map_or(k as f64, |time| row[time]), row[at]))
                 .collect(),
-            mark: Mark::Line,
+            mark: SeriesStyle::Line,
         });
         let series: Vec<Series> = series.collect();
         let title = match series.as_slice() {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use admire_solver::model::Model;
 use admire_solver::model::summary::{Summary, summary};
-use admire_solver::statics::Freedoms;
+use admire_solver::statics::FreedomCount;
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         .filter(|diagnostic| diagnostic.severity == Severity::Error)
         .count();
     let system = System::compile(&lowered.value).value;
-    let freedoms = Freedoms::of(&system, &system.parameters(), &system.state());
+    let freedoms = FreedomCount::of(&system, &system.parameters(), &system.state());
     let missing: Vec<&str> = files
         .diagnostics
         .iter()
@@ -113,7 +113,7 @@ fn not_a_dataset(source: Source) -> Diagnostic {
 
 fn text(
     summary: &Summary,
-    freedoms: &Freedoms,
+    freedoms: &FreedomCount,
     errors: usize,
     missing: &[&str],
     all: bool,

@@ -10,7 +10,7 @@ use admire_session::{Sources, check, folder_of, read_files};
 use admire_solver::model::{Model, lint};
 use admire_solver::system::System;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
-use admire_syntax::diff::{self, Difference, Tolerance};
+use admire_syntax::diff::{self, Difference, DiffTolerance};
 use admire_syntax::lint::Options;
 use admire_syntax::text::{Edit, Source};
 use admire_syntax::{Address, CommandFile, Dataset};
@@ -337,7 +337,7 @@ impl Deck {
     }
 
     /// Returns the differences from this deck to another, object by object, regardless of layout.
-    pub fn diff(&self, other: &Self, tolerance: Tolerance) -> Vec<Difference> {
+    pub fn diff(&self, other: &Self, tolerance: DiffTolerance) -> Vec<Difference> {
         diff::diff(self.dataset(), other.dataset(), tolerance)
     }
 

@@ -9,7 +9,7 @@ use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::grammar::{Lookup, Role, find_statement};
 use admire_syntax::renumber::{in_order, renumber};
 use admire_syntax::text::{Edit, Source};
-use admire_syntax::{Address, Dataset, NewStatement, Object};
+use admire_syntax::{Address, Dataset, NewStatement, ObjectId};
 
 use super::assignment::Before;
 use super::deck::{Deck, sources_of, usage};
@@ -156,7 +156,7 @@ pub(crate) fn removal(
 }
 
 /// Returns the moving parts that match a pattern; fails if there are none.
-pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<Object>, Diagnostic> {
+pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<ObjectId>, Diagnostic> {
     let addresses = Address::matching(text, dataset).map_err(|mut refused| {
         refused.labels.clear();
         refused.message = format!("`{text}`: {}", refused.message);
@@ -167,7 +167,7 @@ pub(crate) fn moving_parts(dataset: &Dataset, text: &str) -> Result<Vec<Object>,
         let moves = statement.is_body() && !statement.has("GROUND");
         statement.object().filter(|_| moves)
     };
-    let found: Vec<Object> = addresses.into_iter().filter_map(body).collect();
+    let found: Vec<ObjectId> = addresses.into_iter().filter_map(body).collect();
     if found.is_empty() {
         let message = format!("`{text}` is not a part that moves");
         let help = "name parts, such as PART/7 or their view names";

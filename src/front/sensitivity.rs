@@ -1,5 +1,5 @@
 use admire_solver::model::{Model, PartIx};
-use admire_solver::statics::{Sensitivity, Settings, SolveError, solve};
+use admire_solver::statics::{Sensitivity, StaticSettings, SolveError, solve};
 use admire_solver::system::{Quantity, Slot, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
@@ -56,7 +56,7 @@ impl SensitivityTable {
         let slots = slots(by, (dataset, system)).map_err(Unavailable::Word)?;
         let (parameters, mut state) = (system.parameters(), system.state());
         state.time = time;
-        let settings = Settings::from(system.settings());
+        let settings = StaticSettings::from(system.settings());
         let rows = solve(system, &parameters, &mut state, &settings)
             .and_then(|_| {
                 let quantities: Vec<Quantity> = columns.iter().map(|c| c.quantity).collect();

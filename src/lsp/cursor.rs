@@ -11,13 +11,13 @@ use admire_syntax::catalogue::references;
 use admire_syntax::expression::Node;
 use admire_syntax::grammar::{ArgumentDef, FunctionDef, STATEMENTS, StatementDef};
 use admire_syntax::text::Span;
-use admire_syntax::{Argument, Object, Reference, Statement, Value};
+use admire_syntax::{Argument, ObjectId, Reference, Statement, Value};
 
 /// Kind of item at the cursor.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Thing {
     /// An object, by any of its ids or by the view name in its definition.
-    Object(Object),
+    Object(ObjectId),
     /// The keyword of a statement.
     Statement(&'static StatementDef),
     /// An argument of a statement.

@@ -5,22 +5,22 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 use admire_syntax::pieces::Piece;
-use admire_syntax::{Object, Statement};
+use admire_syntax::{ObjectId, Statement};
 
 /// Hashes of the definitions in some pieces, by object.
 pub(super) struct Definitions {
-    of: BTreeMap<Object, Vec<u64>>,
+    of: BTreeMap<ObjectId, Vec<u64>>,
     /// The last body of the pieces, to which following markers without a PART belong.
-    pub body: Option<Object>,
+    pub body: Option<ObjectId>,
 }
 
 impl Definitions {
     /// Collects the definitions of pieces that follow the body `entering`.
     pub(crate) fn of<'p>(
-        entering: Option<Object>,
+        entering: Option<ObjectId>,
         pieces: impl IntoIterator<Item = &'p Arc<Piece>>,
     ) -> Self {
-        let (mut of, mut body) = (BTreeMap::<Object, Vec<u64>>::new(), entering);
+        let (mut of, mut body) = (BTreeMap::<ObjectId, Vec<u64>>::new(), entering);
         for piece in pieces {
             for statement in piece.statements() {
                 let Some(object) = statement.object() else {
@@ -43,9 +43,9 @@ impl Definitions {
     }
 
     /// Returns the objects whose definitions differ between the two.
-    pub(crate) fn differing(&self, other: &Self) -> Vec<Object> {
-        let objects: BTreeSet<&Object> = self.of.keys().chain(other.of.keys()).collect();
-        let differs = |object: &&Object| self.of.get(*object) != other.of.get(*object);
+    pub(crate) fn differing(&self, other: &Self) -> Vec<ObjectId> {
+        let objects: BTreeSet<&ObjectId> = self.of.keys().chain(other.of.keys()).collect();
+        let differs = |object: &&ObjectId| self.of.get(*object) != other.of.get(*object);
         objects.into_iter().filter(differs).copied().collect()
     }
 }

@@ -18,7 +18,7 @@ use admire_syntax::grammar::Role;
 use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
 use admire_syntax::pieces::Pieces;
 use admire_syntax::text::{Source, Span};
-use admire_syntax::{Object, Statement};
+use admire_syntax::{ObjectId, Statement};
 
 /// Largest number of affected pieces that the neighbourhood rules check after an edit. The check of the whole file does the others.
 const MOST_PIECES: usize = 64;
@@ -256,12 +256,12 @@ impl Document {
     }
 
     /// Returns the indices of the definitions of an object, in the order of the file.
-    pub fn definitions(&self, object: Object) -> Vec<(usize, usize)> {
+    pub fn definitions(&self, object: ObjectId) -> Vec<(usize, usize)> {
         self.in_order(self.catalogue.definitions(object))
     }
 
     /// Returns the indices of the pieces that refer to an object, in the order of the file.
-    pub(crate) fn referring(&self, object: Object) -> Vec<usize> {
+    pub(crate) fn referring(&self, object: ObjectId) -> Vec<usize> {
         let mut pieces: Vec<usize> = self
             .catalogue
             .referring(object)
@@ -272,7 +272,7 @@ impl Document {
     }
 
     /// Returns every object with the indices of its first definition.
-    pub(crate) fn objects(&self) -> impl Iterator<Item = (Object, (usize, usize))> {
+    pub(crate) fn objects(&self) -> impl Iterator<Item = (ObjectId, (usize, usize))> {
         let all = self.catalogue.objects();
         all.filter_map(|(object, places)| Some((object, *self.in_order(places).first()?)))
     }
@@ -322,7 +322,7 @@ impl Document {
     }
 
     /// Returns the body to which a marker at the start of a piece would belong.
-    fn body_entering(&self, at: usize) -> Option<Object> {
+    fn body_entering(&self, at: usize) -> Option<ObjectId> {
         let before = &self.pieces.pieces()[..at];
         let all = before
             .iter()
@@ -332,7 +332,7 @@ impl Document {
     }
 
     /// Returns the markers that belong to the last body before piece `first`, and adds their pieces to `affected`.
-    fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<Object> {
+    fn followers(&self, first: usize, affected: &mut BTreeSet<usize>) -> Vec<ObjectId> {
         let mut found = Vec::new();
         for (at, piece) in self.pieces.live().iter().enumerate().skip(first) {
             for statement in piece.statements() {

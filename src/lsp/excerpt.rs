@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::document::Document;
 use admire_syntax::catalogue::references;
 use admire_syntax::text::{Source, Span};
-use admire_syntax::{Dataset, Object, Statement};
+use admire_syntax::{Dataset, ObjectId, Statement};
 
 /// Statements of a document as a dataset of their own.
 pub(super) struct Excerpt {
@@ -50,7 +50,7 @@ impl Excerpt {
             chosen.insert(place, true);
             open.push(place);
         }
-        let mut known: BTreeSet<Object> = BTreeSet::new();
+        let mut known: BTreeSet<ObjectId> = BTreeSet::new();
         let most = match depth {
             Depth::One => usize::MAX,
             Depth::All(most) => most,

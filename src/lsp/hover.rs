@@ -15,7 +15,7 @@ use admire_solver::model::Model;
 use admire_syntax::grammar::{ArgumentDef, StatementDef};
 use admire_syntax::text::Span;
 use admire_syntax::units::{Dimension, Units};
-use admire_syntax::{Argument, Object, describe};
+use admire_syntax::{Argument, ObjectId, describe};
 
 /// Largest number of lines shown of a statement.
 const MOST_LINES: usize = 12;
@@ -83,7 +83,7 @@ fn of_object(
     workspace: &Workspace,
     path: &Path,
     found: &Cursor,
-    object: Object,
+    object: ObjectId,
     offset: usize,
 ) -> Option<String> {
     let own = &workspace.file(path)?.document;
@@ -133,7 +133,7 @@ fn of_object(
 }
 
 /// Returns facts about an object from the model: the position of a marker in ground, numbers with their units, the connected bodies.
-fn facts(document: &Document, place: (usize, usize), object: Object) -> Vec<String> {
+fn facts(document: &Document, place: (usize, usize), object: ObjectId) -> Vec<String> {
     let units = document
         .statements()
         .find(|(_, _, s)| s.kind() == Some("UNITS"));

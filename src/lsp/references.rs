@@ -7,7 +7,7 @@ use lsp_types::{Location, ReferenceParams};
 use super::cursor::{Thing, all_references, asked, cursor, location};
 use super::document::Document;
 use super::workspace::Workspace;
-use admire_syntax::Object;
+use admire_syntax::ObjectId;
 use admire_syntax::text::Span;
 
 /// Role of a place that names an object.
@@ -22,7 +22,7 @@ pub(super) enum Role {
 }
 
 /// Returns the places of a document that name an object.
-pub(super) fn places(document: &Document, object: Object) -> Vec<(Span, Role)> {
+pub(super) fn places(document: &Document, object: ObjectId) -> Vec<(Span, Role)> {
     let mut found = Vec::new();
     let mut pieces = document.referring(object);
     pieces.extend(document.definitions(object).iter().map(|(piece, _)| *piece));
@@ -61,7 +61,7 @@ pub(super) fn everywhere(
     workspace: &mut Workspace,
     path: &Path,
     offset: usize,
-    object: Object,
+    object: ObjectId,
 ) -> Vec<(PathBuf, Span, Role)> {
     let files = workspace.together(path);
     let commands = |path: &Path| {

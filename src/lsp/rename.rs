@@ -15,7 +15,7 @@ use super::refused::Refused;
 use super::workspace::Workspace;
 use admire_syntax::renumber::{Renumbering, renumber};
 use admire_syntax::text::Edit;
-use admire_syntax::{CommandFile, Dataset, Object};
+use admire_syntax::{CommandFile, Dataset, ObjectId};
 
 /// Returns the range of the id or view name that would be renamed.
 pub(super) fn prepare(
@@ -105,7 +105,7 @@ fn new_name(
     workspace: &mut Workspace,
     path: &Path,
     offset: usize,
-    object: Object,
+    object: ObjectId,
     new: &str,
 ) -> Result<Vec<(PathBuf, Vec<Edit>)>, Refused> {
     if new.is_empty() || new.contains(['\n', '\r', '\'']) {
@@ -135,7 +135,7 @@ fn new_id(
     workspace: &mut Workspace,
     path: &Path,
     offset: usize,
-    object: Object,
+    object: ObjectId,
     new: u32,
 ) -> Result<Vec<(PathBuf, Vec<Edit>)>, Refused> {
     if new == 0 {

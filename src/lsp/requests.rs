@@ -12,11 +12,11 @@ use super::{
     signature, symbols,
 };
 
-type Answer = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
+type RequestHandler = Box<dyn Fn(&mut Workspace, Value) -> Result<Value, Refused> + Send>;
 
 /// Handlers by request method.
 #[derive(Default)]
-pub(super) struct Routes(BTreeMap<&'static str, Answer>);
+pub(super) struct Routes(BTreeMap<&'static str, RequestHandler>);
 
 impl Routes {
     /// Returns all supported handlers.

@@ -79,13 +79,13 @@ fn read(said: &Sender<Message>) {
 
 /// Reason why input is not a valid message.
 #[derive(Debug)]
-struct Refused {
+struct MalformedMessage {
     id: Value,
     code: ErrorCode,
     why: String,
 }
 
-impl Refused {
+impl MalformedMessage {
     fn new(code: ErrorCode, why: impl Into<String>) -> Self {
         Self {
             id: Value::Null,
@@ -113,12 +113,12 @@ struct Messages<R> {
 
 impl<R: BufRead> Messages<R> {
     /// Reads the next message, or the reason why it is invalid; `None` at the end of the input.
-    fn next(&mut self) -> io::Result<Option<Result<Message, Refused>>> {
+    fn next(&mut self) -> io::Result<Option<Result<Message, MalformedMessage>>> {
         let size = match self.header()? {
             None => return Ok(None),
             Some(Err(why)) => {
                 self.lost = true;
-                return Ok(Some(Err(Refused::new(ErrorCode::ParseError, why))));
+                return Ok(Some(Err(MalformedMessage::new(ErrorCode::ParseError, why))));
             }
             Some(Ok(size)) => size,
         };
@@ -186,15 +186,15 @@ fn length(digits: &[u8]) -> Result<u64, String> {
 }
 
 /// Parses the body of a message.
-fn message(body: &[u8]) -> Result<Message, Refused> {
+fn message(body: &[u8]) -> Result<Message, MalformedMessage> {
     let error = match serde_json::from_slice(body) {
         Ok(message) => return Ok(message),
         Err(error) => error,
     };
     match serde_json::from_slice::<Value>(body) {
-        Err(error) => Err(Refused::new(ErrorCode::ParseError, error.to_string())),
+        Err(error) => Err(MalformedMessage::new(ErrorCode::ParseError, error.to_string())),
         Ok(mut value) => {
-            let mut refused = Refused::new(ErrorCode::InvalidRequest, error.to_string());
+            let mut refused = MalformedMessage::new(ErrorCode::InvalidRequest, error.to_string());
             if let Some(id) = value
                 .get_mut("id")
                 .filter(|id| id.is_number() || id.is_string())

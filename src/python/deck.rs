@@ -10,7 +10,7 @@ use crate::front;
 use crate::front::{Beside, Setting};
 use admire_diagnosis::SharedProgress;
 use admire_kc::Convention;
-use admire_syntax::diff::Tolerance;
+use admire_syntax::diff::DiffTolerance;
 
 use super::block::Block;
 use super::refusal::{json, raised};
@@ -126,7 +126,7 @@ impl Deck {
     /// Changes as JSON.
     fn diff(&self, py: Python<'_>, other: &Self, relative: f64, absolute: f64) -> PyResult<String> {
         let (a, b) = (self.now(py), other.now(py));
-        let tolerance = Tolerance { absolute, relative };
+        let tolerance = DiffTolerance { absolute, relative };
         let job = move || Ok(a.diff(&b, tolerance));
         let found = work(py, &SharedProgress::default(), None, job)?;
         Ok(serde_json::to_string(&found).expect("differences hold only names and numbers"))

@@ -6,7 +6,7 @@ use super::{DrawingError, escape};
 
 /// Drawing style of a series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Mark {
+pub enum SeriesStyle {
     /// A line through the points.
     Line,
     /// A dashed line.
@@ -25,7 +25,7 @@ pub struct Series {
     /// Points (x, y); points that are not finite are omitted.
     pub points: Vec<(f64, f64)>,
     /// Drawing style.
-    pub mark: Mark,
+    pub mark: SeriesStyle,
 }
 
 /// Chart with two axes.
@@ -85,8 +85,8 @@ impl Chart {
     /// # Errors
     /// See [`Self::svg`].
     pub(crate) fn svg_in(&self, colours: &[usize]) -> Result<String, DrawingError> {
-        let class = |name: &str, k: usize, mark: Mark| match colours.get(k) {
-            Some(colour) => format!("s{colour}{}", dashed(mark == Mark::Dashed)),
+        let class = |name: &str, k: usize, mark: SeriesStyle| match colours.get(k) {
+            Some(colour) => format!("s{colour}{}", dashed(mark == SeriesStyle::Dashed)),
             None => class(name, k, mark),
         };
         let points = || self.series.iter().flat_map(|series| series.points.iter());
@@ -156,13 +156,13 @@ impl Chart {
                 .collect();
             let class = class(&series.name, k, series.mark);
             push(format_args!("<g class=\"{class}\">"));
-            if series.mark != Mark::Points && spots.len() > 1 {
+            if series.mark != SeriesStyle::Points && spots.len() > 1 {
                 push(format_args!(
                     "<path class=\"line\" d=\"{}\"/>",
                     path(&spots)
                 ));
             }
-            if matches!(series.mark, Mark::Points | Mark::LinePoints) || spots.len() == 1 {
+            if matches!(series.mark, SeriesStyle::Points | SeriesStyle::LinePoints) || spots.len() == 1 {
                 for spot in &spots {
                     push(format_args!("{}", symbol(k, *spot)));
                 }
@@ -190,7 +190,7 @@ impl Chart {
     }
 
     /// Draws the legend. Returns the number of its rows, and the SVG text with each name beside a sample of its line or symbol.
-    fn legend(&self, class: &dyn Fn(&str, usize, Mark) -> String) -> (usize, String) {
+    fn legend(&self, class: &dyn Fn(&str, usize, SeriesStyle) -> String) -> (usize, String) {
         if self.series.len() < 2 {
             return (0, String::new());
         }
@@ -209,11 +209,11 @@ impl Chart {
             let y = SIZE.1 + (k / columns) as f64 * LEGEND_ROW + 6.0;
             let class = class(&series.name, k, series.mark);
             write!(out, "<g class=\"{class}\">").expect("a String takes all");
-            if series.mark != Mark::Points {
+            if series.mark != SeriesStyle::Points {
                 write!(out, "<path class=\"line\" d=\"M{x} {y}h26\"/>")
                     .expect("a String takes all");
             }
-            if matches!(series.mark, Mark::Points | Mark::LinePoints) {
+            if matches!(series.mark, SeriesStyle::Points | SeriesStyle::LinePoints) {
                 out.push_str(&symbol(k, (x + 13.0, y)));
             }
             let (tx, ty, name) = (x + 32.0, y + 4.0, escape(&series.name));
@@ -263,10 +263,10 @@ fn dashed(is: bool) -> &'static str {
     if is { " dashed" } else { "" }
 }
 
-fn class(name: &str, k: usize, mark: Mark) -> String {
+fn class(name: &str, k: usize, mark: SeriesStyle) -> String {
     let own = name.split(',').next().unwrap_or_default();
     let role = ROLES.iter().find(|(name, _)| *name == own);
-    let dash = dashed(mark == Mark::Dashed || (k >= COLOURS && role.is_none()));
+    let dash = dashed(mark == SeriesStyle::Dashed || (k >= COLOURS && role.is_none()));
     match role {
         Some((_, class)) => format!("{class}{dash}"),
         None => format!("s{}{dash}", 1 + k % COLOURS),
@@ -299,12 +299,12 @@ mod tests {
                 Series {
                     name: "Kx <1>".to_string(),
                     points,
-                    mark: Mark::LinePoints,
+                    mark: SeriesStyle::LinePoints,
                 },
                 Series {
                     name: "Ky".to_string(),
                     points: vec![(0.0, 2.0), (1.0, 1.0)],
-                    mark: Mark::Dashed,
+                    mark: SeriesStyle::Dashed,
                 },
             ],
             log_y,
@@ -353,11 +353,11 @@ mod tests {
             svg.matches("class=\"s-initial").count()
         };
         let (read, was) = (
-            named("as read", Mark::Points),
-            named("as the model was", Mark::Dashed),
+            named("as read", SeriesStyle::Points),
+            named("as the model was", SeriesStyle::Dashed),
         );
         assert_eq!(drawn(vec![read, was.clone()]), 2, "curve and legend");
-        let unseen = named("initial, cases no fit saw", Mark::Points);
+        let unseen = named("initial, cases no fit saw", SeriesStyle::Points);
         assert_eq!(drawn(vec![was, unseen]), 4);
     }
 

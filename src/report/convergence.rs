@@ -1,4 +1,4 @@
-use super::{Chart, DrawingError, Figure, Mark, Series};
+use super::{Chart, DrawingError, Figure, SeriesStyle, Series};
 use admire_identify::{Fit, LoadedStudy};
 
 /// Draws the convergence of every parameter over the iterations, in one chart per element to keep many parameters readable. `named` splits
@@ -28,7 +28,7 @@ pub(super) fn convergence(
         let series = Series {
             name: number,
             points,
-            mark: Mark::LinePoints,
+            mark: SeriesStyle::LinePoints,
         };
         match groups.iter_mut().find(|(name, _)| *name == element) {
             Some((_, list)) => list.push(series),

@@ -14,7 +14,7 @@ use super::number::unbroken;
 use super::ranking::{ranking, words};
 use super::scene::Role;
 use super::{
-    Align, Chart, DrawingError, Figure, HeatMap, Mark, Page, Scene, Series, Table, number,
+    Align, Chart, DrawingError, Figure, HeatMap, SeriesStyle, Page, Scene, Series, Table, number,
     short_unit,
 };
 use admire_identify::LoadedStudy;
@@ -137,7 +137,7 @@ fn remainder(found: &Remainder) -> Chart {
         (None, Over::Order) => "position in the order of the cases".to_string(),
         (None, _) => "deflection, units of the deck and radians".to_string(),
     };
-    let series = |name: &str, mark: Mark, errors: f64| Series {
+    let series = |name: &str, mark: SeriesStyle, errors: f64| Series {
         name: name.to_string(),
         points: found
             .points
@@ -151,9 +151,9 @@ fn remainder(found: &Remainder) -> Chart {
         x: over,
         y: "extra force or torque, units of the deck".to_string(),
         series: vec![
-            series("extra force", Mark::LinePoints, 0.0),
-            series("two standard errors above", Mark::Dashed, 2.0),
-            series("two standard errors below", Mark::Dashed, -2.0),
+            series("extra force", SeriesStyle::LinePoints, 0.0),
+            series("two standard errors above", SeriesStyle::Dashed, 2.0),
+            series("two standard errors below", SeriesStyle::Dashed, -2.0),
         ],
         log_y: false,
         level: Some(0.0),
@@ -435,9 +435,9 @@ impl DiagnosisReport<'_> {
                     .map(|(k, sum)| ((k + 1) as f64, (sum.0 / sum.1).sqrt()))
                     .collect(),
                 mark: if fit.states.len() > MAPPED {
-                    Mark::Points
+                    SeriesStyle::Points
                 } else {
-                    Mark::LinePoints
+                    SeriesStyle::LinePoints
                 },
             }
         };
@@ -460,7 +460,7 @@ impl DiagnosisReport<'_> {
         let series = |name: &str, points: Vec<(f64, f64)>| Series {
             name: name.to_string(),
             points,
-            mark: Mark::Points,
+            mark: SeriesStyle::Points,
         };
         Some(Chart {
             title: format!(

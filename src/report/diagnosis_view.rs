@@ -2,7 +2,7 @@ use super::number::change;
 use super::ranking::words;
 use super::scene::Role;
 use super::study_figures::load_axis;
-use super::{Chart, DrawingError, Figure, Mark, Positions, Scene, Series, study_scene};
+use super::{Chart, DrawingError, Figure, SeriesStyle, Positions, Scene, Series, study_scene};
 use admire_diagnosis::{FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;
@@ -74,9 +74,9 @@ pub(super) fn curves(
                 None => run.what,
             },
             series: vec![
-                series("as read", run.read, Mark::Points),
-                series("as the model was", run.before, Mark::Dashed),
-                series("as it is extended", run.after, Mark::Line),
+                series("as read", run.read, SeriesStyle::Points),
+                series("as the model was", run.before, SeriesStyle::Dashed),
+                series("as it is extended", run.after, SeriesStyle::Line),
             ],
             log_y: false,
             level: None,

@@ -1,5 +1,5 @@
 use super::number::rounded;
-use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
+use super::{Align, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table};
 use admire_kc::{
     Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, driven_unit,
     fitted_slope, loop_half_width, output, shown, slope,
@@ -377,13 +377,13 @@ impl KcReport<'_> {
             series.push(Series {
                 name: named(if down.is_empty() { "" } else { "up" }),
                 points: up,
-                mark: Mark::LinePoints,
+                mark: SeriesStyle::LinePoints,
             });
             if !down.is_empty() {
                 series.push(Series {
                     name: named("down"),
                     points: down,
-                    mark: Mark::Dashed,
+                    mark: SeriesStyle::Dashed,
                 });
             }
             for (name, run) in self.others {
@@ -392,7 +392,7 @@ impl KcReport<'_> {
                 series.push(Series {
                     name: named(name),
                     points,
-                    mark: Mark::Line,
+                    mark: SeriesStyle::Line,
                 });
             }
             let path = format!("{entity}.{component}");
@@ -403,7 +403,7 @@ impl KcReport<'_> {
                     series.push(Series {
                         name: named("measured"),
                         points: curve.points.iter().map(|p| (p.0, turned(p.1))).collect(),
-                        mark: Mark::LinePoints,
+                        mark: SeriesStyle::LinePoints,
                     });
                 }
             }

@@ -45,7 +45,7 @@ mod topology_graph;
 
 pub use bars::Bars;
 pub use chart::Chart;
-pub use chart::Mark;
+pub use chart::SeriesStyle;
 pub use chart::Series;
 pub use check::Verdict;
 pub use diagnosis::DiagnosisReport;
@@ -70,7 +70,7 @@ pub use study_view::Positions;
 pub(crate) use study_view::study_scene;
 pub use table::Align;
 pub use table::Table;
-pub use topology_graph::Body;
+pub use topology_graph::GraphBody;
 pub use topology_graph::TopologyGraph;
 
 pub use admire_syntax::units::short_unit;

@@ -1,6 +1,6 @@
 //! Page of the paper's validations, repeated with this program.
 
-use super::{Align, Chart, DrawingError, Figure, Mark, Page, Series, Table};
+use super::{Align, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table};
 use admire_results::Timestamp;
 use serde::Serialize;
 
@@ -135,7 +135,7 @@ impl ReproductionReport<'_> {
                 let series = figure.curves.iter().enumerate().map(|(k, curve)| Series {
                     name: curve.name.clone(),
                     points: curve.points.clone(),
-                    mark: if k < 2 { Mark::LinePoints } else { Mark::Line },
+                    mark: if k < 2 { SeriesStyle::LinePoints } else { SeriesStyle::Line },
                 });
                 let chart = Chart {
                     title: figure.title.clone(),

@@ -1,5 +1,5 @@
 use super::scene::Role;
-use super::{Chart, DrawingError, Figure, HeatMap, Mark, Positions, Series, short_unit};
+use super::{Chart, DrawingError, Figure, HeatMap, SeriesStyle, Positions, Series, short_unit};
 use admire_identify::LoadedStudy;
 use admire_identify::global::Prepared;
 use admire_solver::mechanics::{Pose, Vec3, Vec6};
@@ -42,11 +42,11 @@ pub(super) struct StudyFigures<'a> {
 }
 
 impl StudyFigures<'_> {
-    fn mark(&self, set: usize) -> Mark {
+    fn mark(&self, set: usize) -> SeriesStyle {
         if set + 1 == self.positions.len() {
-            Mark::Line
+            SeriesStyle::Line
         } else {
-            Mark::Dashed
+            SeriesStyle::Dashed
         }
     }
 
@@ -100,7 +100,7 @@ impl StudyFigures<'_> {
             series.push(Series {
                 name: format!("{}, cases no fit saw", self.positions[last].name),
                 points: held,
-                mark: Mark::Points,
+                mark: SeriesStyle::Points,
             });
             roles.push(self.positions[last].role);
         }
@@ -260,10 +260,10 @@ impl StudyFigures<'_> {
                     .to_vec(),
                 mark,
             };
-            let mut series = vec![line("identified law", identified, Mark::Line)];
+            let mut series = vec![line("identified law", identified, SeriesStyle::Line)];
             let mut roles = vec![Role::Fitted];
             if initial != identified {
-                series.push(line("initial law", initial, Mark::Dashed));
+                series.push(line("initial law", initial, SeriesStyle::Dashed));
                 roles.push(Role::Initial);
             }
             roles.push(Role::Measured);
@@ -271,7 +271,7 @@ impl StudyFigures<'_> {
                 series.push(Series {
                     name: "measured deflection, force of the model".to_string(),
                     points: read,
-                    mark: Mark::Points,
+                    mark: SeriesStyle::Points,
                 });
             }
             let unit = if turning {
@@ -358,7 +358,7 @@ impl StudyFigures<'_> {
                 let mut series = vec![Series {
                     name: "measured".to_string(),
                     points: measured.collect(),
-                    mark: Mark::Points,
+                    mark: SeriesStyle::Points,
                 }];
                 for (set, (positions, shown)) in self.positions.iter().zip(&shown).enumerate() {
                     let at = |case: usize| *shown.get(case)?.as_ref()?.get(k)?;
@@ -425,7 +425,7 @@ impl StudyFigures<'_> {
                 let mut series = vec![Series {
                     name: "measured".to_string(),
                     points: read.collect(),
-                    mark: Mark::Points,
+                    mark: SeriesStyle::Points,
                 }];
                 series.extend(self.positions.iter().enumerate().map(|(set, positions)| {
                     let points = cases.iter().filter_map(|case| {

@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write as _;
 
-use admire_syntax::{Dataset, Object, Statement, Topology};
+use admire_syntax::{Dataset, ObjectId, Statement, Topology};
 
 use super::escape;
 use admire_syntax::text::printable;
@@ -12,7 +12,7 @@ pub struct TopologyGraph {
     /// Title of the dataset.
     pub title: String,
     /// Bodies in the order of the dataset.
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<GraphBody>,
     /// Links between two bodies, in the order of the dataset. An element on more bodies has a link from its first body to each of the
     /// others.
     pub links: Vec<Link>,
@@ -20,7 +20,7 @@ pub struct TopologyGraph {
 
 /// Body of the graph.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Body {
+pub struct GraphBody {
     /// Kind and id.
     pub address: String,
     /// View name, or the address without one.
@@ -54,13 +54,13 @@ impl TopologyGraph {
             Some(name) => printable(&dataset.source().text(name)).into_owned(),
             None => address(statement),
         };
-        let (mut bodies, mut places) = (Vec::new(), BTreeMap::<Object, usize>::new());
+        let (mut bodies, mut places) = (Vec::new(), BTreeMap::<ObjectId, usize>::new());
         for statement in dataset.statements().iter().filter(|s| s.is_body()) {
             let Some(object) = statement.object() else {
                 continue;
             };
             places.entry(object).or_insert_with(|| {
-                bodies.push(Body {
+                bodies.push(GraphBody {
                     address: address(statement),
                     name: name(statement),
                     ground: statement.has("GROUND"),

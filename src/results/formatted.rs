@@ -43,7 +43,7 @@ struct Block<'a> {
     lines: Vec<(Span, &'a [u8])>,
 }
 
-type Trouble = (Code, String, Span);
+type LocatedFault = (Code, String, Span);
 
 impl FormattedResults {
     /// Reads the displacements of parts (guide/formats.md 6.2). Blocks of other objects, whose layout is not known, are named in
@@ -77,7 +77,7 @@ impl FormattedResults {
         results
     }
 
-    fn take(&mut self, block: &Block<'_>, displacements: &mut Vec<usize>) -> Result<(), Trouble> {
+    fn take(&mut self, block: &Block<'_>, displacements: &mut Vec<usize>) -> Result<(), LocatedFault> {
         let line = |at: usize| block.lines.get(at).copied();
         match block.label.as_str() {
             "FILE TYPE AND SOURCE" => {
@@ -119,7 +119,7 @@ impl FormattedResults {
         &mut self,
         block: &Block<'_>,
         displacements: &mut Vec<usize>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), LocatedFault> {
         let mut lines = block.lines.iter();
         let head = lines.next().map_or("", |(_, line)| ascii(line));
         if !head.get(8..).unwrap_or_default().starts_with("YES") {
@@ -170,7 +170,7 @@ impl FormattedResults {
         }
     }
 
-    fn step(&mut self, block: &Block<'_>, displacements: &[usize]) -> Result<(), Trouble> {
+    fn step(&mut self, block: &Block<'_>, displacements: &[usize]) -> Result<(), LocatedFault> {
         let record = |at: usize| {
             let missing = || {
                 let message = format!("the step has no record {}", at + 1);
@@ -247,7 +247,7 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (Span, &[u8])> {
 /// The next block, whose count of lines is checked. The lines are counted by reading, so a large count needs no memory.
 fn next_block<'a>(
     rest: &mut impl Iterator<Item = (Span, &'a [u8])>,
-) -> Result<Option<Block<'a>>, Trouble> {
+) -> Result<Option<Block<'a>>, LocatedFault> {
     let Some((span, label)) = rest.by_ref().find(|(_, line)| !line.is_empty()) else {
         return Ok(None);
     };

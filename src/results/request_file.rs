@@ -130,7 +130,7 @@ impl RequestFile {
             .head(&mut lines)
             .err()
             .or_else(|| file.value.data(&mut lines).unwrap_or_else(Some));
-        if let Some(Trouble {
+        if let Some(RequestFault {
             code,
             message,
             span,
@@ -147,11 +147,11 @@ impl RequestFile {
         file
     }
 
-    fn head(&mut self, lines: &mut Lines<'_>) -> Result<(), Trouble> {
+    fn head(&mut self, lines: &mut Lines<'_>) -> Result<(), RequestFault> {
         let (span, first) = lines.needed()?;
         let first = first.trim_ascii_start();
         if !first.starts_with(b"A.R3") {
-            return Err(Trouble {
+            return Err(RequestFault {
                 code: Code::UnsupportedResults,
                 message: "not a request file of format A.R3".to_string(),
                 span,
@@ -202,7 +202,7 @@ impl RequestFile {
         Ok(())
     }
 
-    fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<Trouble>, Trouble> {
+    fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<RequestFault>, RequestFault> {
         let wanted = 1 + 6 * self.requests.len();
         let mut values: Vec<f64> = Vec::new();
         // How long the lines of this output time and of the one before are.
@@ -236,14 +236,14 @@ impl RequestFile {
     }
 }
 
-struct Trouble {
+struct RequestFault {
     code: Code,
     message: String,
     span: Span,
 }
 
-fn malformed(message: &str, span: Span) -> Trouble {
-    Trouble {
+fn malformed(message: &str, span: Span) -> RequestFault {
+    RequestFault {
         code: Code::MalformedResults,
         message: message.to_string(),
         span,
@@ -284,15 +284,15 @@ impl<'a> Lines<'a> {
     }
 
     /// A line of the head, with its line end.
-    fn needed(&mut self) -> Result<(Span, &'a [u8]), Trouble> {
+    fn needed(&mut self) -> Result<(Span, &'a [u8]), RequestFault> {
         match self.next() {
             Some(line) if !self.open => Ok(line),
             _ => Err(self.cut_off(0)),
         }
     }
 
-    fn cut_off(&self, times: usize) -> Trouble {
-        Trouble {
+    fn cut_off(&self, times: usize) -> RequestFault {
+        RequestFault {
             code: Code::TruncatedResults,
             message: format!("the file ends before its end; {times} whole output times were read"),
             span: Span::at(self.bytes.len()),

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::loaded::Compiled;
+use super::loaded::CompiledModel;
 use super::message::exponent;
 use super::paths::native_spelling;
 use super::run_state::{Flow, Locate, Place, Session};
@@ -68,7 +68,7 @@ impl Session<'_> {
         if command.has("STATEMAT") {
             return self.state_matrices(command, &coordinates, place);
         }
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -101,7 +101,7 @@ impl Session<'_> {
 }
 
 impl Session<'_> {
-    fn not_linearised(&mut self, time: f64, reason: &motion::Reason, place: Place<'_>) -> Flow {
+    fn not_linearised(&mut self, time: f64, reason: &motion::MotionFailure, place: Place<'_>) -> Flow {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
             format!("the equations are not linearised at time {time}: {reason}"),
@@ -188,7 +188,7 @@ impl Session<'_> {
             .help("FORMAT=MATLAB asks for it");
             self.complain(&Some(place).label(warning));
         }
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,

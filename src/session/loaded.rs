@@ -34,7 +34,7 @@ pub(super) struct Loaded {
     pub said_iterations: bool,
     /// Free motions reported last.
     pub said_free: Option<Vec<String>>,
-    pub(super) compiled: Option<Compiled>,
+    pub(super) compiled: Option<CompiledModel>,
     /// Statements that may be left out of the model.
     ignored: Vec<Ignore>,
     /// State of the model before it is compiled again.
@@ -45,7 +45,7 @@ pub(super) struct Loaded {
 }
 
 /// The equations of a model and their state.
-pub(super) struct Compiled {
+pub(super) struct CompiledModel {
     pub system: System,
     pub parameters: Parameters,
     pub state: State,
@@ -277,7 +277,7 @@ impl Loaded {
     }
 
     /// Returns the equations of the current model at its current state, with the warnings of a new compilation.
-    pub(crate) fn compiled(&mut self) -> Checked<&mut Compiled> {
+    pub(crate) fn compiled(&mut self) -> Checked<&mut CompiledModel> {
         let mut diagnostics = Vec::new();
         let compiled = self.compiled.get_or_insert_with(|| {
             let left_out = self.model.leave_out(&self.ignored);
@@ -304,7 +304,7 @@ impl Loaded {
                     *value = 0.0;
                 }
             }
-            Compiled {
+            CompiledModel {
                 parameters,
                 solver: Solver::new(&system),
                 system,

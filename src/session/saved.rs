@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use admire_solver::mechanics::{Mat3, Pose, Vec3};
 use admire_solver::model::{Definitions, Model};
-use admire_solver::system::{Driven, Rates, State, StictionState};
+use admire_solver::system::{Driven, PartRates, State, StictionState};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 use super::files::LARGEST;
@@ -60,7 +60,7 @@ pub(super) struct Placed {
     variables: Vec<f64>,
     states: Vec<f64>,
     /// Velocities of a motion; empty at rest.
-    velocities: Vec<Rates>,
+    velocities: Vec<PartRates>,
     /// MOTIONs that prescribe a rate.
     driven: Vec<Driven>,
     /// Reference values for counting the full turns of angles.
@@ -235,7 +235,7 @@ impl Saved {
                 }),
                 ("variables", _) => placed.variables = values,
                 ("states", _) => placed.states = values,
-                ("velocity", all) if all.len() == 6 => placed.velocities.push(Rates {
+                ("velocity", all) if all.len() == 6 => placed.velocities.push(PartRates {
                     linear: Vec3::from_column_slice(&all[..3]),
                     angular: Vec3::from_column_slice(&all[3..]),
                 }),

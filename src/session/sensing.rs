@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::loaded::{Compiled, Loaded};
+use super::loaded::{CompiledModel, Loaded};
 use super::message::exponent;
 use admire_solver::model::{Model, Sensor};
 use admire_solver::system::{Parameters, Scratch, State, System};
@@ -38,7 +38,7 @@ impl Loaded {
         else {
             return Sensed::default();
         };
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,

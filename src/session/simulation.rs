@@ -1,6 +1,6 @@
 use admire_results::StepKind;
 use admire_solver::model::Model;
-use admire_solver::statics::{Balance, Far, Left, Report, Settings, Softest, SolveError};
+use admire_solver::statics::{Balance, Far, Left, Report, StaticSettings, Softest, SolveError};
 use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;
@@ -8,7 +8,7 @@ use admire_syntax::units::Dimension;
 use std::fmt::Write as _;
 
 use super::ending::Stop;
-use super::loaded::{Compiled, Loaded};
+use super::loaded::{CompiledModel, Loaded};
 use super::measures::Measures;
 use super::message::{equation_as_adams, exponent, object_as_adams};
 use super::outputs::Outputs;
@@ -41,7 +41,7 @@ impl Session<'_> {
             );
         };
         let now = loaded.time();
-        if let Some(limited) = Settings::limited(&loaded.model.equilibrium)
+        if let Some(limited) = StaticSettings::limited(&loaded.model.equilibrium)
             && !std::mem::replace(&mut loaded.said_iterations, true)
         {
             self.complain(&limited);
@@ -199,7 +199,7 @@ impl Session<'_> {
 
     /// Warns if the recomputed force balance exceeds IMBALANCE and round-off.
     fn warn_if_unbalanced(&mut self, balance: &Balance) {
-        let imbalance = Settings::from(&self.model().model.equilibrium).imbalance;
+        let imbalance = StaticSettings::from(&self.model().model.equilibrium).imbalance;
         if balance.holds(imbalance) {
             return;
         }
@@ -292,7 +292,7 @@ impl Session<'_> {
     fn warn_if_unstable(&mut self) {
         let loaded = self.model();
         let time = loaded.time();
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -367,8 +367,8 @@ pub(super) struct Failure {
 impl Loaded {
     /// Finds the equilibrium at a time, or at the current time. On failure the state is unchanged.
     fn solve(&mut self, time: Option<f64>, mode: i32) -> Result<Report, Failure> {
-        let settings = Settings::from(&self.model.equilibrium);
-        let Compiled {
+        let settings = StaticSettings::from(&self.model.equilibrium);
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -438,7 +438,7 @@ impl Loaded {
         let Some((model, outputs, compiled)) = self.writing() else {
             return Ok(());
         };
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -450,7 +450,7 @@ impl Loaded {
     }
 
     /// Returns the model, its output files, and its compiled form.
-    fn writing(&mut self) -> Option<(&Model, &mut Outputs, &mut Compiled)> {
+    fn writing(&mut self) -> Option<(&Model, &mut Outputs, &mut CompiledModel)> {
         self.compiled();
         Some((&self.model, &mut self.outputs, self.compiled.as_mut()?))
     }

@@ -1,6 +1,6 @@
 //! Start of a motion: initial conditions including those of joints, and sensors that already fire.
 
-use super::loaded::{Beginning, Compiled, Loaded};
+use super::loaded::{Beginning, CompiledModel, Loaded};
 use super::run_state::Session;
 use super::sensing::Sensed;
 use super::watching::SensorWatch;
@@ -27,7 +27,7 @@ impl Session<'_> {
             return Ok((redundant, Sensed::default()));
         }
         let model = model.clone();
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -137,7 +137,7 @@ impl Loaded {
         } else {
             None
         };
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,

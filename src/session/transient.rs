@@ -1,7 +1,7 @@
 //! Simulations over time: initial conditions, kinematics, dynamics.
 
 use super::ending::Stop;
-use super::loaded::Compiled;
+use super::loaded::CompiledModel;
 use super::measures::Measures;
 use super::message::{Progress, Row, equation_as_adams};
 use super::run_state::{Flow, Locate, Place, Session};
@@ -10,7 +10,7 @@ use super::simulate::{OutputTimes, Phases, RequestedAnalysis, too_many};
 use super::watching::SensorWatch;
 use admire_results::StepKind;
 use admire_solver::motion;
-use admire_solver::motion::{Consistent, Integrator, MotionError, Settings};
+use admire_solver::motion::{Consistent, Integrator, MotionError, MotionSettings};
 use admire_solver::system::{EquationName, State};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -87,7 +87,7 @@ impl Session<'_> {
                 return self.simulation_failed();
             }
         };
-        let Compiled { system, state, .. } = self.model().compiled().value;
+        let CompiledModel { system, state, .. } = self.model().compiled().value;
         let undetermined = motion::check_determined(system, state);
         // Dynamic states have rates of their own and are integrated even if the parts have no degrees of freedom.
         let fixed = undetermined.is_ok() && state.states.is_empty();
@@ -181,7 +181,7 @@ impl Session<'_> {
             .compiled
             .take()
             .expect("a motion has begun with its equations");
-        let Compiled {
+        let CompiledModel {
             system,
             parameters,
             state,
@@ -266,7 +266,7 @@ impl Session<'_> {
         (sensed, place): (Sensed, Place<'_>),
     ) -> Result<Option<bool>, Stop> {
         let output = times.at(1) - times.start;
-        let settings = Settings::of(&self.model().model.integrator, output);
+        let settings = MotionSettings::of(&self.model().model.integrator, output);
         let longest = settings.hmax;
         let mut progress = Progress::new(&times);
         let first = Row {

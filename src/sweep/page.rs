@@ -1,6 +1,6 @@
 //! Page of a sweep: histograms, tornado charts, tables.
 
-use admire_report::{Align, Bars, Chart, DrawingError, Figure, Mark, Page, Series, Table, number};
+use admire_report::{Align, Bars, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table, number};
 
 use super::folder::SweepFolder;
 use super::summary::{OutputSummary, Spread, Summary};
@@ -142,7 +142,7 @@ fn histogram(spread: &Spread) -> Result<Figure, DrawingError> {
         series: vec![Series {
             name: spread.name.clone(),
             points,
-            mark: Mark::Line,
+            mark: SeriesStyle::Line,
         }],
         log_y: false,
         level: None,

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::hash::QuickMap;
 use super::pieces::Piece;
-use super::{Argument, Object, Reference, Statement};
+use super::{Argument, ObjectId, Reference, Statement};
 
 /// A statement: the key of its piece and its place among the statements there.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -18,8 +18,8 @@ pub struct Place {
 /// Objects by the pieces that hold them. Knows no order of pieces.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Catalogue {
-    defined: QuickMap<Object, Vec<Place>>,
-    referring: QuickMap<Object, BTreeSet<u32>>,
+    defined: QuickMap<ObjectId, Vec<Place>>,
+    referring: QuickMap<ObjectId, BTreeSet<u32>>,
 }
 
 impl Catalogue {
@@ -58,17 +58,17 @@ impl Catalogue {
     }
 
     /// The statements that define an object, in no order.
-    pub fn definitions(&self, object: Object) -> &[Place] {
+    pub fn definitions(&self, object: ObjectId) -> &[Place] {
         self.defined.get(&object).map_or(&[], Vec::as_slice)
     }
 
     /// The keys of the pieces that refer to an object.
-    pub fn referring(&self, object: Object) -> impl Iterator<Item = u32> + '_ {
+    pub fn referring(&self, object: ObjectId) -> impl Iterator<Item = u32> + '_ {
         self.referring.get(&object).into_iter().flatten().copied()
     }
 
     /// Every object that is defined, in no order.
-    pub fn objects(&self) -> impl Iterator<Item = (Object, &[Place])> {
+    pub fn objects(&self) -> impl Iterator<Item = (ObjectId, &[Place])> {
         self.defined
             .iter()
             .map(|(object, places)| (*object, places.as_slice()))

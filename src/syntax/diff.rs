@@ -11,7 +11,7 @@ use crate::text::{Source, Span};
 
 /// Numbers that differ by no more than this are the same.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Tolerance {
+pub struct DiffTolerance {
     /// Largest difference, in the unit of the number.
     pub absolute: f64,
     /// Largest difference as a share of the larger magnitude.
@@ -26,13 +26,13 @@ pub struct Difference {
     /// The view name of the object, if it has one.
     pub name: Option<String>,
     /// What is different.
-    pub change: Change,
+    pub change: DiffKind,
 }
 
 /// What is different.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Change {
+pub enum DiffKind {
     /// Only the second dataset has it.
     Added,
     /// Only the first dataset has it.
@@ -55,7 +55,7 @@ pub enum Change {
     },
 }
 
-impl Tolerance {
+impl DiffTolerance {
     fn same(self, a: f64, b: f64) -> bool {
         a == b || (a - b).abs() <= self.absolute + self.relative * a.abs().max(b.abs())
     }
@@ -63,13 +63,13 @@ impl Tolerance {
 
 /// The differences in order: objects of the first dataset as they appear there, then what only the second one has. A default
 /// that is written out, another order of arguments, another spelling of a number, comments and line breaks are no differences.
-pub fn diff(before: &Dataset, after: &Dataset, tolerance: Tolerance) -> Vec<Difference> {
+pub fn diff(before: &Dataset, after: &Dataset, tolerance: DiffTolerance) -> Vec<Difference> {
     let mut found = Vec::new();
     if before.title() != after.title() {
         found.push(Difference {
             address: "TITLE".into(),
             name: None,
-            change: Change::Text {
+            change: DiffKind::Text {
                 before: Some(before.title().into_owned()),
                 after: Some(after.title().into_owned()),
             },
@@ -92,12 +92,12 @@ pub fn diff(before: &Dataset, after: &Dataset, tolerance: Tolerance) -> Vec<Diff
                 };
                 pair.compare(&mut found);
             }
-            None => found.push(whole(key, before, statement, Change::Removed)),
+            None => found.push(whole(key, before, statement, DiffKind::Removed)),
         }
     }
     for (key, statement) in &new {
         if !known.contains(key.as_str()) {
-            found.push(whole(key, after, statement, Change::Added));
+            found.push(whole(key, after, statement, DiffKind::Added));
         }
     }
     found
@@ -123,7 +123,7 @@ fn objects(dataset: &Dataset) -> Vec<(String, &Statement)> {
     all
 }
 
-fn whole(key: &str, dataset: &Dataset, statement: &Statement, change: Change) -> Difference {
+fn whole(key: &str, dataset: &Dataset, statement: &Statement, change: DiffKind) -> Difference {
     Difference {
         address: key.to_string(),
         name: view_name(dataset, statement),
@@ -140,7 +140,7 @@ struct Pair<'a> {
     before: (&'a Dataset, &'a Statement),
     after: (&'a Dataset, &'a Statement),
     key: &'a str,
-    tolerance: Tolerance,
+    tolerance: DiffTolerance,
 }
 
 impl Pair<'_> {
@@ -153,7 +153,7 @@ impl Pair<'_> {
             self.push(
                 found,
                 "",
-                Change::Text {
+                DiffKind::Text {
                     before: names.0,
                     after: names.1,
                 },
@@ -200,7 +200,7 @@ impl Pair<'_> {
         {
             for (k, (old, new)) in old.iter().zip(&new).enumerate() {
                 if !self.tolerance.same(old.value, new.value) {
-                    let change = Change::Number {
+                    let change = DiffKind::Number {
                         before: old.value,
                         after: new.value,
                         written: [written(self.before.0, old), written(self.after.0, new)],
@@ -222,7 +222,7 @@ impl Pair<'_> {
             self.push(
                 found,
                 &format!(".{name}"),
-                Change::Text {
+                DiffKind::Text {
                     before: old,
                     after: new,
                 },
@@ -275,7 +275,7 @@ impl Pair<'_> {
             && a.iter().zip(&b).all(|(a, b)| self.tolerance.same(*a, *b))
     }
 
-    fn push(&self, found: &mut Vec<Difference>, place: &str, change: Change) {
+    fn push(&self, found: &mut Vec<Difference>, place: &str, change: DiffKind) {
         found.push(Difference {
             address: format!("{}{place}", self.key),
             name: view_name(self.after.0, self.after.1),

@@ -95,4 +95,4 @@ pub use token::as_id;
 pub use token::{Number, Token};
 pub use topology::Removal;
 pub use topology::Topology;
-pub use topology::{Object, Reference};
+pub use topology::{ObjectId, Reference};

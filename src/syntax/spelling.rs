@@ -5,7 +5,7 @@ use super::number::parse_number;
 /// spelling in degrees. Some doubles have no number of degrees that reads back to them: these lose the suffix and are spelled in
 /// radians.
 pub fn spell_like(value: f64, old: &[u8]) -> String {
-    let mut style = Style::of(old);
+    let mut style = NumberSpelling::of(old);
     let value = if value == 0.0 { 0.0 } else { value };
     let in_degrees = if style.suffix.is_empty() {
         None
@@ -36,7 +36,7 @@ pub fn spell_like(value: f64, old: &[u8]) -> String {
 }
 
 /// How a number was spelled.
-struct Style {
+struct NumberSpelling {
     plus: bool,
     /// The mantissa has a decimal point.
     point: bool,
@@ -55,7 +55,7 @@ struct Exponent {
     width: usize,
 }
 
-impl Style {
+impl NumberSpelling {
     fn of(old: &[u8]) -> Self {
         let text = String::from_utf8_lossy(old);
         let text = text.trim();

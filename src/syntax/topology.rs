@@ -18,7 +18,7 @@ pub struct Reference {
 }
 
 /// An object by id space and id.
-pub type Object = (&'static str, u32);
+pub type ObjectId = (&'static str, u32);
 
 impl Argument {
     /// The objects an argument names.
@@ -47,7 +47,7 @@ impl Argument {
 
 impl Statement {
     /// Itself as an object, if it has an id.
-    pub fn object(&self) -> Option<Object> {
+    pub fn object(&self) -> Option<ObjectId> {
         Some((self.def?.id?, self.number()?))
     }
 
@@ -63,7 +63,7 @@ impl Statement {
 /// The bodies of all markers, those too that name none.
 #[derive(Clone, Debug, Default)]
 pub struct Topology {
-    bodies: BTreeMap<u32, Object>,
+    bodies: BTreeMap<u32, ObjectId>,
 }
 
 impl Topology {
@@ -93,13 +93,13 @@ impl Topology {
     }
 
     /// The body a marker is on.
-    pub fn body(&self, marker: u32) -> Option<Object> {
+    pub fn body(&self, marker: u32) -> Option<ObjectId> {
         self.bodies.get(&marker).copied()
     }
 
     /// The bodies an element is attached to: those of the markers its arguments name, in their order, and bodies it names
     /// itself. What functions measure does not count.
-    pub fn attached(&self, statement: &Statement) -> Vec<Object> {
+    pub fn attached(&self, statement: &Statement) -> Vec<ObjectId> {
         let mut found = Vec::new();
         for argument in &statement.arguments {
             if !matches!(argument.value, Value::Numbers(_)) {
@@ -139,7 +139,7 @@ impl Dataset {
             arguments: BTreeSet::new(),
         };
         loop {
-            let gone: BTreeSet<Object> = removal
+            let gone: BTreeSet<ObjectId> = removal
                 .statements
                 .iter()
                 .filter_map(|at| self.statements()[*at].object())

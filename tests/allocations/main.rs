@@ -6,7 +6,7 @@ use std::alloc::System as Memory;
 use std::path::Path;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::System;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
@@ -22,7 +22,7 @@ fn counts(axle: &str) -> Vec<(usize, usize)> {
     let system = System::compile(&Model::lower(&dataset).value).value;
     let (mut parameters, mut state) = (system.parameters(), system.state());
     let mut solver = Solver::new(&system);
-    let settings = Settings::tight();
+    let settings = StaticSettings::tight();
     let slots = [1, 2, 3].map(|id| {
         let address = Address {
             kind: "SFORCE".to_string(),

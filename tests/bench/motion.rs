@@ -13,7 +13,7 @@ mod squeezer;
 use std::time::Instant;
 
 use admire_solver::model::Model;
-use admire_solver::motion::{Consistent, Integrator, Kept, Settings, assemble};
+use admire_solver::motion::{Consistent, Integrator, Kept, MotionSettings, assemble};
 use admire_solver::system::{State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -184,7 +184,7 @@ fn main() {
                 1e-4,
             )
             .expect("the model can be assembled");
-            let settings = Settings {
+            let settings = MotionSettings {
                 error,
                 hinit: known.hmax / 20.0,
                 hmax: known.hmax,

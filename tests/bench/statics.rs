@@ -15,7 +15,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Balance, Settings, Solver};
+use admire_solver::statics::{Balance, StaticSettings, Solver};
 use admire_solver::system::{Scratch, State, System};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
@@ -151,8 +151,8 @@ fn solve(job: &Value) -> Value {
     let system = compiled.value;
     let mut solver = Solver::new(&system);
     let mut parameters = system.parameters();
-    let tight = Settings::tight();
-    let settings = Settings {
+    let tight = StaticSettings::tight();
+    let settings = StaticSettings {
         error: job["error"].as_f64().unwrap_or(tight.error),
         imbalance: job["imbalance"].as_f64().unwrap_or(tight.imbalance),
         tlimit: job["tlimit"].as_f64().unwrap_or(tight.tlimit),

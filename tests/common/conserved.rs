@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use admire_solver::mechanics::{Vec3, Vec6};
 use admire_solver::model::{Model, PartIx};
-use admire_solver::motion::{Consistent, Integrator, Kept, Settings, assemble};
+use admire_solver::motion::{Consistent, Integrator, Kept, MotionSettings, assemble};
 use admire_solver::system::{Parameters, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -164,7 +164,7 @@ impl Case {
     }
 
     pub fn integrated(&self, state: State, error: f64, end: f64) -> State {
-        let settings = Settings {
+        let settings = MotionSettings {
             error,
             hinit: 1e-3,
             hmax: 0.1,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use admire_results::{GraphicsFile, MessageFile, StepKind};
 use admire_solver::model::{Model, convert_units};
-use admire_solver::statics::{Freedoms, Settings, solve};
+use admire_solver::statics::{FreedomCount, StaticSettings, solve};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::text::{Source, apply_edits};
@@ -192,7 +192,7 @@ fn an_extract_feels_the_forces_of_the_whole() {
         assert!((a - b).abs() < 1e-9 * size, "{whole:?} {alone:?}");
     }
     let (code, _, err) = folder.run(&["extract", "d.adm", "PART/1"]);
-    assert!(code == 1 && err.contains("no part that moves"), "{err}");
+    assert!(code == 1 && err.contains("not a part that moves"), "{err}");
 }
 
 fn unit(table: &[Unit], name: &str) -> Unit {
@@ -211,10 +211,10 @@ fn equilibrium(text: &[u8]) -> Vec<[f64; 3]> {
     let mut state = system.state();
     let units = &model.value.units;
     // The same tolerances and limits in any units.
-    let settings = Settings {
+    let settings = StaticSettings {
         imbalance: 1e-6 / units.force.si,
         tlimit: 0.02 / units.length.si,
-        ..Settings::tight()
+        ..StaticSettings::tight()
     };
     solve(&system, &system.parameters(), &mut state, &settings).expect("an equilibrium");
     let si = units.length.si;
@@ -330,7 +330,7 @@ fn freedoms_are_always_counted() {
     ))
     .value;
     let system = System::compile(&Model::lower(&dataset).value).value;
-    let found = Freedoms::of(&system, &system.parameters(), &system.state());
+    let found = FreedomCount::of(&system, &system.parameters(), &system.state());
     assert_eq!(
         (found.gruebler(), found.actual(), found.redundant.len()),
         (7, 7, 0)

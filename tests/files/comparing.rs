@@ -1,7 +1,7 @@
 //! Differences, new ids, JSON and summaries of decks.
 
 use admire_solver::model::{Model, summary::summary};
-use admire_syntax::diff::{Change, Tolerance, diff};
+use admire_syntax::diff::{DiffKind, DiffTolerance, diff};
 use admire_syntax::renumber::{in_order, renumber};
 use admire_syntax::text::{Source, apply_edits};
 use admire_syntax::{CommandFile, Dataset, json};
@@ -13,7 +13,7 @@ fn changes(before: &str, after: &str) -> Vec<String> {
     diff(
         &dataset(before).value,
         &dataset(after).value,
-        Tolerance {
+        DiffTolerance {
             absolute: 0.0,
             relative: 1e-9,
         },
@@ -21,10 +21,10 @@ fn changes(before: &str, after: &str) -> Vec<String> {
     .iter()
     .map(|difference| {
         let change = match &difference.change {
-            Change::Added => "added".to_string(),
-            Change::Removed => "removed".to_string(),
-            Change::Number { before, after, .. } => format!("{before} -> {after}"),
-            Change::Text { before, after } => format!(
+            DiffKind::Added => "added".to_string(),
+            DiffKind::Removed => "removed".to_string(),
+            DiffKind::Number { before, after, .. } => format!("{before} -> {after}"),
+            DiffKind::Text { before, after } => format!(
                 "{} -> {}",
                 before.as_deref().unwrap_or("(none)"),
                 after.as_deref().unwrap_or("(none)")
@@ -55,7 +55,7 @@ fn latin_1_in_functions_is_compared() {
         .concat();
         Dataset::parse(Source::new("latin.adm", text)).value
     };
-    let exact = Tolerance {
+    let exact = DiffTolerance {
         absolute: 0.0,
         relative: 0.0,
     };
@@ -90,11 +90,11 @@ fn differences_are_told_per_object() {
 fn numbers_are_shown_as_they_are_written() {
     let a = dataset("t\nMARKER/5, PART=1, REULER=90D,0,0\nEND\n").value;
     let b = dataset("t\nMARKER/5, PART=1, QP=1.0E-14,0,0, REULER=45.0D,0,0\nEND\n").value;
-    let found = diff(&a, &b, Tolerance::default());
+    let found = diff(&a, &b, DiffTolerance::default());
     let shown: Vec<_> = found
         .iter()
         .map(|difference| match &difference.change {
-            Change::Number { written, after, .. } => {
+            DiffKind::Number { written, after, .. } => {
                 (written.each_ref().map(String::as_str), *after)
             }
             other => panic!("{other:?}"),

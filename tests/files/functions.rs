@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use admire_solver::function::Compiler;
+use admire_solver::function::ExpressionCompiler;
 use admire_solver::model::Model;
 use admire_syntax::text::Source;
 use admire_syntax::{Dataset, Value};
@@ -20,7 +20,7 @@ fn functions_of_real_decks_compile_or_are_refused_by_name() {
         let bytes = std::fs::read(&path).expect("readable deck");
         let dataset = Dataset::parse(Source::new(path.display().to_string(), bytes)).value;
         let model = Model::lower(&dataset).value;
-        let compiler = Compiler::new(&model);
+        let compiler = ExpressionCompiler::new(&model);
         for statement in dataset.statements() {
             for argument in &statement.arguments {
                 let Value::Function(expression) = &argument.value else {

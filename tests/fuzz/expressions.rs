@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use admire_rig::Scatter;
-use admire_solver::function::{Compiler, Scratch};
+use admire_solver::function::{ExpressionCompiler, EvaluationMemory};
 use admire_solver::model::Model;
 use admire_syntax::expression::Node;
 use admire_syntax::text::Source;
@@ -51,11 +51,11 @@ pub fn expression(bytes: &[u8]) {
     };
     assert_eq!(values(&again), values(&read), "{}", read.text);
     assert_eq!(again.text, read.text);
-    let Ok(program) = Compiler::new(model).compile(&read) else {
+    let Ok(program) = ExpressionCompiler::new(model).compile(&read) else {
         return;
     };
     let literals: Vec<f64> = read.literals.iter().map(|number| number.value).collect();
-    let mut scratch = Scratch::default();
+    let mut scratch = EvaluationMemory::default();
     let (mut by_input, mut by_literal) =
         (vec![0.0; program.inputs.len()], vec![0.0; literals.len()]);
     for at in [0.0, 0.3, -1e300, f64::MIN_POSITIVE, f64::NAN] {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Model, PartKind};
-use admire_solver::statics::{Report, Settings, Solver};
+use admire_solver::statics::{Report, StaticSettings, Solver};
 use admire_solver::system::{Parameters, Scratch, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -74,9 +74,9 @@ fn sweep(folder: &Path) -> usize {
         let system = compiled.value;
         let (parameters, mut state) = (system.parameters(), system.state());
         let mut solver = Solver::new(&system);
-        let settings = Settings {
+        let settings = StaticSettings {
             maxit: 200,
-            ..Settings::tight()
+            ..StaticSettings::tight()
         };
         if let Ok(report) = solver.solve(&system, &parameters, &mut state, &settings) {
             println!("{}: {:.1e} left", path.display(), report.imbalance);
@@ -118,7 +118,7 @@ fn every_part_in_every_load_case() {
                 parameters.set(slot, case["load"][direction].as_f64().unwrap());
             }
             let report = solver
-                .solve(&system, &parameters, &mut state, &Settings::tight())
+                .solve(&system, &parameters, &mut state, &StaticSettings::tight())
                 .unwrap();
             check(&model, &system, &parameters, &state, &report);
         }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use admire_solver::mechanics::{Vec3, exp, log};
-use admire_solver::statics::{Settings, smallest_eigenvalue};
+use admire_solver::statics::{StaticSettings, smallest_eigenvalue};
 
 use crate::deck::{Solved, solve, solve_with};
 
@@ -358,7 +358,7 @@ fn constraints_transmit_as_they_say() {
     let screw = wheel(2, 0.0, "CYLINDRICAL") + "JOINT/9, SCREW, I=21, J=102, PITCH=4\n";
     let solved = solve_with(
         &format!("{screw}MOTION/1, JOINT=2, ROTATIONAL, FUNCTION=0.75*PI"),
-        &Settings::tight(),
+        &StaticSettings::tight(),
     );
     close(solved.pose(2).p.z, 4.0 * 0.375, 1e-10);
     // GCON: a rod of constant length.

@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use admire_solver::function::Compiler;
+use admire_solver::function::ExpressionCompiler;
 use admire_solver::model::Model;
 use admire_solver::system::{Scratch, System};
 use admire_syntax::diagnostic::{Diagnostic, Severity};
@@ -194,7 +194,7 @@ fn functions_are_evaluated_as_the_grammar_says() {
             panic!("{call} is not read");
         };
         let model = Model::lower(&dataset).value;
-        let compiled = Compiler::new(&model).compile(expression);
+        let compiled = ExpressionCompiler::new(&model).compile(expression);
         match def.solved {
             Solved::Native(_) => {
                 assert!(compiled.is_ok(), "{call}: {:?}", compiled.err());

@@ -2,7 +2,7 @@
 
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
-use admire_solver::statics::{Report, Settings, Solver};
+use admire_solver::statics::{Report, StaticSettings, Solver};
 use admire_solver::system::{Parameters, Scratch, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -32,10 +32,10 @@ pub struct Solved {
 
 /// Solves [`HEAD`] and these statements, tightly.
 pub fn solve(statements: &str) -> Solved {
-    solve_with(statements, &Settings::tight())
+    solve_with(statements, &StaticSettings::tight())
 }
 
-pub fn solve_with(statements: &str, settings: &Settings) -> Solved {
+pub fn solve_with(statements: &str, settings: &StaticSettings) -> Solved {
     let dataset = Dataset::parse(Source::new(
         "small.adm",
         format!("{HEAD}{statements}\nEND\n").into_bytes(),

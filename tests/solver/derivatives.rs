@@ -1,6 +1,6 @@
 //! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
 
-use admire_solver::statics::{Settings, Solver, Tangent};
+use admire_solver::statics::{StaticSettings, Solver, Tangent};
 use admire_solver::system::{Parameters, Slot, State, System};
 
 use crate::differences::{along, richardson, step};
@@ -59,7 +59,7 @@ fn tangent_is_the_derivative_of_the_residual() {
         let system = System::compile(&model).value;
         let (parameters, mut state) = (system.parameters(), system.state());
         Solver::new(&system)
-            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .solve(&system, &parameters, &mut state, &StaticSettings::tight())
             .unwrap();
         // Away from equilibrium too: nothing may lean on balance or on closed joints.
         let away: Vec<f64> = random(system.unknowns(), 7)
@@ -90,7 +90,7 @@ pub fn check_slot(
             parameters.set(slot, here + h);
             let mut state = state.clone();
             solver
-                .solve(system, &parameters, &mut state, &Settings::tight())
+                .solve(system, &parameters, &mut state, &StaticSettings::tight())
                 .unwrap();
             state
         });
@@ -149,7 +149,7 @@ fn every_number_of_theta() {
         }
         let mut solver = Solver::new(&system);
         solver
-            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .solve(&system, &parameters, &mut state, &StaticSettings::tight())
             .unwrap();
         let mut tangent = Tangent::new(&system, &parameters, &state).unwrap();
         let mut worst = (0.0, String::new());

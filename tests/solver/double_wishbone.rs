@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::{Scratch, State, System};
 
 use crate::deck;
@@ -48,7 +48,7 @@ fn drive(
         parameters.set(slot, value);
     }
     let report = solver
-        .solve(system, &parameters, state, &Settings::tight())
+        .solve(system, &parameters, state, &StaticSettings::tight())
         .unwrap_or_else(|error| panic!("{error}: {error:?}"));
     assert!(report.redundant.is_empty() && report.free_motions.is_empty());
     assert!(report.continuation.is_none());

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::System;
 
 use crate::balance;
@@ -282,7 +282,7 @@ fn examine(deck: &Deck) {
     let system = checked.value;
     let (parameters, mut state) = (system.parameters(), system.state());
     let mut solver = Solver::new(&system);
-    let settings = Settings::tight();
+    let settings = StaticSettings::tight();
     let report = solver
         .solve(&system, &parameters, &mut state, &settings)
         .unwrap_or_else(|e| panic!("{e}: {e:#?}"));
@@ -349,7 +349,7 @@ fn each_joint_alone() {
         let model = deck.model();
         let system = System::compile(&model).value;
         let (parameters, mut state) = (system.parameters(), system.state());
-        let settings = Settings::tight();
+        let settings = StaticSettings::tight();
         let report = Solver::new(&system).solve(&system, &parameters, &mut state, &settings);
         println!("{kind} {:?}", report.map(|r| r.iterations));
         let kind = kind.to_string();

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire_solver::mechanics::{Pose, Vec3, exp};
 use admire_solver::model::Model;
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::{Scratch, State, System};
 
 use crate::deck::{self, solve};
@@ -111,7 +111,7 @@ fn motions_feel_the_slope_of_the_potential() {
         }
         let mut state = system.state();
         solver
-            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .solve(&system, &parameters, &mut state, &StaticSettings::tight())
             .unwrap();
         let mut potential = 0.0;
         for (part, pose) in model.parts.iter().zip(&state.poses) {

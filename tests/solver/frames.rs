@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use admire_solver::mechanics::{Pose, Vec3, exp};
-use admire_solver::statics::{Report, Settings, Softest, SolveError, Solver};
+use admire_solver::statics::{Report, StaticSettings, Softest, SolveError, Solver};
 use admire_solver::system::System;
 
 use crate::common::shared;
@@ -303,7 +303,7 @@ fn solved(
     let model = deck::read(deck);
     let system = System::compile(&model).value;
     let mut state = system.state();
-    let settings = Settings::from(system.settings());
+    let settings = StaticSettings::from(system.settings());
     let result = Solver::new(&system).solve(&system, &system.parameters(), &mut state, &settings);
     (system, result.map(|report| (report, state)))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use admire_solver::statics::{Settings, Solver, Tangent};
+use admire_solver::statics::{StaticSettings, Solver, Tangent};
 use admire_solver::system::System;
 use admire_syntax::grammar::{FUNCTIONS, FunctionDef, Solved};
 
@@ -181,7 +181,7 @@ fn changes(calls: &[(String, bool)]) -> Vec<Change> {
     let system = compiled.value;
     let (parameters, mut state) = (system.parameters(), system.state());
     Solver::new(&system)
-        .solve(&system, &parameters, &mut state, &Settings::tight())
+        .solve(&system, &parameters, &mut state, &StaticSettings::tight())
         .unwrap();
     let n = system.unknowns();
     let bodies = system.equations_start();

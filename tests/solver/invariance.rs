@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use admire_solver::mechanics::{Mat3, Pose, Vec3, exp};
 use admire_solver::model::{Model, Orientation, PartKind, SpringKind};
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -19,7 +19,7 @@ const DECKS: [&str; 2] = [
 ];
 
 /// Pose of every part at equilibrium, by id.
-fn equilibrium(model: &Model, settings: &Settings) -> Vec<(u32, Pose)> {
+fn equilibrium(model: &Model, settings: &StaticSettings) -> Vec<(u32, Pose)> {
     let system = System::compile(model).value;
     let mut state = system.state();
     Solver::new(&system)
@@ -50,7 +50,7 @@ fn a_model_carried_elsewhere() {
         let Some((mut model, _)) = load(stem) else {
             return;
         };
-        let mut here = equilibrium(&model, &Settings::tight());
+        let mut here = equilibrium(&model, &StaticSettings::tight());
         for (id, pose) in &mut here {
             let part = model.parts.iter().find(|p| p.header.id == *id).unwrap();
             if part.kind != PartKind::Ground {
@@ -68,7 +68,7 @@ fn a_model_carried_elsewhere() {
             marker.orientation = Orientation::Points;
         }
         model.gravity = there.R * model.gravity;
-        compare(&equilibrium(&model, &Settings::tight()), &here, 1e-7);
+        compare(&equilibrium(&model, &StaticSettings::tight()), &here, 1e-7);
     }
 }
 
@@ -79,7 +79,7 @@ fn a_model_in_metres() {
         let Some((mut model, _)) = load(stem) else {
             return;
         };
-        let mut expected = equilibrium(&model, &Settings::tight());
+        let mut expected = equilibrium(&model, &StaticSettings::tight());
         for (_, pose) in &mut expected {
             pose.p /= 1000.0;
         }
@@ -106,10 +106,10 @@ fn a_model_in_metres() {
         }
         model.gravity /= 1000.0;
         model.units.ucf = 1.0;
-        let settings = Settings {
+        let settings = StaticSettings {
             tlimit: 0.02,
             imbalance: 1e-9,
-            ..Settings::tight()
+            ..StaticSettings::tight()
         };
         compare(&equilibrium(&model, &settings), &expected, 1e-10);
     }
@@ -125,7 +125,7 @@ fn shuffled_statements() {
         let bytes = std::fs::read(path).unwrap();
         let dataset = Dataset::parse(Source::new("deck", bytes.clone())).value;
         let straight = deck::read(&String::from_utf8(bytes).unwrap());
-        let expected = equilibrium(&straight, &Settings::tight());
+        let expected = equilibrium(&straight, &StaticSettings::tight());
         let mut pieces: Vec<String> = dataset
             .statements()
             .iter()
@@ -140,7 +140,7 @@ fn shuffled_statements() {
             let model = deck::read(&format!("shuffled\n{}\nEND\n", pieces.join("\n")));
             let ids = |m: &Model| m.parts.iter().map(|p| p.header.id).collect::<Vec<_>>();
             assert_ne!(ids(&model), ids(&straight));
-            compare(&equilibrium(&model, &Settings::tight()), &expected, 1e-7);
+            compare(&equilibrium(&model, &StaticSettings::tight()), &expected, 1e-7);
         }
     }
 }

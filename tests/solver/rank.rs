@@ -1,6 +1,6 @@
 //! Free motions, redundant and contradicting constraints, stability: named in the user's words.
 
-use admire_solver::statics::{Settings, SolveError, Solver, smallest_eigenvalue};
+use admire_solver::statics::{StaticSettings, SolveError, Solver, smallest_eigenvalue};
 use admire_solver::system::System;
 
 use crate::deck;
@@ -22,7 +22,7 @@ fn solve(
         &system,
         &system.parameters(),
         &mut state,
-        &Settings::tight(),
+        &StaticSettings::tight(),
     );
     (system, state, result)
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Continuation, Settings, SolveError, Solver};
+use admire_solver::statics::{Continuation, StaticSettings, SolveError, Solver};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Diagnostic, Severity};
@@ -65,7 +65,7 @@ fn outcome(path: &Path) -> String {
     }
     let system = compiled.value;
     let mut state = system.state();
-    let settings = Settings::from(system.settings());
+    let settings = StaticSettings::from(system.settings());
     match Solver::new(&system).solve(&system, &system.parameters(), &mut state, &settings) {
         Ok(report) => {
             let mut out = String::from("equilibrium");

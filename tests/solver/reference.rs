@@ -2,7 +2,7 @@
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{JointKind, Model};
-use admire_solver::statics::{Settings, SolveError, Solver};
+use admire_solver::statics::{StaticSettings, SolveError, Solver};
 use admire_solver::system::{Scratch, System};
 use admire_syntax::Address;
 
@@ -53,7 +53,7 @@ fn compare(stem: &str) {
     let mut state = system.state();
     let mut solver = Solver::new(&system);
     let mut scratch = Scratch::new(&system);
-    let settings = Settings::tight();
+    let settings = StaticSettings::tight();
     let mut worst = [0.0_f64; 3];
     let mut iterations = Vec::new();
     for case in expected["cases"].as_array().unwrap() {
@@ -123,7 +123,7 @@ fn spherical_tie_rod() {
     let mut state = system.state();
     let parameters = system.parameters();
     let report = Solver::new(&system)
-        .solve(&system, &parameters, &mut state, &Settings::tight())
+        .solve(&system, &parameters, &mut state, &StaticSettings::tight())
         .unwrap();
     assert_eq!(report.free_motions.len(), 1);
     assert_eq!(
@@ -138,7 +138,7 @@ fn spherical_tie_rod() {
     parameters.set(system.catalogue().slot(&mass).unwrap(), 0.0);
     let mut state = system.state();
     let error = Solver::new(&system)
-        .solve(&system, &parameters, &mut state, &Settings::tight())
+        .solve(&system, &parameters, &mut state, &StaticSettings::tight())
         .unwrap_err();
     let SolveError::FreeMotion(motion) = &error else {
         panic!("{error}");

@@ -1,7 +1,7 @@
 //! Equilibria from poor starts.
 
 use admire_solver::mechanics::{Vec3, exp};
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::System;
 use admire_syntax::Address;
 
@@ -23,7 +23,7 @@ fn displaced_parts() {
         let system = System::compile(&model).value;
         let parameters = system.parameters();
         let mut solver = Solver::new(&system);
-        let settings = Settings::tight();
+        let settings = StaticSettings::tight();
         let mut reference = system.state();
         solver
             .solve(&system, &parameters, &mut reference, &settings)
@@ -96,7 +96,7 @@ fn stiffness_of_1e4_everywhere() {
                     .slot(&crate::reference::address("SFORCE", id as u32 + 1));
                 parameters.set(slot.unwrap(), case["load"][direction].as_f64().unwrap());
             }
-            match solver.solve(&system, &parameters, &mut state, &Settings::tight()) {
+            match solver.solve(&system, &parameters, &mut state, &StaticSettings::tight()) {
                 Ok(report) => told.push((report.iterations, report.continuation)),
                 Err(error) => panic!("{stem}: {error} {error:?}"),
             }

@@ -1,7 +1,7 @@
 //! Derivatives of forces and measures by every number of theta: direct against adjoint, both against differences of equilibria.
 
 use admire_solver::model::PartIx;
-use admire_solver::statics::{Sensitivity, Settings, Solver};
+use admire_solver::statics::{Sensitivity, StaticSettings, Solver};
 use admire_solver::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
 use crate::deck;
@@ -34,7 +34,7 @@ fn values(
 ) -> Vec<f64> {
     let mut state = state.clone();
     solver
-        .solve(system, parameters, &mut state, &Settings::tight())
+        .solve(system, parameters, &mut state, &StaticSettings::tight())
         .unwrap();
     let mut scratch = Scratch::new(system);
     quantities
@@ -137,7 +137,7 @@ fn forces_of_the_axles() {
             parameters.set(slot.unwrap(), force);
         }
         Solver::new(&system)
-            .solve(&system, &parameters, &mut state, &Settings::tight())
+            .solve(&system, &parameters, &mut state, &StaticSettings::tight())
             .unwrap();
         let mut falls = check(&system, &parameters, &state, &forces(&system));
         falls.sort_by(f64::total_cmp);
@@ -160,7 +160,7 @@ fn any_number_of_threads() {
     let system = System::compile(&model).value;
     let (parameters, mut state) = (system.parameters(), system.state());
     Solver::new(&system)
-        .solve(&system, &parameters, &mut state, &Settings::tight())
+        .solve(&system, &parameters, &mut state, &StaticSettings::tight())
         .unwrap();
     let sensitivity = Sensitivity::new(&system, &parameters, &state).unwrap();
     let quantities: Vec<Quantity> = forces(&system).into_iter().map(|q| q.0).collect();

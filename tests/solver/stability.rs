@@ -1,6 +1,6 @@
 //! Equilibria that do not last, the way on from them, and starts that stay.
 
-use admire_solver::statics::{Settings, Softest, SolveError, Solver};
+use admire_solver::statics::{StaticSettings, Softest, SolveError, Solver};
 use admire_solver::system::Scratch;
 
 use crate::deck::{Solved, solve, solve_with};
@@ -39,7 +39,7 @@ fn an_upright_pendulum_is_left_both_ways() {
     assert!(doubtful.is_unstable() && doubtful.motion == unstable.motion);
 
     let mut solver = Solver::new(system);
-    let settings = Settings::tight();
+    let settings = StaticSettings::tight();
     let found = solver
         .settle(system, parameters, &mut solved.state, &settings, &unstable)
         .unwrap();
@@ -74,7 +74,7 @@ fn the_nearer_of_two_stable_equilibria_is_taken() {
     let unstable = softest(&solved);
     assert!((unstable.stiffness + 3.0).abs() < 1e-9, "{unstable:?}");
     let mut solver = Solver::new(&solved.system);
-    let settings = Settings::tight();
+    let settings = StaticSettings::tight();
     let found = solver
         .settle(
             &solved.system,
@@ -102,7 +102,7 @@ fn a_fall_without_end_is_told() {
         &solved.system,
         &solved.parameters,
         &mut state,
-        &Settings::tight(),
+        &StaticSettings::tight(),
         &unstable,
     );
     let said = failed.unwrap_err().to_string();
@@ -135,23 +135,23 @@ fn a_mass_later_in_a_chain_counts_through_the_joints() {
 fn as_many_iterations_as_stated_and_no_more() {
     let far = PENDULUM.replace("KT=1000", "KT=1E5, TORQUE=1E5");
     for most in [1, 2, 3] {
-        let settings = Settings {
+        let settings = StaticSettings {
             maxit: most,
             budget: Some(most),
-            ..Settings::default()
+            ..StaticSettings::default()
         };
         let text = format!("{}{far}EQUILIBRIUM/MAXIT={most}\nEND\n", crate::deck::HEAD);
         let model = crate::deck::read(&text);
         let system = admire_solver::system::System::compile(&model).value;
         assert_eq!(
-            Settings::from(system.settings()),
-            Settings {
+            StaticSettings::from(system.settings()),
+            StaticSettings {
                 stability: system.settings().stability,
                 ..settings
             }
         );
         let mut state = system.state();
-        let settings = Settings::from(system.settings());
+        let settings = StaticSettings::from(system.settings());
         let mut solver = Solver::new(&system);
         match solver.solve(&system, &system.parameters(), &mut state, &settings) {
             Ok(report) => assert!(report.iterations <= most, "{most}: {}", report.iterations),
@@ -169,10 +169,10 @@ fn as_many_iterations_as_stated_and_no_more() {
             Err(other) => panic!("{other}"),
         }
     }
-    let settings = Settings {
+    let settings = StaticSettings {
         maxit: 1,
         budget: Some(1),
-        ..Settings::default()
+        ..StaticSettings::default()
     };
     let text = format!("{}{far}END\n", crate::deck::HEAD);
     let model = crate::deck::read(&text);
@@ -184,7 +184,7 @@ fn as_many_iterations_as_stated_and_no_more() {
         &settings,
     );
     assert!(matches!(solved, Err(SolveError::NotConverged { .. })));
-    assert!(solve_with(&far, &Settings::default()).report.iterations > 1);
+    assert!(solve_with(&far, &StaticSettings::default()).report.iterations > 1);
 }
 
 /// A lamp whose spring balances its weight in every position (k a h = m g l), on a foot of this stiffness.

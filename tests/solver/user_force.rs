@@ -1,7 +1,7 @@
 //! USER forces that only read a property file, replaced by its curves: the deck then solves, to closed forms.
 
 use admire_solver::model::{Model, replace_user_forces};
-use admire_solver::statics::{Settings, Solver};
+use admire_solver::statics::{StaticSettings, Solver};
 use admire_solver::system::System;
 use admire_syntax::files::Files;
 use admire_syntax::text::{Source, apply_edits};
@@ -86,7 +86,7 @@ fn place(text: &str) -> admire_solver::mechanics::Pose {
             &system,
             &system.parameters(),
             &mut state,
-            &Settings::tight(),
+            &StaticSettings::tight(),
         )
         .unwrap();
     state.poses[1]

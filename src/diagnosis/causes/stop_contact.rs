@@ -1,7 +1,7 @@
 //! `stop-contact`: a one-sided spring engages past a clearance along a joint or spring.
 
 use admire_solver::mechanics::Vec6;
-use admire_solver::model::JointKind;
+use admire_solver::model::{JointKind, MarkerIx};
 use admire_syntax::NewStatement;
 
 use super::super::cause::Cause;
@@ -20,7 +20,6 @@ const GRID: [(f64, &str, &str); 4] = [
 
 /// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
-    let per_length = survey.newton() / survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(
             joint.kind,
@@ -37,15 +36,17 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let measure = survey.deflection_function((joint.i, joint.j), 2);
         let address = format!("JOINT/{}", joint.header.id);
         let text = |body: &str| survey.vector_force((joint.i, joint.j), &[(2, body)]);
-        stops(
-            &address,
-            ("GFORCE", "FZ"),
-            (joint.i, joint.j),
-            (&u, &directions),
-            &measure,
-            (&text, per_length),
-            out,
-        );
+        let travel = Travel {
+            address: &address,
+            kind: "GFORCE",
+            argument: "FZ",
+            pair: (joint.i, joint.j),
+            u: &u,
+            directions: &directions,
+            measure: &measure,
+            statements: &text,
+        };
+        stops(survey, &travel, out);
     }
     for spring in survey
         .model
@@ -82,32 +83,52 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         };
         let measure = format!("DM({i},{j})");
         let address = format!("SPRINGDAMPER/{}", spring.header.id);
-        let pair = (spring.i, spring.j);
-        stops(
-            &address,
-            ("SFORCE", "FUNCTION"),
-            pair,
-            (&u, &directions),
-            &measure,
-            (&text, per_length),
-            out,
-        );
+        let travel = Travel {
+            address: &address,
+            kind: "SFORCE",
+            argument: "FUNCTION",
+            pair: (spring.i, spring.j),
+            u: &u,
+            directions: &directions,
+            measure: &measure,
+            statements: &text,
+        };
+        stops(survey, &travel, out);
     }
 }
 
-/// Adds stops at both ends of a displacement `u`. A positive force acts along `directions`.
-fn stops(
-    address: &str,
-    (kind, argument): (&str, &str),
-    pair: (
-        admire_solver::model::MarkerIx,
-        admire_solver::model::MarkerIx,
-    ),
-    (u, directions): (&[f64], &[Vec6]),
-    measure: &str,
-    (statements, per_length): (&dyn Fn(&str) -> (u32, Vec<NewStatement>), f64),
-    out: &mut Vec<Hypothesis>,
-) {
+/// Travel of a sliding joint or a spring that a stop may limit.
+struct Travel<'a> {
+    /// Address of the joint or spring.
+    address: &'a str,
+    /// Statement of the added force.
+    kind: &'a str,
+    /// Argument of it that holds the function.
+    argument: &'a str,
+    pair: (MarkerIx, MarkerIx),
+    /// Displacement in each case.
+    u: &'a [f64],
+    /// Wrench of a unit force in each case.
+    directions: &'a [Vec6],
+    /// ADAMS function of the displacement.
+    measure: &'a str,
+    /// Id and statements of the force with a function.
+    statements: &'a dyn Fn(&str) -> (u32, Vec<NewStatement>),
+}
+
+/// Adds stops at both ends of a travel. A positive force acts along its directions.
+fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
+    let Travel {
+        address,
+        kind,
+        argument,
+        pair,
+        u,
+        directions,
+        measure,
+        statements,
+    } = *travel;
+    let per_length = survey.newton() / survey.millimetre();
     let (low, high) = u
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {

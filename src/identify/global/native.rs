@@ -13,7 +13,7 @@ use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predic
 use super::unknown::{Component, Direction, Numbers};
 use admire_session::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
 use admire_solver::model::PartIx;
-use admire_solver::statics::{Balance, Settings, Tangent, displace, twist};
+use admire_solver::statics::{Balance, StaticSettings, Tangent, displace, twist};
 use admire_solver::system::{Parameters, Scratch, Slot, State, System};
 use admire_study::Channels;
 
@@ -71,7 +71,7 @@ impl<'a> NativePredictor<'a> {
             memories: Vec::new(),
             weights: Vec::new(),
             has_free_motions: false,
-            sweeper: CaseSweeper::new(system, loads, Settings::tight()),
+            sweeper: CaseSweeper::new(system, loads, StaticSettings::tight()),
             system,
             observed,
             channels,

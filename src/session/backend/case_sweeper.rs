@@ -1,6 +1,6 @@
 use super::compiled::slot;
 use super::{BackendError, LoadProgramme};
-use admire_solver::statics::{Settings, SolveError, Solver};
+use admire_solver::statics::{StaticSettings, SolveError, Solver};
 use admire_solver::system::{Parameters, Slot, State, System};
 
 /// Numbers that change from case to case: the loads.
@@ -33,7 +33,7 @@ impl Loads {
 #[derive(Debug)]
 pub struct CaseSweeper {
     loads: Loads,
-    settings: Settings,
+    settings: StaticSettings,
     solver: Solver,
     /// Last solution of each case.
     answers: Vec<Option<State>>,
@@ -41,7 +41,7 @@ pub struct CaseSweeper {
 
 impl CaseSweeper {
     /// Creates a sweeper for the loads of a compiled deck.
-    pub fn new(system: &System, loads: Loads, settings: Settings) -> Self {
+    pub fn new(system: &System, loads: Loads, settings: StaticSettings) -> Self {
         Self {
             settings,
             solver: Solver::new(system),

@@ -1,6 +1,6 @@
 use super::BackendError;
 use admire_solver::model::Model;
-use admire_solver::statics::Settings;
+use admire_solver::statics::StaticSettings;
 use admire_solver::system::{Slot, System};
 use admire_syntax::Address;
 use admire_syntax::diagnostic::Severity;
@@ -25,10 +25,10 @@ pub fn compile(model: &Model) -> Result<System, BackendError> {
 }
 
 /// Returns the settings of the deck's EQUILIBRIUM with tightened tolerances, because estimation needs more digits than a display.
-pub fn tight_settings(system: &System) -> Settings {
-    let deck = Settings::from(system.settings());
-    let tight = Settings::tight();
-    Settings {
+pub fn tight_settings(system: &System) -> StaticSettings {
+    let deck = StaticSettings::from(system.settings());
+    let tight = StaticSettings::tight();
+    StaticSettings {
         error: deck.error.min(tight.error),
         imbalance: deck.imbalance.min(tight.imbalance),
         maxit: deck.maxit.max(tight.maxit),

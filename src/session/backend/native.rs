@@ -8,11 +8,11 @@ use admire_solver::system::{Parameters, System};
 /// The built-in solver as a backend. It keeps the compiled model and the last solution of every case, from which the next sweep starts.
 #[derive(Default, Debug)]
 pub struct NativeBackend {
-    compiled: Option<Compiled>,
+    compiled: Option<CompiledDeck>,
 }
 
 #[derive(Debug)]
-struct Compiled {
+struct CompiledDeck {
     model: Model,
     system: System,
     sweeper: CaseSweeper,
@@ -24,19 +24,19 @@ impl NativeBackend {
         Self::default()
     }
 
-    fn compiled(&mut self, model: &Model) -> Result<&mut Compiled, BackendError> {
+    fn compiled(&mut self, model: &Model) -> Result<&mut CompiledDeck, BackendError> {
         let known = self
             .compiled
             .as_ref()
             .is_some_and(|compiled| compiled.model == *model);
         if !known {
-            self.compiled = Some(Compiled::new(model)?);
+            self.compiled = Some(CompiledDeck::new(model)?);
         }
         Ok(self.compiled.as_mut().expect("compiled just above"))
     }
 }
 
-impl Compiled {
+impl CompiledDeck {
     fn new(model: &Model) -> Result<Self, BackendError> {
         let system = compile(model)?;
         let none = Loads {

@@ -1,6 +1,6 @@
 //! MOTION as a constraint equation. The caller evaluates the FUNCTION, and integrates or rejects velocity and acceleration forms.
 
-use super::{Constraint, Equations, Measure};
+use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
 
 /// MOTION in displacement form: `measure - value = 0`. The only parameter is the value of the FUNCTION.
@@ -10,7 +10,7 @@ use crate::mechanics::{RelativeMotion, Vec6};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Drive {
     /// Displacement that the motion prescribes.
-    pub measure: Measure,
+    pub measure: RelativeCoordinate,
 }
 
 impl Constraint for Drive {
@@ -24,10 +24,10 @@ impl Constraint for Drive {
 
     fn equation_name(&self, _k: usize) -> &'static str {
         match self.measure {
-            Measure::Translation(axis) => ["X", "Y", "Z"][axis],
-            Measure::Angle(axis) => ["AX", "AY", "AZ"][axis],
-            Measure::Body123(axis) => ["B1", "B2", "B3"][axis],
-            Measure::Pinion => "Turn",
+            RelativeCoordinate::Translation(axis) => ["X", "Y", "Z"][axis],
+            RelativeCoordinate::Angle(axis) => ["AX", "AY", "AZ"][axis],
+            RelativeCoordinate::Body123(axis) => ["B1", "B2", "B3"][axis],
+            RelativeCoordinate::Pinion => "Turn",
         }
     }
 

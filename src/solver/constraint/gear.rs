@@ -1,13 +1,13 @@
 //! GEAR as a weighted sum of joint displacements. Independent of the model: the caller supplies the poses on the carrier.
 
-use super::Measure;
+use super::RelativeCoordinate;
 use crate::mechanics::{Pose, Vec3};
 
 /// One joint displacement in a COUPLER or GEAR, with its factor.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Term {
+pub(crate) struct GearTerm {
     /// Displacement of the joint's I marker relative to its J marker: `Measure::Translation(2)` or `Measure::Angle(2)`.
-    pub measure: Measure,
+    pub measure: RelativeCoordinate,
     /// Factor of the displacement, which is a length or an angle in radians.
     pub scale: f64,
 }
@@ -29,15 +29,15 @@ pub(crate) enum GearedJoint {
 /// the two parts therefore integrate to `sum a q (first) - sum a q (second) = const`, where the constant is the value in the design
 /// position. A CYLINDRICAL joint gives two terms, the other joints one. Source: derived from the common-velocity definition in the Adams
 /// Solver help, `state_gear`.
-pub(crate) fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<Term>; 2] {
+pub(crate) fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<GearTerm>; 2] {
     let zj: Vec3 = j.R.column(2).into_owned();
     let along: Vec3 = cv.R.column(2).into_owned();
-    let rotation = Term {
-        measure: Measure::Angle(2),
+    let rotation = GearTerm {
+        measure: RelativeCoordinate::Angle(2),
         scale: factor * zj.cross(&(cv.p - j.p)).dot(&along),
     };
-    let translation = Term {
-        measure: Measure::Translation(2),
+    let translation = GearTerm {
+        measure: RelativeCoordinate::Translation(2),
         scale: factor * zj.dot(&along),
     };
     match kind {

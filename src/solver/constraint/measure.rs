@@ -8,7 +8,7 @@ use crate::mechanics::{Mat3, RelativeMotion, Vec3, Vec6, unwrap_near};
 /// Frames: I relative to J, right-handed; angles in radians. Sources: Adams Solver help, `state_joint` (displacement of a joint),
 /// `state_motion`, `cfunc_az`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Measure {
+pub(crate) enum RelativeCoordinate {
     /// Component of `p_ij_j` along the x, y or z axis of J (0, 1, 2).
     Translation(usize),
     /// AX, AY or AZ (0, 1, 2), counted over full turns. AZ (2) is the rotation of a joint about zj.
@@ -22,7 +22,7 @@ pub(crate) enum Measure {
 
 /// Value of a measure with its derivatives with respect to the relative motion.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Measured {
+pub(crate) struct RelativeCoordinateValue {
     /// Displacement: a length, or an angle in radians.
     pub value: f64,
     /// Derivative with respect to (change of `p_ij_j`, `dtheta` in J axes).
@@ -31,22 +31,22 @@ pub(crate) struct Measured {
     pub curvature: Mat3,
 }
 
-impl Measure {
+impl RelativeCoordinate {
     /// Returns whether the measure reads `RelativeMotion::angles`.
     pub(crate) fn uses_angles(self) -> bool {
         matches!(self, Self::Angle(_) | Self::Body123(0))
     }
 
     /// Evaluates the measure for a relative motion. Measures that do not count full turns take the turn nearest to `near`.
-    pub(crate) fn evaluate(self, motion: &RelativeMotion, near: f64) -> Measured {
+    pub(crate) fn evaluate(self, motion: &RelativeMotion, near: f64) -> RelativeCoordinateValue {
         let R = &motion.R_ji;
-        let turning = |value: f64, (g, curvature): (Vec3, Mat3)| Measured {
+        let turning = |value: f64, (g, curvature): (Vec3, Mat3)| RelativeCoordinateValue {
             value,
             row: Vec6::new(0.0, 0.0, 0.0, g.x, g.y, g.z),
             curvature,
         };
         match self {
-            Self::Translation(axis) => Measured {
+            Self::Translation(axis) => RelativeCoordinateValue {
                 value: motion.p_ij_j[axis],
                 row: Vec6::ith(axis, 1.0),
                 curvature: Mat3::zeros(),

@@ -25,7 +25,7 @@ pub(crate) use equations::Equations;
 pub(crate) use gear::GearedJoint;
 pub(crate) use gear::gear_terms;
 pub(crate) use locks::Locks;
-pub(crate) use measure::Measure;
+pub(crate) use measure::RelativeCoordinate;
 pub(crate) use pair_constraint::PairConstraint;
 pub(crate) use rack_pinion::RackPinion;
 pub(crate) use registry::ConstraintEntry;

@@ -1,6 +1,6 @@
 //! The RACKPIN joint. Independent of the joints that hold rack and pinion on their carrier.
 
-use super::{Constraint, Equations, Measure};
+use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
 
 /// Sign of the rack motion. With +1 the rack moves along +zj when the pinion turns positively about zi and PD is positive, so it rolls
@@ -42,7 +42,7 @@ impl Constraint for RackPinion {
         let advance = -motion.p_ij_j.z;
         // A zero pitch radius determines no turn.
         let near = if radius == 0.0 { 0.0 } else { advance / radius };
-        let turn = Measure::Pinion.evaluate(motion, near);
+        let turn = RelativeCoordinate::Pinion.evaluate(motion, near);
         out.count = 1;
         out.residual[0] = advance - radius * turn.value;
         out.jacobian[0] = Vec6::ith(2, -1.0) - turn.row * radius;

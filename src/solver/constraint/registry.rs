@@ -1,7 +1,7 @@
 //! Registry of the pair constraints. Contains no parameter values.
 
 use super::{
-    Convel, Drive, Locks, Measure, PairConstraint, RackPinion, Screw,
+    Convel, Drive, Locks, RelativeCoordinate, PairConstraint, RackPinion, Screw,
     joint::{CYLINDRICAL, FIXED, HOOKE, PLANAR, REVOLUTE, SPHERICAL, TRANSLATIONAL, UNIVERSAL},
     primitive::{AT_POINT, INLINE, INPLANE, ORIENTATION, PARALLEL_AXES, PERPENDICULAR},
 };
@@ -50,7 +50,7 @@ const fn joint(
     }
 }
 
-const fn drive(kind: &'static str, measure: Measure) -> ConstraintEntry {
+const fn drive(kind: &'static str, measure: RelativeCoordinate) -> ConstraintEntry {
     ConstraintEntry {
         statement: "MOTION",
         kind,
@@ -89,13 +89,13 @@ pub(crate) const CONSTRAINTS: &[ConstraintEntry] = &[
     primitive("ORIENTATION", ORIENTATION),
     primitive("PARALLEL_AXES", PARALLEL_AXES),
     primitive("PERPENDICULAR", PERPENDICULAR),
-    drive("X", Measure::Translation(0)),
-    drive("Y", Measure::Translation(1)),
-    drive("Z", Measure::Translation(2)),
-    drive("ROTATIONAL", Measure::Angle(2)),
-    drive("B1", Measure::Body123(0)),
-    drive("B2", Measure::Body123(1)),
-    drive("B3", Measure::Body123(2)),
+    drive("X", RelativeCoordinate::Translation(0)),
+    drive("Y", RelativeCoordinate::Translation(1)),
+    drive("Z", RelativeCoordinate::Translation(2)),
+    drive("ROTATIONAL", RelativeCoordinate::Angle(2)),
+    drive("B1", RelativeCoordinate::Body123(0)),
+    drive("B2", RelativeCoordinate::Body123(1)),
+    drive("B3", RelativeCoordinate::Body123(2)),
 ];
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The SCREW joint. Independent of the CYLINDRICAL joint that usually accompanies it.
 
-use super::{Constraint, Equations, Measure};
+use super::{Constraint, Equations, RelativeCoordinate};
 use crate::mechanics::{RelativeMotion, Vec6};
 
 /// SCREW: `d.zj - PITCH / (2 pi) AZ = 0`. AZ is the rotation of I about zj, counted over full turns; the thread is right-handed.
@@ -35,7 +35,7 @@ impl Constraint for Screw {
         out: &mut Equations,
     ) {
         let per_radian = theta[0] / std::f64::consts::TAU;
-        let turn = Measure::Angle(2).evaluate(motion, 0.0);
+        let turn = RelativeCoordinate::Angle(2).evaluate(motion, 0.0);
         out.count = 1;
         out.residual[0] = motion.p_ij_j.z - per_radian * turn.value;
         out.jacobian[0] = Vec6::ith(2, 1.0) - turn.row * per_radian;

@@ -35,7 +35,7 @@ const PLACES: [(usize, usize); 8] = [
 ];
 
 /// Returns the entries at [`PLACES`] as functions of the parameters.
-fn entries<N: Number>(theta: [N; 9]) -> [N; 8] {
+fn entries<N: BeamScalar>(theta: [N; 9]) -> [N; 8] {
     let [l, area, ixx, iyy, izz, e, g, asy, asz] = theta;
     let bending = |i: N, shear: N, sign: f64| {
         let p = e
@@ -115,14 +115,14 @@ impl Law for Beam {
 }
 
 /// Arithmetic needed for the entries, implemented for plain numbers and for numbers with derivatives.
-trait Number: Copy {
+trait BeamScalar: Copy {
     fn times(self, other: Self) -> Self;
     fn over(self, other: Self) -> Self;
     fn scaled(self, factor: f64) -> Self;
     fn plus(self, constant: f64) -> Self;
 }
 
-impl Number for f64 {
+impl BeamScalar for f64 {
     fn times(self, other: Self) -> Self {
         self * other
     }
@@ -156,7 +156,7 @@ impl Dual {
     }
 }
 
-impl Number for Dual {
+impl BeamScalar for Dual {
     fn times(self, other: Self) -> Self {
         Self {
             value: self.value * other.value,

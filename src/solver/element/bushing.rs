@@ -6,7 +6,7 @@ use crate::mechanics::{Mat6, RelativeMotion, Vec6};
 
 pub(super) const LAWS: &[LawEntry] = &[LawEntry {
     name: "bushing",
-    law: &Bushing,
+    law: &BushingLaw,
 }];
 
 /// BUSHING: three translational and three rotational springs in the axes of J, with preload.
@@ -18,9 +18,9 @@ pub(super) const LAWS: &[LawEntry] = &[LawEntry {
 /// Validity: ADAMS requires two of the three angles to stay below 10 degrees; only c may be large. The torque has no potential for finite
 /// angles. Source: Adams Solver help, `state_bushing`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) struct Bushing;
+pub(crate) struct BushingLaw;
 
-impl Law for Bushing {
+impl Law for BushingLaw {
     fn parameter_count(&self) -> usize {
         12
     }

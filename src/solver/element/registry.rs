@@ -26,7 +26,7 @@ pub(crate) fn law(name: &str) -> Option<&'static dyn Law> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::element::bushing::Bushing;
+    use crate::element::bushing::BushingLaw;
     use crate::element::springdamper::{RotationalSpring, TranslationalSpring};
     use crate::element::{Degenerate, ScalarForce, Wrench};
     use crate::mechanics::testing::{
@@ -280,7 +280,7 @@ mod tests {
         let cases: [(&dyn Law, Degenerate); 3] = [
             (&TranslationalSpring, Degenerate::ZeroLengthLine),
             (&ScalarForce::Line, Degenerate::ZeroLengthLine),
-            (&Bushing, Degenerate::UndefinedAngle { axis: 1 }),
+            (&BushingLaw, Degenerate::UndefinedAngle { axis: 1 }),
         ];
         for (law, expected) in cases {
             let theta = vec![1.0; law.parameter_count()];

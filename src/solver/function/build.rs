@@ -3,17 +3,17 @@ use std::sync::Arc;
 
 use super::breaks::linear;
 use super::call::{refusal, vector_refusal};
-use super::compiler::Compiler;
+use super::compiler::ExpressionCompiler;
 use super::interpolant::Interpolant;
-use super::program::{Kind, NO_SWITCH, Program, Step};
-use super::{Input, Scratch};
+use super::program::{Kind, NO_SWITCH, Program, Instruction};
+use super::{Input, EvaluationMemory};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::expression::{BinaryOperator, Constant, Node};
 
 /// Location of a value during compilation, before the sizes of the tables are known.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Place {
+pub(super) enum ValueSlot {
     Input(usize),
     Literal(usize),
     Constant(f64),
@@ -22,7 +22,7 @@ pub(super) enum Place {
 
 /// Compilation state of one expression.
 pub(super) struct Build<'a> {
-    pub(super) compiler: &'a Compiler<'a>,
+    pub(super) compiler: &'a ExpressionCompiler<'a>,
     pub(super) expression: &'a Expression,
     inputs: Vec<Input>,
     /// Index of each input in `inputs`.
@@ -30,8 +30,8 @@ pub(super) struct Build<'a> {
     parameters: Vec<usize>,
     constants: Vec<f64>,
     /// Steps; their targets are numbered from 0.
-    steps: Vec<Step>,
-    operands: Vec<Place>,
+    steps: Vec<Instruction>,
+    operands: Vec<ValueSlot>,
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     targets: usize,
     branches: bool,
@@ -42,7 +42,7 @@ pub(super) struct Build<'a> {
 }
 
 impl<'a> Build<'a> {
-    pub(super) fn new(compiler: &'a Compiler<'a>, expression: &'a Expression) -> Self {
+    pub(super) fn new(compiler: &'a ExpressionCompiler<'a>, expression: &'a Expression) -> Self {
         Self {
             compiler,
             expression,
@@ -65,14 +65,14 @@ impl<'a> Build<'a> {
         Ok(self.finish(result))
     }
 
-    pub(super) fn node(&mut self, node: &Node) -> Result<Place, Diagnostic> {
+    pub(super) fn node(&mut self, node: &Node) -> Result<ValueSlot, Diagnostic> {
         match node {
             Node::Literal(literal) => {
                 // Every literal occurs once in the tree.
                 self.parameters.push(*literal);
-                Ok(Place::Literal(self.parameters.len() - 1))
+                Ok(ValueSlot::Literal(self.parameters.len() - 1))
             }
-            Node::Constant(constant) => Ok(Place::Constant(match constant {
+            Node::Constant(constant) => Ok(ValueSlot::Constant(match constant {
                 Constant::Pi => std::f64::consts::PI,
                 Constant::Rtod => 180.0 / std::f64::consts::PI,
                 Constant::Dtor => std::f64::consts::PI / 180.0,
@@ -112,7 +112,7 @@ impl<'a> Build<'a> {
     fn choice(
         &mut self,
         [test, negative, zero, positive]: &[Node; 4],
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         self.branches = true;
         // If the test is linear in time, the times of its zeros are known in advance.
         let known = linear(self.expression, test).is_some();
@@ -149,17 +149,17 @@ impl<'a> Build<'a> {
             zero: starts[1],
             positive: starts[2],
         };
-        Ok(Place::Target(target))
+        Ok(ValueSlot::Target(target))
     }
 
-    pub(super) fn input(&mut self, input: Input) -> Place {
+    pub(super) fn input(&mut self, input: Input) -> ValueSlot {
         self.readings += usize::from(input != Input::Time);
         let next = self.inputs.len();
         let at = *self.places.entry(input).or_insert(next);
         if at == next {
             self.inputs.push(input);
         }
-        Place::Input(at)
+        ValueSlot::Input(at)
     }
 
     fn target(&mut self) -> usize {
@@ -167,8 +167,8 @@ impl<'a> Build<'a> {
         self.targets - 1
     }
 
-    fn push(&mut self, kind: Kind, operands: &[Place], target: usize) {
-        self.steps.push(Step {
+    fn push(&mut self, kind: Kind, operands: &[ValueSlot], target: usize) {
+        self.steps.push(Instruction {
             kind,
             first: self.operands.len() as u32,
             count: operands.len() as u32,
@@ -186,28 +186,28 @@ impl<'a> Build<'a> {
     }
 
     /// Adds a step with its own target. If all operands are constants and the value exists, it is computed now and returned as a constant.
-    pub(super) fn step(&mut self, kind: Kind, operands: &[Place]) -> Place {
+    pub(super) fn step(&mut self, kind: Kind, operands: &[ValueSlot]) -> ValueSlot {
         let constants: Vec<f64> = operands
             .iter()
             .map_while(|place| match place {
-                Place::Constant(value) => Some(*value),
+                ValueSlot::Constant(value) => Some(*value),
                 _ => None,
             })
             .collect();
         if constants.len() == operands.len()
             && let Some(value) = fold(kind, &constants, &self.interpolants)
         {
-            return Place::Constant(value);
+            return ValueSlot::Constant(value);
         }
         let target = self.target();
         self.push(kind, operands, target);
-        Place::Target(target)
+        ValueSlot::Target(target)
     }
 
-    fn finish(mut self, result: Place) -> Program {
+    fn finish(mut self, result: ValueSlot) -> Program {
         let (inputs, parameters) = (self.inputs.len(), self.parameters.len());
         for place in self.operands.iter().chain([&result]) {
-            if let Place::Constant(value) = place {
+            if let ValueSlot::Constant(value) = place {
                 // Comparing bits keeps +0 and -0 apart.
                 if !self
                     .constants
@@ -219,10 +219,10 @@ impl<'a> Build<'a> {
             }
         }
         let base = inputs + parameters + self.constants.len();
-        let slot = |place: &Place| match place {
-            Place::Input(index) => *index as u32,
-            Place::Literal(index) => (inputs + index) as u32,
-            Place::Constant(value) => {
+        let slot = |place: &ValueSlot| match place {
+            ValueSlot::Input(index) => *index as u32,
+            ValueSlot::Literal(index) => (inputs + index) as u32,
+            ValueSlot::Constant(value) => {
                 let index = self
                     .constants
                     .iter()
@@ -230,7 +230,7 @@ impl<'a> Build<'a> {
                     .expect("every constant was entered above");
                 (inputs + parameters + index) as u32
             }
-            Place::Target(index) => (base + index) as u32,
+            ValueSlot::Target(index) => (base + index) as u32,
         };
         let operands = self.operands.iter().map(slot).collect();
         let result = slot(&result);
@@ -259,7 +259,7 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
         inputs: Vec::new(),
         parameters: Vec::new(),
         constants: constants.to_vec(),
-        steps: vec![Step {
+        steps: vec![Instruction {
             kind,
             first: 0,
             count,
@@ -273,5 +273,5 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
         branches: false,
         switches: Vec::new(),
     };
-    program.eval(&[], &[], &mut Scratch::default()).ok()
+    program.eval(&[], &[], &mut EvaluationMemory::default()).ok()
 }

@@ -1,5 +1,5 @@
 use super::breaks::linear;
-use super::build::{Build, Place};
+use super::build::{Build, ValueSlot};
 use super::compiler::Space;
 use super::input::FRICTION_NUMBERS;
 use super::interpolant::Method;
@@ -7,8 +7,8 @@ use super::intrinsic::{Binary, Unary};
 use super::program::Kind;
 use super::step::Shape;
 use super::{
-    ElementIx, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
-    RateMeasure, Sequence,
+    MeasuredElement, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
+    RateMeasure, RotationSequence,
 };
 use crate::model::{ArrayKind, MarkerIx};
 use admire_syntax::diagnostic::{Code, Diagnostic};
@@ -24,7 +24,7 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let name = function.name;
         if let Some(kind) = plain_kind(name) {
             let before = self.readings;
@@ -37,7 +37,7 @@ impl Build<'_> {
             // If a piece depends on time alone, its switching times are known in advance, unless the function switches repeatedly.
             let slope = |argument| linear(self.expression, argument).map(|(slope, _)| slope);
             let watched = kind.is_watched(arguments.iter().map(slope));
-            if watched && matches!(place, Place::Target(_)) {
+            if watched && matches!(place, ValueSlot::Target(_)) {
                 self.switch(of_time);
             }
             return Ok(place);
@@ -89,7 +89,7 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let (kind, axis) = rate_of(function.name).ok_or_else(|| refusal(function))?;
         let mut markers = [None; 4];
         for (at, place) in (0..arguments.len()).zip(rate_places(kind, axis)) {
@@ -107,7 +107,7 @@ impl Build<'_> {
         function: &'static FunctionDef,
         kind: MeasureKind,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let measure = Measure {
             kind,
             i: self.marker(function, arguments, 0)?,
@@ -122,10 +122,10 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let kind = self.code_or_id(function, arguments, 0)?;
         let component = self.code_or_id(function, arguments, 1)?;
-        let count = Sequence::components_of_orient(kind);
+        let count = RotationSequence::components_of_orient(kind);
         if !(1..=count).contains(&component) {
             return Err(wrong(
                 function,
@@ -133,7 +133,7 @@ impl Build<'_> {
             ));
         }
         let which = component as usize - 1;
-        let kind = match (kind, Sequence::of_orient(kind)) {
+        let kind = match (kind, RotationSequence::of_orient(kind)) {
             (27, _) => MeasureKind::EulerParameter(which),
             (_, Some(sequence)) => MeasureKind::Angle {
                 sequence,
@@ -156,7 +156,7 @@ impl Build<'_> {
         function: &'static FunctionDef,
         method: Method,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let x = self.node(&arguments[0])?;
         let z = self.node(&arguments[1])?;
         self.interpolate(function, method, &[x, z], arguments, 2)
@@ -167,7 +167,7 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let method = match self.code_or_id(function, arguments, 1)? {
             1 => Method::Linear,
             3 => Method::Cubic,
@@ -187,10 +187,10 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         method: Method,
-        operands: &[Place],
+        operands: &[ValueSlot],
         arguments: Arguments,
         id_at: usize,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let spline = self.object(function, arguments, id_at, Space::Spline)?;
         let id = self.compiler.model.splines[spline].header.id;
         let order = if arguments.len() > id_at + 1 {
@@ -226,7 +226,7 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let array = self.object(function, arguments, 0, Space::Array)?;
         let component = self.code_or_id(function, arguments, 1)?;
         let data = &self.compiler.model.arrays[array];
@@ -242,7 +242,7 @@ impl Build<'_> {
             ));
         }
         match &data.kind {
-            ArrayKind::Numbers(numbers) => Ok(Place::Constant(numbers[element])),
+            ArrayKind::Numbers(numbers) => Ok(ValueSlot::Constant(numbers[element])),
             ArrayKind::Variables(variables) => {
                 let id = variables[element];
                 let variable = self
@@ -262,7 +262,7 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let friction = self.object(function, arguments, 0, Space::Friction)?;
         let index = self.code_or_id(function, arguments, 1)?;
         if !(1..=FRICTION_NUMBERS).contains(&index) {
@@ -281,7 +281,7 @@ impl Build<'_> {
         function: &'static FunctionDef,
         arguments: Arguments,
         space: Space,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let list = self.object(function, arguments, 0, space)?;
         let component = self.code_or_id(function, arguments, 1)?;
         let list = &self.compiler.model.plant_ports[list];
@@ -311,14 +311,14 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-    ) -> Result<Place, Diagnostic> {
+    ) -> Result<ValueSlot, Diagnostic> {
         let pair = grammar::statement(function.name).filter(|def| !def.laws.is_empty());
         if let Some(def) = pair {
             let id = self.code_or_id(function, arguments, 0)?;
             let found = self.compiler.find_pair_force(def.name, id);
             let index = found.ok_or_else(|| undefined(function, def.name, id))?;
             let on_j = self.on_j(function, arguments)?;
-            return self.force_of(function, arguments, (ElementIx::PairForce(index), on_j));
+            return self.force_of(function, arguments, (MeasuredElement::PairForce(index), on_j));
         }
         let space = match function.name {
             "BUSH" => Space::Bushing,
@@ -336,17 +336,17 @@ impl Build<'_> {
         let index = self.object(function, arguments, 0, space)?;
         let mut on_j = false;
         let element = match space {
-            Space::Bushing => ElementIx::Bushing(index),
-            Space::SpringDamper => ElementIx::SpringDamper(index),
-            Space::Sforce => ElementIx::Sforce(index),
-            Space::Joint => ElementIx::Joint(index),
-            Space::Primitive => ElementIx::Primitive(index),
-            Space::Motion => ElementIx::Motion(index),
-            Space::Nforce => ElementIx::Nforce {
+            Space::Bushing => MeasuredElement::Bushing(index),
+            Space::SpringDamper => MeasuredElement::SpringDamper(index),
+            Space::Sforce => MeasuredElement::Sforce(index),
+            Space::Joint => MeasuredElement::Joint(index),
+            Space::Primitive => MeasuredElement::Primitive(index),
+            Space::Motion => MeasuredElement::Motion(index),
+            Space::Nforce => MeasuredElement::Nforce {
                 nforce: index,
                 at: self.needed_marker(function, arguments, 1)?,
             },
-            _ => ElementIx::VectorForce(index),
+            _ => MeasuredElement::VectorForce(index),
         };
         if space != Space::Nforce {
             on_j = self.on_j(function, arguments)?;
@@ -372,8 +372,8 @@ impl Build<'_> {
         &mut self,
         function: &'static FunctionDef,
         arguments: Arguments,
-        (element, on_j): (ElementIx, bool),
-    ) -> Result<Place, Diagnostic> {
+        (element, on_j): (MeasuredElement, bool),
+    ) -> Result<ValueSlot, Diagnostic> {
         let component = self.code_or_id(function, arguments, 2)?;
         let Some(&component) = (component as usize)
             .checked_sub(1)
@@ -503,12 +503,12 @@ fn measure_kind(name: &str) -> Option<MeasureKind> {
         "AX" => MeasureKind::ProjectedAngle(0),
         "AY" => MeasureKind::ProjectedAngle(1),
         "AZ" => MeasureKind::ProjectedAngle(2),
-        "PSI" => angle(Sequence::BODY_313, 0, false),
-        "THETA" => angle(Sequence::BODY_313, 1, false),
-        "PHI" => angle(Sequence::BODY_313, 2, false),
-        "YAW" => angle(Sequence::BODY_321, 0, false),
-        "PITCH" => angle(Sequence::BODY_321, 1, true),
-        "ROLL" => angle(Sequence::BODY_321, 2, false),
+        "PSI" => angle(RotationSequence::BODY_313, 0, false),
+        "THETA" => angle(RotationSequence::BODY_313, 1, false),
+        "PHI" => angle(RotationSequence::BODY_313, 2, false),
+        "YAW" => angle(RotationSequence::BODY_321, 0, false),
+        "PITCH" => angle(RotationSequence::BODY_321, 1, true),
+        "ROLL" => angle(RotationSequence::BODY_321, 2, false),
         "INCANG" => MeasureKind::IncludedAngle,
         _ => return None,
     })

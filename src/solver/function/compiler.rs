@@ -11,7 +11,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Compiler of expressions for the objects of one model. It indexes ids for fast lookup and shares prepared splines.
 #[derive(Debug)]
-pub struct Compiler<'m> {
+pub struct ExpressionCompiler<'m> {
     pub(super) model: &'m Model,
     ids: [OnceCell<BTreeMap<u32, usize>>; Space::COUNT],
     pair_forces: OnceCell<BTreeMap<(&'static str, u32), usize>>,
@@ -122,7 +122,7 @@ impl Space {
     }
 }
 
-impl<'m> Compiler<'m> {
+impl<'m> ExpressionCompiler<'m> {
     /// Creates a compiler for the objects of `model`.
     pub fn new(model: &'m Model) -> Self {
         Self {

@@ -1,11 +1,11 @@
-use super::Sequence;
+use super::RotationSequence;
 use crate::mechanics::{Mat3, Vec3};
 
 /// Threshold for the sine (or cosine) of the middle angle. Below it the first and third axes coincide, and the whole rotation is assigned
 /// to the first angle, as ADAMS does for PSI (guide/formats.md 4.1).
 const PARALLEL: f64 = 1e-12;
 
-impl Sequence {
+impl RotationSequence {
     /// Body-fixed 3-1-3: PSI, THETA, PHI.
     pub(crate) const BODY_313: Self = Self::body([2, 0, 2]);
     /// Body-fixed 3-2-1: YAW, negative PITCH, ROLL.

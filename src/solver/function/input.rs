@@ -66,7 +66,7 @@ pub enum MeasureKind {
     /// One angle of a rotation sequence of I relative to J: PSI, THETA, PHI, YAW, PITCH, ROLL and most types of ORIENT.
     Angle {
         /// Rotation sequence.
-        sequence: Sequence,
+        sequence: RotationSequence,
         /// Index of the angle in the sequence, from 0.
         which: usize,
         /// Whether the sign is reversed: PITCH is minus the second angle.
@@ -129,7 +129,7 @@ pub enum RateAxis {
 
 /// Sequence of three rotations about axes 0, 1, 2.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub struct Sequence {
+pub struct RotationSequence {
     /// Rotation axes in the order of the rotations.
     pub axes: [usize; 3],
     /// Whether the axes are fixed in space (true) or rotate with the body (false).
@@ -166,7 +166,7 @@ impl ForceComponent {
 
 /// Element of a force measure, given by its index in a list of the model.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
-pub enum ElementIx {
+pub enum MeasuredElement {
     /// BUSHING: index into `Model::bushings`.
     Bushing(usize),
     /// FIELD or BEAM: index into `Model::pair_forces`.
@@ -210,7 +210,7 @@ pub enum ForceMeasure {
     /// BUSH, JOINT and similar functions: the force of one element.
     Element {
         /// Element that exerts the force.
-        element: ElementIx,
+        element: MeasuredElement,
         /// jflag: selects the force on J at the J origin instead of the force on I.
         on_j: bool,
         /// Force or torque component.

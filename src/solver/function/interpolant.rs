@@ -17,12 +17,12 @@ pub(super) enum Method {
 pub(super) struct Interpolant {
     x: Vec<f64>,
     z: Vec<f64>,
-    rows: Vec<Row>,
+    rows: Vec<Coefficients>,
     linear_extrapolate: bool,
 }
 
 #[derive(Clone, PartialEq, Debug)]
-struct Row {
+struct Coefficients {
     y: Vec<f64>,
     /// Slopes at the knots; empty for linear interpolation.
     slopes: Vec<f64>,
@@ -46,7 +46,7 @@ impl Interpolant {
             rows: spline
                 .y
                 .iter()
-                .map(|y| Row {
+                .map(|y| Coefficients {
                     y: y.clone(),
                     slopes: match method {
                         Method::Akima => akima::slopes(&spline.x, y),
@@ -68,7 +68,7 @@ impl Interpolant {
     /// surface is linear in z between its rows and is extrapolated linearly from the two nearest rows outside.
     pub(super) fn at(&self, x: f64, z: f64, order: usize) -> (f64, [f64; 2]) {
         let local = self.locate(x);
-        let of = |row: &Row| {
+        let of = |row: &Coefficients| {
             let derivatives = local.derivatives(row);
             let get = |order: usize| derivatives.get(order).copied().unwrap_or(0.0);
             (get(order), get(order + 1))
@@ -87,7 +87,7 @@ impl Interpolant {
         )
     }
 
-    fn locate(&self, x: f64) -> Place<'_> {
+    fn locate(&self, x: f64) -> Interval<'_> {
         let n = self.x.len();
         let inside = x >= self.x[0] && x <= self.x[n - 1];
         let first = if inside || self.linear_extrapolate || n == 2 {
@@ -97,7 +97,7 @@ impl Interpolant {
         } else {
             n - 3
         };
-        Place {
+        Interval {
             knots: &self.x,
             first,
             x,
@@ -122,16 +122,16 @@ enum Polynomial {
     Parabola,
 }
 
-struct Place<'a> {
+struct Interval<'a> {
     knots: &'a [f64],
     first: usize,
     x: f64,
     polynomial: Polynomial,
 }
 
-impl Place<'_> {
+impl Interval<'_> {
     /// Returns the value and the derivatives of order 1, 2, 3.
-    fn derivatives(&self, row: &Row) -> [f64; 4] {
+    fn derivatives(&self, row: &Coefficients) -> [f64; 4] {
         let k = self.first;
         let (x0, x1) = (self.knots[k], self.knots[k + 1]);
         let (y0, y1) = (row.y[k], row.y[k + 1]);

@@ -218,7 +218,7 @@ fn euler_parameter(R: &Mat3, which: usize) -> (f64, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::function::Sequence;
+    use crate::function::RotationSequence;
     use crate::mechanics::{euler313, exp, psi_theta_phi};
 
     fn poses() -> [Pose; 3] {
@@ -249,14 +249,14 @@ mod tests {
             kinds.push(MeasureKind::ProjectedAngle(k));
             for minus in [false, true] {
                 kinds.push(MeasureKind::Angle {
-                    sequence: Sequence::BODY_321,
+                    sequence: RotationSequence::BODY_321,
                     which: k,
                     minus,
                 });
             }
             for orient in 1..=24 {
                 kinds.push(MeasureKind::Angle {
-                    sequence: Sequence::of_orient(orient).unwrap(),
+                    sequence: RotationSequence::of_orient(orient).unwrap(),
                     which: k,
                     minus: false,
                 });
@@ -313,7 +313,7 @@ mod tests {
                 (2.1 * s).sin(),
             ));
             for orient in 1..=24 {
-                let sequence = Sequence::of_orient(orient).unwrap();
+                let sequence = RotationSequence::of_orient(orient).unwrap();
                 let turn = |k: usize| exp(&Vec3::ith(sequence.axes[k], sequence.angle(&R, k).0));
                 let built = if sequence.space_fixed {
                     turn(2) * turn(1) * turn(0)
@@ -324,7 +324,7 @@ mod tests {
             }
             let [psi, theta, phi] = psi_theta_phi(&R);
             for (k, angle) in [psi, theta, phi].into_iter().enumerate() {
-                assert!((Sequence::BODY_313.angle(&R, k).0 - angle).abs() < 1e-12);
+                assert!((RotationSequence::BODY_313.angle(&R, k).0 - angle).abs() < 1e-12);
             }
         }
     }
@@ -334,7 +334,7 @@ mod tests {
         // guide/formats.md 4.1: at theta = 0 or pi, psi holds the sum and phi is 0.
         for theta in [0.0, std::f64::consts::PI] {
             let R = euler313(0.4, theta, 0.3);
-            let angles = [0, 1, 2].map(|k| Sequence::BODY_313.angle(&R, k));
+            let angles = [0, 1, 2].map(|k| RotationSequence::BODY_313.angle(&R, k));
             let psi = if theta == 0.0 { 0.7 } else { 0.1 };
             assert!((angles[0].0 - psi).abs() < 1e-12 && angles[2].0 == 0.0);
             assert!((angles[1].0 - theta).abs() < 1e-12);
@@ -353,7 +353,7 @@ mod tests {
         };
         let angle = |which, minus| {
             let kind = MeasureKind::Angle {
-                sequence: Sequence::BODY_321,
+                sequence: RotationSequence::BODY_321,
                 which,
                 minus,
             };

@@ -28,15 +28,15 @@ mod switch;
 mod tests;
 
 pub(crate) use breaks::time_breaks;
-pub use compiler::Compiler;
+pub use compiler::ExpressionCompiler;
 pub(crate) use degree::Degree;
 pub(crate) use error::{EvalError, Fault};
 pub(crate) use input::{
-    ElementIx, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, Sequence,
+    MeasuredElement, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, RotationSequence,
 };
 pub use input::{Input, Measure};
 pub use measure::Reference;
 pub(crate) use program::Program;
-pub use program::Scratch;
+pub use program::EvaluationMemory;
 pub(crate) use rate::MovingFrame;
 pub(crate) use switch::{Piece, Seen, between, half_width};

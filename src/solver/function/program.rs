@@ -21,7 +21,7 @@ pub struct Program {
     /// Literals used as values, as indices into `Expression::literals`. The other literals are ids and codes.
     pub parameters: Vec<usize>,
     pub(super) constants: Vec<f64>,
-    pub(super) steps: Vec<Step>,
+    pub(super) steps: Vec<Instruction>,
     pub(super) operands: Vec<u32>,
     pub(super) interpolants: Vec<(Arc<Interpolant>, usize)>,
     pub(super) slots: usize,
@@ -36,7 +36,7 @@ pub(super) const NO_SWITCH: u32 = u32::MAX;
 
 /// Step of a program. Its operands are `operands[first..first + count]`; its result is stored in slot `target`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(super) struct Instruction {
     pub(super) kind: Kind,
     pub(super) first: u32,
     pub(super) count: u32,
@@ -134,7 +134,7 @@ impl Kind {
 
 /// Working memory of evaluations, shared by any number of programs. It grows to the largest program and is then reused.
 #[derive(Clone, Debug, Default)]
-pub struct Scratch {
+pub struct EvaluationMemory {
     pub(super) values: Vec<f64>,
     adjoints: Vec<f64>,
     pub(super) partials: Vec<f64>,
@@ -163,7 +163,7 @@ struct Blend {
     negative: f64,
 }
 
-impl Scratch {
+impl EvaluationMemory {
     /// Returns the observed switch states of the last evaluation with held pieces.
     pub(crate) fn seen(&self) -> &[Seen] {
         &self.seen
@@ -213,7 +213,7 @@ impl Program {
         &self,
         inputs: &[f64],
         literals: &[f64],
-        scratch: &mut Scratch,
+        scratch: &mut EvaluationMemory,
     ) -> Result<f64, EvalError> {
         if self.steps.is_empty() {
             return Ok(self.plain(inputs, literals));
@@ -232,7 +232,7 @@ impl Program {
         &self,
         inputs: &[f64],
         literals: &[f64],
-        scratch: &mut Scratch,
+        scratch: &mut EvaluationMemory,
         by_input: &mut [f64],
         by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
@@ -249,7 +249,7 @@ impl Program {
         inputs: &[f64],
         literals: &[f64],
         pieces: &[Piece],
-        scratch: &mut Scratch,
+        scratch: &mut EvaluationMemory,
         (by_input, by_literal): (&mut [f64], &mut [f64]),
     ) -> Result<f64, EvalError> {
         by_literal.fill(0.0);
@@ -290,10 +290,10 @@ impl Program {
         inputs: &[f64],
         literals: &[f64],
         pieces: &[Piece],
-        scratch: &mut Scratch,
+        scratch: &mut EvaluationMemory,
     ) -> Result<f64, EvalError> {
         scratch.fit(self);
-        let Scratch {
+        let EvaluationMemory {
             values,
             partials,
             arguments,
@@ -451,8 +451,8 @@ impl Program {
     }
 
     /// Computes the adjoints of all slots from the partial derivatives of the executed steps.
-    fn backward(&self, scratch: &mut Scratch) {
-        let Scratch {
+    fn backward(&self, scratch: &mut EvaluationMemory) {
+        let EvaluationMemory {
             adjoints,
             partials,
             trace,
@@ -460,7 +460,7 @@ impl Program {
         } = scratch;
         adjoints[..self.slots].fill(0.0);
         adjoints[self.result as usize] = 1.0;
-        let mut pull = |step: &Step| {
+        let mut pull = |step: &Instruction| {
             // Slots that do not affect the result contribute nothing.
             let adjoint = adjoints[step.target as usize];
             if adjoint == 0.0 || matches!(step.kind, Kind::Jump(_)) {

@@ -1,11 +1,11 @@
 //! Second time derivatives of programs along a motion of their inputs.
 
 use super::intrinsic::{Binary, Unary};
-use super::program::{Kind, Program, Scratch};
+use super::program::{Kind, Program, EvaluationMemory};
 use super::series;
 
 /// First and second time derivative of a quantity.
-pub(crate) type Rates = [f64; 2];
+pub(crate) type TimeRates = [f64; 2];
 
 impl Program {
     /// Returns the exact first and second time derivatives of the value for given derivatives of the inputs. This program must have been
@@ -13,7 +13,7 @@ impl Program {
     ///
     /// For a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they belong to the
     /// side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
-    pub(crate) fn rates_along(&self, inputs: &[Rates], scratch: &mut Scratch) -> Option<Rates> {
+    pub(crate) fn rates_along(&self, inputs: &[TimeRates], scratch: &mut EvaluationMemory) -> Option<TimeRates> {
         if self.steps.is_empty() {
             return Some(
                 inputs
@@ -66,7 +66,7 @@ impl Program {
     }
 
     /// Returns `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from the values and time derivatives of its arguments.
-    fn bend(&self, kind: Kind, arguments: &[(f64, Rates)]) -> Option<f64> {
+    fn bend(&self, kind: Kind, arguments: &[(f64, TimeRates)]) -> Option<f64> {
         let (x, [dx, _]) = arguments[0];
         let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
         // True if all arguments after the first are constant.

@@ -1,6 +1,6 @@
 //! Tests of every function against closed-form values and central differences.
 
-use super::{Compiler, EvalError, Fault, Input, Program, Scratch};
+use super::{ExpressionCompiler, EvalError, Fault, Input, Program, EvaluationMemory};
 use crate::mechanics::{Mat3, Vec3};
 use crate::model::{
     ArrayData, ArrayKind, Bushing, Header, Marker, MarkerIx, Model, Orientation, PartIx, Spline,
@@ -127,7 +127,7 @@ struct Case {
 fn compile(text: &str) -> Case {
     let expression = Expression::parse_str(text).unwrap_or_else(|e| panic!("{text}: {e:?}"));
     Case {
-        program: Compiler::new(&model())
+        program: ExpressionCompiler::new(&model())
             .compile(&expression)
             .unwrap_or_else(|e| panic!("{text}: {}", e.message)),
         literals: expression.literals.iter().map(|l| l.value).collect(),
@@ -151,7 +151,7 @@ impl Case {
 
     fn at(&self, state: [f64; 4]) -> Result<f64, EvalError> {
         self.program
-            .eval(&self.inputs(state), &self.literals, &mut Scratch::default())
+            .eval(&self.inputs(state), &self.literals, &mut EvaluationMemory::default())
     }
 }
 
@@ -165,7 +165,7 @@ fn fault(text: &str) -> EvalError {
 
 fn refused(text: &str) -> (Code, String) {
     let expression = Expression::parse_str(text).unwrap();
-    let diagnostic = Compiler::new(&model()).compile(&expression).unwrap_err();
+    let diagnostic = ExpressionCompiler::new(&model()).compile(&expression).unwrap_err();
     (diagnostic.code, diagnostic.message)
 }
 
@@ -334,7 +334,7 @@ fn only_the_chosen_branch_is_evaluated() {
     let case = compile("IF(MODE-5:0,7,0)");
     let modes = |mode: f64| {
         case.program
-            .eval(&[mode], &case.literals, &mut Scratch::default())
+            .eval(&[mode], &case.literals, &mut EvaluationMemory::default())
     };
     assert_eq!(case.program.inputs, [Input::Mode]);
     assert_eq!((modes(5.0), modes(4.0)), (Ok(7.0), Ok(0.0)));
@@ -459,7 +459,7 @@ fn constants_follow_their_literals() {
     let mut by = [0.0];
     let found =
         case.program
-            .eval_with_derivatives(&[], &[42.0], &mut Scratch::default(), &mut [], &mut by);
+            .eval_with_derivatives(&[], &[42.0], &mut EvaluationMemory::default(), &mut [], &mut by);
     assert_eq!((found, by), (Ok(42.0), [1.0]));
 }
 
@@ -490,7 +490,7 @@ fn a_function_of_a_real_deck_reads_as_meant() {
             .map(|input| if *input == Input::Time { time } else { angle })
             .collect();
         case.program
-            .eval(&inputs, &case.literals, &mut Scratch::default())
+            .eval(&inputs, &case.literals, &mut EvaluationMemory::default())
             .unwrap()
     };
     assert!((at(0.1, 0.5) - 14.285).abs() < 1e-12);

@@ -9,7 +9,7 @@ use super::upper::{UpperRow, back, forwards_transposed};
 
 /// A row of the factors: its row and column of the matrix, and where its entries of L and U end.
 #[derive(Clone, Copy, Debug, Default)]
-struct Ends {
+struct RowRange {
     row: u32,
     column: u32,
     lower: u32,
@@ -20,7 +20,7 @@ struct Ends {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors<T> {
     /// Of every row, behind one in front of the first.
-    ends: Vec<Ends>,
+    ends: Vec<RowRange>,
     pivots: Vec<T>,
     /// Rows of the matrix whose multiples are taken off, and their multipliers.
     lower_rows: Vec<u32>,
@@ -31,7 +31,7 @@ pub(super) struct Factors<T> {
 
 /// Factors that are written row by row.
 pub(super) struct Written<'a, T> {
-    ends: &'a mut Vec<Ends>,
+    ends: &'a mut Vec<RowRange>,
     pivots: &'a mut Vec<T>,
     lower_rows: &'a mut [u32],
     lower: &'a mut [T],
@@ -63,7 +63,7 @@ impl<T: Scalar> Written<'_, T> {
     /// Ends a row.
     #[inline]
     pub(super) fn end_row(&mut self, row: u32, column: u32, pivot: T) {
-        self.ends.push(Ends {
+        self.ends.push(RowRange {
             row,
             column,
             lower: self.counts.0 as u32,
@@ -84,7 +84,7 @@ impl<T: Scalar> Factors<T> {
     /// Begins anew, with room for so many entries of L and U.
     pub(super) fn begin(&mut self, lower: usize, upper: usize) -> Written<'_, T> {
         self.ends.clear();
-        self.ends.push(Ends::default());
+        self.ends.push(RowRange::default());
         self.pivots.clear();
         self.lower_rows.resize(lower, 0);
         self.lower.resize(lower, T::default());

@@ -8,14 +8,14 @@ use super::entries::Entries;
 use super::factors::Factors;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::{Pivot, Step};
+use super::step::{Pivot, EliminationStep};
 
 const NOWHERE: u32 = u32::MAX;
 
 /// A step, and where its row ends in the lists of the pattern.
 #[derive(Clone, Copy, Debug)]
-struct Row {
-    step: Step,
+struct PivotRow {
+    step: EliminationStep,
     entries: u32,
     lower: u32,
     upper: u32,
@@ -24,7 +24,7 @@ struct Row {
 /// The steps of an elimination with the places that may not be zero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pattern {
-    rows: Vec<Row>,
+    rows: Vec<PivotRow>,
     /// Entries of the matrix with their columns, by the rows of the steps.
     entries: Vec<(u32, u32)>,
     /// Steps that stand in L with their columns, in their order.
@@ -91,7 +91,7 @@ impl Pattern {
             }
             upper += across.len() as u32;
             to.end_row(step.row, step.column, done.values[done.pivots[k] as usize]);
-            pattern.rows.push(Row {
+            pattern.rows.push(PivotRow {
                 step,
                 entries: entry_ends[k],
                 lower,

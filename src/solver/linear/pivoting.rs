@@ -2,7 +2,7 @@
 
 use super::entries::Entries;
 use super::scalar::Scalar;
-use super::step::Step;
+use super::step::EliminationStep;
 
 /// A pivot smaller than this, after rows and columns are scaled to one, is none.
 pub(super) const RANK_TOLERANCE: f64 = 1e-11;
@@ -17,7 +17,7 @@ const NOWHERE: u32 = u32::MAX;
 /// An elimination as it was done. Values stand in order of creation: entries of the matrix, then fill; a place is the index of one.
 pub(super) struct Eliminated<T> {
     pub values: Vec<T>,
-    pub steps: Vec<Step>,
+    pub steps: Vec<EliminationStep>,
     /// Places of the pivots.
     pub pivots: Vec<u32>,
     /// Columns and places of U of all steps, rows and places of L; where those of a step end.
@@ -221,7 +221,7 @@ impl<T: Scalar> Elimination<T> {
         let done = &mut self.done;
         let size = done.values[pivot as usize];
         done.pivots.push(pivot);
-        done.steps.push(Step {
+        done.steps.push(EliminationStep {
             row,
             column,
             size: size.size(),

@@ -7,14 +7,14 @@ use std::ops::{Div, Mul, Range};
 use super::entries::Entries;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::Step;
+use super::step::EliminationStep;
 use super::upper::{UpperRow, back, forwards_transposed};
 
 /// A step and where its values stand: its pivot and row of U one after the other, its column of L with those of the others behind. What
 /// goes forwards through a large system reads nothing of U, what goes backwards nothing of L.
 #[derive(Clone, Copy, Debug)]
 struct Operation {
-    step: Step,
+    step: EliminationStep,
     /// Place of the pivot; U follows.
     at: u32,
     upper: u32,

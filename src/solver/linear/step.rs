@@ -13,14 +13,14 @@ pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
 
 /// One step of the elimination.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(super) struct EliminationStep {
     pub row: u32,
     pub column: u32,
     /// Size of the pivot when it was chosen.
     pub size: f64,
 }
 
-impl Step {
+impl EliminationStep {
     /// A pivot for it; none if it has shrunk too far. `growth` bounds what stands below a small one.
     pub(super) fn pivot<T: Scalar>(
         &self,

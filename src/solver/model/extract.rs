@@ -6,7 +6,7 @@ use super::{Model, PartKind};
 use crate::mechanics::psi_theta_phi;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::Edit;
-use admire_syntax::{Dataset, NewStatement, Object, Removal, Statement, Topology};
+use admire_syntax::{Dataset, NewStatement, ObjectId, Removal, Statement, Topology};
 
 /// Returns the edits that reduce a dataset to some bodies, the elements attached to them, and the objects these need.
 ///
@@ -21,15 +21,15 @@ use admire_syntax::{Dataset, NewStatement, Object, Removal, Statement, Topology}
 pub fn extract(
     dataset: &Dataset,
     model: &Model,
-    bodies: &BTreeSet<Object>,
+    bodies: &BTreeSet<ObjectId>,
 ) -> Result<Checked<Vec<Edit>>, Diagnostic> {
     let statements = dataset.statements();
     let ground = model.ground().ok_or_else(|| {
         Diagnostic::error(Code::NoGround, "the dataset has no ground to hold the rest")
     })?;
-    let ground: Object = ("part", model.parts[ground.0].header.id);
+    let ground: ObjectId = ("part", model.parts[ground.0].header.id);
     let topology = Topology::of(dataset);
-    let places: BTreeMap<Object, usize> = statements
+    let places: BTreeMap<ObjectId, usize> = statements
         .iter()
         .enumerate()
         .rev()
@@ -110,9 +110,9 @@ pub fn extract(
 
 struct Chosen<'a> {
     dataset: &'a Dataset,
-    places: &'a BTreeMap<Object, usize>,
-    bodies: &'a BTreeSet<Object>,
-    ground: Object,
+    places: &'a BTreeMap<ObjectId, usize>,
+    bodies: &'a BTreeSet<ObjectId>,
+    ground: ObjectId,
     topology: &'a Topology,
     kept: BTreeSet<usize>,
     measured: Vec<Diagnostic>,

@@ -2,9 +2,9 @@
 
 use super::bordered::plain_weight;
 use super::consistent::{Consistent, REMOVED, difference, largest_speed};
-use super::error::{MotionError, Reason};
+use super::error::{MotionError, MotionFailure};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
-use crate::system::{Parameters, Rates, State, System};
+use crate::system::{Parameters, PartRates, State, System};
 
 /// How much more what is stated weighs than what may adapt.
 const STATED: f64 = 1e8;
@@ -60,13 +60,13 @@ fn attempt(
     memory: &mut Consistent,
     kept: Kept,
     step: f64,
-) -> Result<(), Reason> {
+) -> Result<(), MotionFailure> {
     let given = state.velocities.clone();
     state.set_moving();
     if kept != Kept::Velocities || given.is_empty() {
-        state.velocities.fill(Rates::zero());
+        state.velocities.fill(PartRates::zero());
     }
-    state.accelerations.fill(Rates::zero());
+    state.accelerations.fill(PartRates::zero());
     system.settle_variables(parameters, state, &mut memory.scratch)?;
     system.count_from_drives(parameters, state, &mut memory.scratch)?;
     memory.find_redundant(system, parameters, state)?;
@@ -106,16 +106,16 @@ fn attempt(
 }
 
 /// Positions that cannot be at the start are the fault of the initial conditions.
-fn at_the_start(reason: Reason) -> Reason {
+fn at_the_start(reason: MotionFailure) -> MotionFailure {
     match reason {
-        Reason::NoPosition {
+        MotionFailure::NoPosition {
             equation,
             violation,
         }
-        | Reason::RedundantViolated {
+        | MotionFailure::RedundantViolated {
             equation,
             violation,
-        } => Reason::Inconsistent {
+        } => MotionFailure::Inconsistent {
             equation,
             violation,
         },
@@ -129,7 +129,7 @@ fn velocities(
     state: &mut State,
     memory: &mut Consistent,
     kept: Kept,
-) -> Result<(), Reason> {
+) -> Result<(), MotionFailure> {
     let plain = plain_weight(system);
     let unweighted: Vec<Mat6> = (0..system.bodies.len())
         .map(|part| unweighted(system, parameters, state, part))
@@ -171,7 +171,7 @@ fn velocities(
     let (equation, violation) = memory.worst_rate(system, state);
     let scale = largest_speed(system, state);
     if violation > CONFLICT * scale {
-        return Err(Reason::VelocityConflict {
+        return Err(MotionFailure::VelocityConflict {
             equation: system.constraint_equation_name(equation).to_string(),
             violation,
         });
@@ -300,8 +300,8 @@ impl Stated {
     }
 
     /// The velocity that has the stated numbers and is zero otherwise.
-    fn velocity(&self) -> Rates {
-        let mut velocity = Rates::zero();
+    fn velocity(&self) -> PartRates {
+        let mut velocity = PartRates::zero();
         for (row, value, angular) in &self.rows {
             if *angular {
                 velocity.angular += Vec3::new(row[3], row[4], row[5]) * *value;
@@ -312,7 +312,7 @@ impl Stated {
     }
 
     /// Changes a velocity by the least so that it has the stated numbers: rotations first, then translations.
-    fn restore(&self, velocity: &mut Rates, freedoms: usize) {
+    fn restore(&self, velocity: &mut PartRates, freedoms: usize) {
         for (row, value, angular) in &self.rows {
             let turn = Vec3::new(row[3], row[4], row[5]);
             if *angular && freedoms == 6 {

@@ -1,7 +1,7 @@
 //! States that satisfy the constraints at all three levels.
 
 use super::bordered::{Bordered, plain_weight};
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::linear::{Entries, Levels, Lu};
 use crate::mechanics::{Mat6, Pose, Vec3, log};
 use crate::system::{Parameters, Rows, Scratch, State, System};
@@ -65,7 +65,7 @@ impl Consistent {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         state.redundant.clear();
         let Self {
             scratch, g, rows, ..
@@ -90,7 +90,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &mut State,
         anchors: Option<(&[Pose], &dyn Fn(usize) -> Mat6)>,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let plain = plain_weight(system);
         let n = system.first_equation;
         let mut before = f64::INFINITY;
@@ -154,7 +154,7 @@ impl Consistent {
         if worst.1 <= OPEN * system.length {
             return Ok(());
         }
-        Err(Reason::NoPosition {
+        Err(MotionFailure::NoPosition {
             equation: system.constraint_equation_name(worst.0).to_string(),
             violation: worst.1,
         })
@@ -182,7 +182,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &mut State,
         weight: &dyn Fn(usize) -> Mat6,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let n = system.first_equation;
         let Self {
             scratch, g, rows, ..
@@ -240,7 +240,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &mut State,
         step: f64,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let n = system.first_equation;
         let (equations, m) = (n..system.first_variable, system.moving_unknowns);
         let first_state = system.first_state();
@@ -299,7 +299,7 @@ impl Consistent {
             if self.factors.deficiency() > 0
                 && let Some(what) = undetermined(system, &matrix, &self.dx, &self.g)
             {
-                return Err(Reason::Undetermined { what });
+                return Err(MotionFailure::Undetermined { what });
             }
             self.check_held(system, step)?;
             for (v, change) in self.v.iter_mut().zip(&self.dx[..n]) {
@@ -356,7 +356,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &mut State,
         step: f64,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let plain = plain_weight(system);
         self.exchange_equations(system, parameters, state)?;
         self.positions(system, parameters, state, None)?;
@@ -372,7 +372,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &State,
         looked_at: impl Fn(usize) -> bool,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         if !self.look_at_removed(system, parameters, state)? {
             return Ok(());
         }
@@ -385,7 +385,7 @@ impl Consistent {
                 system.length
             };
             if violation > REMOVED * size.max(1.0) {
-                return Err(Reason::RedundantViolated {
+                return Err(MotionFailure::RedundantViolated {
                     equation: system.constraint_equation_name(k).to_string(),
                     violation,
                 });
@@ -401,7 +401,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &State,
         most: f64,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         if !self.look_at_removed(system, parameters, state)? {
             return Ok(());
         }
@@ -410,7 +410,7 @@ impl Consistent {
         self.rows.times(&self.v, &mut rates);
         let violated = |(k, rate): &(usize, &f64)| state.redundant[*k] && !(rate.abs() <= most);
         match rates.iter().enumerate().find(violated) {
-            Some((k, rate)) => Err(Reason::VelocityConflict {
+            Some((k, rate)) => Err(MotionFailure::VelocityConflict {
                 equation: system.constraint_equation_name(k).to_string(),
                 violation: rate.abs(),
             }),
@@ -424,7 +424,7 @@ impl Consistent {
         system: &System,
         parameters: &Parameters,
         state: &State,
-    ) -> Result<bool, Reason> {
+    ) -> Result<bool, MotionFailure> {
         if !state.redundant.contains(&true) {
             return Ok(false);
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::linear::Levels;
 use crate::mechanics::{Mat3, skew};
 use crate::system::{Parameters, Scratch, State, System};
@@ -63,7 +63,7 @@ impl Coordinates {
         system: &System,
         parameters: &Parameters,
         state: &State,
-    ) -> Result<DMatrix<f64>, Reason> {
+    ) -> Result<DMatrix<f64>, MotionFailure> {
         let n = system.first_equation;
         let [first, seen, all] = self.ends(system);
         let mut P = DMatrix::zeros(all, n);
@@ -106,7 +106,7 @@ impl Coordinates {
         &self,
         (system, parameters, state): (&System, &Parameters, &State),
         P: &mut DMatrix<f64>,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let (n, m) = (system.first_equation, system.moving_unknowns);
         let (first, count) = (system.first_variable, system.implicit.len());
         let mut scratch = Scratch::new(system);
@@ -150,7 +150,7 @@ impl Coordinates {
                 }
             }
             if others || by.amax() == 0.0 {
-                return Err(Reason::NoCoordinate {
+                return Err(MotionFailure::NoCoordinate {
                     what: system.variables[variable].name.to_string(),
                 });
             }

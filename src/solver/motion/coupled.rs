@@ -14,7 +14,7 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{Equations, Unknowns, turns};
+use super::newton::{StepMatrices, Unknowns, turns};
 use crate::linear::{Levels, Lu, Matrix, Occupied, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
@@ -57,7 +57,7 @@ impl Coupled {
     /// Factors with derivatives of every stage.
     pub(crate) fn factor(
         &mut self,
-        equations: &mut Equations,
+        equations: &mut StepMatrices,
         (system, parameters): (&System, &Parameters),
         (start, h): (&State, f64),
         unknowns: &Unknowns,
@@ -180,7 +180,7 @@ impl Coupled {
     /// Corrections from the residuals of the stages, with the factors there are.
     pub(crate) fn correct(
         &mut self,
-        equations: &Equations,
+        equations: &StepMatrices,
         system: &System,
         unknowns: &Unknowns,
         change: &mut Unknowns,

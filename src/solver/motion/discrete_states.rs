@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::system::{Parameters, Scratch, State, System};
 
 /// More changes of one function than this within so many steps: they are not looked for until it is silent for as many.
@@ -123,7 +123,7 @@ impl Regimes {
         k: usize,
         (time, output): (f64, f64),
         steps: usize,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         let interval = ((time - self.start) / output).floor();
         if interval != self.interval {
             self.interval = interval;
@@ -139,7 +139,7 @@ impl Regimes {
         let history = &mut self.switches[k];
         history.count += 1;
         if history.count > MOST {
-            return Err(Reason::Chatter {
+            return Err(MotionFailure::Chatter {
                 function: owner(system, k),
                 count: MOST,
             });

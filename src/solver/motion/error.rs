@@ -7,12 +7,12 @@ pub struct MotionError {
     /// The time up to which everything is computed.
     pub time: f64,
     /// Why it does not go on.
-    pub reason: Reason,
+    pub reason: MotionFailure,
 }
 
 /// Why a motion ends.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub enum Reason {
+pub enum MotionFailure {
     /// An element or a function has no value.
     #[error(transparent)]
     NoValue(#[from] NoValue),
@@ -119,7 +119,7 @@ pub enum Reason {
     },
 }
 
-impl Reason {
+impl MotionFailure {
     /// With its time.
     pub(super) fn at(self, time: f64) -> MotionError {
         MotionError { time, reason: self }

@@ -1,6 +1,6 @@
 use super::newton::Unknowns;
 use crate::mechanics::Vec3;
-use crate::system::{Rates, State, System};
+use crate::system::{PartRates, State, System};
 
 /// The largest values so far that errors are relative to.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ impl ErrorScales {
         for pose in &reached.poses {
             self.position = self.position.max(largest(&pose.p));
         }
-        for Rates { linear, angular } in &reached.velocities {
+        for PartRates { linear, angular } in &reached.velocities {
             self.velocity = self.velocity.max(largest(linear));
             self.spin = self.spin.max(largest(angular));
         }

@@ -4,7 +4,7 @@
 //! right, and the next one begins anew on the other side.
 
 use super::discrete_states::{Change, Regimes};
-use super::error::{MotionError, Reason};
+use super::error::{MotionError, MotionFailure};
 use super::event_location::Watched;
 use super::integrator::Integrator;
 use crate::function::between;
@@ -92,7 +92,7 @@ impl Integrator<'_> {
         };
         let mut done = self.settle(&mut regimes);
         if let Err(MotionError {
-            reason: Reason::StepTooSmall { worst, .. },
+            reason: MotionFailure::StepTooSmall { worst, .. },
             ..
         }) = &mut done
         {

@@ -2,7 +2,7 @@
 
 use super::bordered::plain_weight;
 use super::consistent::Consistent;
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::system::{Parameters, State, System};
 
 /// An equation that is left out may count this much of one that is kept. What is left out agrees with the others to 1e-6 of its length where
@@ -24,7 +24,7 @@ impl Consistent {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-    ) -> Result<bool, Reason> {
+    ) -> Result<bool, MotionFailure> {
         if !self.look_at_removed(system, parameters, state)? {
             return Ok(false);
         }

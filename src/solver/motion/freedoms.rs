@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::coordinates::Coordinates;
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::mechanics::eigen::singular_values;
 use crate::mechanics::{Vec3, skew};
 use crate::system::{Parameters, Rows, Scratch, State, System};
@@ -20,7 +20,7 @@ const ALONG: f64 = 1e-4;
 /// Z and V are bases of the motions that the gradients leave free, by the places and by the velocities: the same, unless constraints of
 /// velocities leave fewer of these. Where the state moves, U is what velocities change by with the places alone.
 #[derive(Clone, Debug)]
-pub(super) struct Freedoms {
+pub(super) struct FreedomBases {
     pub Z: DMatrix<f64>,
     pub V: DMatrix<f64>,
     pub U: DMatrix<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Freedoms {
     pub chosen_rates: Vec<usize>,
 }
 
-impl Freedoms {
+impl FreedomBases {
     /// In an orthonormal basis where `coordinates` are none, rotations times the length of the model: for a state at rest.
     ///
     /// With Y the coordinates by the motions of the parts, `Y Z = 1`, `Y V = 1`, X = -G^+ H, H the derivative of the rates G V + Phi_t by
@@ -47,7 +47,7 @@ impl Freedoms {
         (system, parameters, state): (&System, &Parameters, &State),
         coordinates: Option<&Coordinates>,
         lengths: &DVector<f64>,
-    ) -> Result<Self, Reason> {
+    ) -> Result<Self, MotionFailure> {
         let whole = (system, parameters, state);
         let bare = Bare::of(whole, lengths)?;
         let n = lengths.len();
@@ -79,7 +79,7 @@ impl Freedoms {
             None => chosen.clone(),
         };
         let moves = bare.moves;
-        let seen = Seen {
+        let seen = CoordinatePartition {
             coordinates,
             chosen: &chosen,
             chosen_rates: &chosen_rates,
@@ -119,14 +119,14 @@ impl Freedoms {
 }
 
 /// Coordinates that were chosen.
-struct Seen<'a> {
+struct CoordinatePartition<'a> {
     coordinates: &'a Coordinates,
     chosen: &'a [usize],
     chosen_rates: &'a [usize],
     lengths: &'a DVector<f64>,
 }
 
-impl Seen<'_> {
+impl CoordinatePartition<'_> {
     /// From bases of any kind to those of the coordinates.
     fn from(
         &self,
@@ -134,7 +134,7 @@ impl Seen<'_> {
         Y: &DMatrix<f64>,
         Y_rate: &DMatrix<f64>,
         (system, _, state): (&System, &Parameters, &State),
-    ) -> Freedoms {
+    ) -> FreedomBases {
         let n = self.lengths.len();
         let of = |rows: &[usize], of: &DMatrix<f64>| of.select_rows(rows);
         let scaled = |mut basis: DMatrix<f64>, rows: &[usize]| {
@@ -170,7 +170,7 @@ impl Seen<'_> {
             let of_rates = of(self.chosen, Y) * &V;
             (of(self.chosen, &convected) - &of_rates * &S, of_rates)
         };
-        Freedoms {
+        FreedomBases {
             V_rate: DMatrix::zeros(n, r),
             U_rate: DMatrix::zeros(n, p),
             Z,
@@ -231,7 +231,7 @@ impl Bare {
     fn of(
         (system, parameters, state): (&System, &Parameters, &State),
         lengths: &DVector<f64>,
-    ) -> Result<Self, Reason> {
+    ) -> Result<Self, MotionFailure> {
         let (n, equations) = (system.first_equation, system.equations);
         let mut scratch = Scratch::new(system);
         let mut g = vec![0.0; system.moving_unknowns];
@@ -255,14 +255,14 @@ impl Bare {
                 moves: false,
             });
         }
-        let svd = singular_values(G, true, true).ok_or(Reason::NoEigenvalues)?;
+        let svd = singular_values(G, true, true).ok_or(MotionFailure::NoEigenvalues)?;
         let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
         let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
         let free = left_free(&svd.singular_values, &Vt, lengths);
         let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
         let (Z, R) = if (0..equations).any(|k| of_velocities(&k)) {
             let G = gradients(&|k| !system.is_nonholonomic[k]);
-            let svd = singular_values(G, false, true).ok_or(Reason::NoEigenvalues)?;
+            let svd = singular_values(G, false, true).ok_or(MotionFailure::NoEigenvalues)?;
             let Vt = svd.v_t.expect("asked for");
             (left_free(&svd.singular_values, &Vt, lengths), Some(free))
         } else {

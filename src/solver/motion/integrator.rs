@@ -3,11 +3,11 @@ use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::discrete_states::Regimes;
-use super::error::{MotionError, NotSettled, Reason};
+use super::error::{MotionError, NotSettled, MotionFailure};
 use super::error_scales::ErrorScales;
-use super::newton::{Equations, Stages, Unknowns};
-use super::sequence::Sequence;
-use super::settings::{INSIDE, Settings};
+use super::newton::{StepMatrices, Stages, Unknowns};
+use super::sequence::StageSequence;
+use super::settings::{INSIDE, MotionSettings};
 use super::tableau::{A, C, lagrange};
 use crate::system::{Parameters, State, System};
 
@@ -39,11 +39,11 @@ pub struct Statistics {
 pub struct Integrator<'a> {
     pub(super) system: &'a System,
     pub(super) parameters: &'a Parameters,
-    pub(super) settings: Settings,
+    pub(super) settings: MotionSettings,
     pub(super) state: State,
-    pub(super) equations: Equations,
+    pub(super) equations: StepMatrices,
     /// The iterations with derivatives of every stage, once they were needed.
-    pub(super) sequence: Option<Box<Sequence>>,
+    pub(super) sequence: Option<Box<StageSequence>>,
     pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
@@ -87,13 +87,13 @@ impl<'a> Integrator<'a> {
         system: &'a System,
         parameters: &'a Parameters,
         mut state: State,
-        settings: Settings,
+        settings: MotionSettings,
     ) -> Self {
         let regimes = Regimes::new(system, parameters, &mut state);
         let mut new = Self {
             system,
             parameters,
-            equations: Equations::new(system),
+            equations: StepMatrices::new(system),
             sequence: None,
             coupled: None,
             consistent: Consistent::new(system),
@@ -281,7 +281,7 @@ impl<'a> Integrator<'a> {
                 let changed = self.regimes.as_ref().map(|r| r.told(self.system));
                 let worst = self.worst.clone() + &changed.unwrap_or_default();
                 let step = self.h;
-                return Err(Reason::StepTooSmall { step, worst }.at(time));
+                return Err(MotionFailure::StepTooSmall { step, worst }.at(time));
             }
             // Even steps to the end: the last one is no splinter.
             let count = (left / self.h.min(self.settings.hmax) - 1e-9)
@@ -375,7 +375,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// Derivatives and factors for a step.
-    pub(super) fn prepare(&mut self, h: f64) -> Result<(), Reason> {
+    pub(super) fn prepare(&mut self, h: f64) -> Result<(), MotionFailure> {
         if self.factored.is_some_and(|f| (h / f - 1.0).abs() < SAME) {
             return Ok(());
         }
@@ -453,7 +453,7 @@ impl<'a> Integrator<'a> {
     }
 
     /// The third stage is the end of the step.
-    fn accept(&mut self, h: f64, to: f64) -> Result<(), Reason> {
+    fn accept(&mut self, h: f64, to: f64) -> Result<(), MotionFailure> {
         let system = self.system;
         let B = self.equations.tableau.B[2];
         let unknowns = &self.unknowns;

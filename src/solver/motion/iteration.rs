@@ -4,7 +4,7 @@ use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::NotSettled;
 use super::integrator::Integrator;
-use super::sequence::Sequence;
+use super::sequence::StageSequence;
 use super::settings::INSIDE;
 use crate::system::NoValue;
 
@@ -137,7 +137,7 @@ impl Integrator<'_> {
                 unknowns.add(1.0, change);
             }
             Derivatives::Sequence => {
-                let new = || Box::new(Sequence::new(system, equations));
+                let new = || Box::new(StageSequence::new(system, equations));
                 let sequence = self.sequence.get_or_insert_with(new);
                 if renew {
                     let weights = self.sizes.weights(system, tolerance);

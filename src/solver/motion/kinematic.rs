@@ -2,7 +2,7 @@
 
 use super::arrival::has_arrived;
 use super::consistent::Consistent;
-use super::error::{MotionError, Reason};
+use super::error::{MotionError, MotionFailure};
 use super::event_location::{EXACT, PLACES, Watched};
 use super::root::narrowed;
 use crate::system::{Parameters, Scratch, State, System};
@@ -200,7 +200,7 @@ fn place(
     state: &mut State,
     memory: &mut Consistent,
     step: f64,
-) -> Result<(), Reason> {
+) -> Result<(), MotionFailure> {
     system.settle_variables(parameters, state, &mut memory.scratch)?;
     memory.exchange_equations(system, parameters, state)?;
     memory.positions(system, parameters, state, None)?;
@@ -218,12 +218,12 @@ fn place(
 pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
     let freedoms = system.freedoms_left(state);
     if freedoms > 0 {
-        return Err(Reason::NotKinematic { freedoms }.at(state.time));
+        return Err(MotionFailure::NotKinematic { freedoms }.at(state.time));
     }
     let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
     if let Some(k) = (0..system.equations).find(of_velocities) {
         let equation = system.constraint_equation_name(k).to_string();
-        return Err(Reason::HeldVelocities { equation }.at(state.time));
+        return Err(MotionFailure::HeldVelocities { equation }.at(state.time));
     }
     Ok(())
 }

@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinates;
-use super::error::Reason;
-use super::freedoms::Freedoms;
+use super::error::MotionFailure;
+use super::freedoms::FreedomBases;
 use crate::linear::Levels;
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, Scratch, State, System};
@@ -47,7 +47,7 @@ impl Linearised {
         state: &State,
         damped: bool,
         coordinates: Option<&Coordinates>,
-    ) -> Result<Self, Reason> {
+    ) -> Result<Self, MotionFailure> {
         let mut state = state.clone();
         state.set_moving();
         let (n, m) = (system.first_equation, system.moving_unknowns);
@@ -84,8 +84,8 @@ impl Linearised {
             J[1].view_range_mut(view.0, view.1).fill(0.0);
         }
         let lengths = DVector::from_fn(n, |k, _| length_of(system, k));
-        let free = Freedoms::of((system, parameters, &state), coordinates, &lengths)?;
-        let Freedoms { Z, V: R, U, .. } = &free;
+        let free = FreedomBases::of((system, parameters, &state), coordinates, &lengths)?;
+        let FreedomBases { Z, V: R, U, .. } = &free;
         // y are as many as places, v as velocities are free.
         let (p, r) = (Z.ncols(), R.ncols());
         let part = |level: usize, rows: (usize, usize), columns: (usize, usize)| {

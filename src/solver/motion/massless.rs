@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::bordered::plain_weight;
 use super::consistent::Consistent;
-use super::error::Reason;
+use super::error::MotionFailure;
 use crate::linear::{Levels, Lu};
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, State, System};
@@ -165,7 +165,7 @@ fn products(motions: &DMatrix<f64>, levels: &Levels) -> [DMatrix<f64>; 2] {
 
 impl Consistent {
     /// After the mass matrix was factored: an error where a motion has no mass and nothing else holds it.
-    pub(super) fn check_held(&mut self, system: &System, step: f64) -> Result<(), Reason> {
+    pub(super) fn check_held(&mut self, system: &System, step: f64) -> Result<(), MotionFailure> {
         let deficiency = self.factors.deficiency();
         if deficiency == 0 || self.held == Some(deficiency) {
             return Ok(());
@@ -173,7 +173,7 @@ impl Consistent {
         let massless = Massless::of(system, &self.factors, &self.levels, step);
         if let Some(motion) = massless.and_then(|massless| massless.unrestrained_mode()) {
             let freedom = system.freedom_name(motion.icamax());
-            return Err(Reason::MassSingular { freedom });
+            return Err(MotionFailure::MassSingular { freedom });
         }
         self.held = Some(deficiency);
         Ok(())
@@ -192,7 +192,7 @@ impl Consistent {
         parameters: &Parameters,
         state: &mut State,
         step: f64,
-    ) -> Result<(), Reason> {
+    ) -> Result<(), MotionFailure> {
         if !system.has_massless(parameters, state) {
             return Ok(());
         }

@@ -3,11 +3,11 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::coordinates::Coordinates;
-use super::error::Reason;
+use super::error::MotionFailure;
 use super::linearised::Linearised;
 use crate::mechanics::Vec3;
 use crate::mechanics::eigen::{eigenvalues, singular_values};
-use crate::system::{Parameters, Rates, State, System};
+use crate::system::{Parameters, PartRates, State, System};
 
 /// A singular value of the mass matrix below this share of the largest is none.
 const NO_MASS: f64 = 1e-12;
@@ -51,7 +51,7 @@ pub fn modes(
     parameters: &Parameters,
     state: &State,
     damped: bool,
-) -> Result<Vec<Mode>, Reason> {
+) -> Result<Vec<Mode>, MotionFailure> {
     modes_in(system, parameters, state, damped, &Coordinates::default())
 }
 
@@ -66,9 +66,9 @@ pub fn modes_in(
     state: &State,
     damped: bool,
     coordinates: &Coordinates,
-) -> Result<Vec<Mode>, Reason> {
+) -> Result<Vec<Mode>, MotionFailure> {
     // At rest all coordinates have the same eigenvalues.
-    let still = |v: &Rates| v.linear == Vec3::zeros() && v.angular == Vec3::zeros();
+    let still = |v: &PartRates| v.linear == Vec3::zeros() && v.angular == Vec3::zeros();
     let moves = !state.velocities.iter().all(still);
     let coordinates = moves.then_some(coordinates);
     let about = Linearised::new(system, parameters, state, damped, coordinates)?;
@@ -79,7 +79,7 @@ pub fn modes_in(
         lengths: &about.lengths,
     };
     let mut found: Vec<Mode> = finite_eigenvalues(E, F)
-        .ok_or(Reason::NoEigenvalues)?
+        .ok_or(MotionFailure::NoEigenvalues)?
         .into_iter()
         .map(|value| Mode {
             shape: shapes.of(E, F, value),

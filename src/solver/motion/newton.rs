@@ -18,7 +18,7 @@ use super::linearisation::{Correction, Linearisation};
 use super::tableau::{ALPHA_BETA, C, GAMMA, Tableau};
 use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
-use crate::system::{NoValue, Parameters, Rates, RowProducts, Scratch, State, System};
+use crate::system::{NoValue, Parameters, PartRates, RowProducts, Scratch, State, System};
 
 /// The eigenvalues of B / h: the real one and one of the pair.
 fn eigenvalues(h: f64) -> Triple {
@@ -109,7 +109,7 @@ impl Residuals {
 
 /// Matrices of a step with their factors.
 #[derive(Debug)]
-pub(super) struct Equations {
+pub(super) struct StepMatrices {
     pub tableau: Tableau,
     pub(super) linear: Linearisation,
     products: RowProducts,
@@ -125,7 +125,7 @@ pub(super) struct Equations {
     pub factorisations: usize,
 }
 
-impl Equations {
+impl StepMatrices {
     pub(crate) fn new(system: &System) -> Self {
         let n = system.moving_unknowns;
         Self {
@@ -245,7 +245,7 @@ impl Equations {
         stage.time = time;
         system.advance(stage, z);
         for (part, body) in system.bodies.iter().enumerate() {
-            let mut acceleration = Rates::zero();
+            let mut acceleration = PartRates::zero();
             for k in 0..body.freedoms {
                 let (dw, a) = (w[body.first + k], rate(body.first + k));
                 if k < 3 {

@@ -10,7 +10,7 @@
 
 use super::anderson::AndersonAcceleration;
 use super::linearisation::{Correction, Linearisation};
-use super::newton::{Equations, Unknowns, turns};
+use super::newton::{StepMatrices, Unknowns, turns};
 use super::tableau::A;
 use crate::linear::Lu;
 use crate::mechanics::{Mat3, Vec3};
@@ -21,7 +21,7 @@ pub(super) const RATE: f64 = 0.373;
 
 /// Derivatives of the three stages with their factors.
 #[derive(Debug)]
-pub(super) struct Sequence {
+pub(super) struct StageSequence {
     /// S.
     lower: [[f64; 3]; 3],
     linear: [Linearisation; 3],
@@ -31,9 +31,9 @@ pub(super) struct Sequence {
     mixing: AndersonAcceleration,
 }
 
-impl Sequence {
+impl StageSequence {
     /// The patterns and orders are those of the equations.
-    pub(crate) fn new(system: &System, equations: &Equations) -> Self {
+    pub(crate) fn new(system: &System, equations: &StepMatrices) -> Self {
         Self {
             lower: inverse_of_lower(&A),
             linear: std::array::from_fn(|_| equations.linear.clone()),
@@ -48,7 +48,7 @@ impl Sequence {
     /// Takes the derivatives of the stages and factors them. `sizes` is what one of each unknown counts.
     pub(crate) fn factor(
         &mut self,
-        equations: &mut Equations,
+        equations: &mut StepMatrices,
         (system, parameters): (&System, &Parameters),
         (start, h): (&State, f64),
         unknowns: &Unknowns,
@@ -75,7 +75,7 @@ impl Sequence {
     /// Corrections from the residuals of the stages, with the factors there are; gives the step to take.
     pub(crate) fn correct(
         &mut self,
-        equations: &Equations,
+        equations: &StepMatrices,
         system: &System,
         (start, h): (&State, f64),
         change: &mut Unknowns,

@@ -2,7 +2,7 @@ use crate::model::IntegratorSettings;
 
 /// How a motion is integrated.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Settings {
+pub struct MotionSettings {
     /// ERROR: what a step may err by, relative to the larger of one and the largest value of a kind.
     pub error: f64,
     /// HINIT: the first step.
@@ -24,7 +24,7 @@ pub struct Settings {
 /// The tolerance of the method inside of ERROR: what is left of the error stays below it.
 pub(super) const INSIDE: f64 = 0.1;
 
-impl Settings {
+impl MotionSettings {
     /// INTEGRATOR for output steps of this length: HMAX is the output step, HINIT HMAX/20, HMIN 1e-6 HMAX where nothing is given.
     pub fn of(given: &IntegratorSettings, output: f64) -> Self {
         let hmax = given.hmax.filter(|h| *h > 0.0).unwrap_or(output);

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::coordinates::Coordinates;
-use super::error::Reason;
+use super::error::MotionFailure;
 use super::linearised::Linearised;
 use super::reduced::{Irreducible, Reduced};
 use crate::system::{Parameters, State, System};
@@ -39,7 +39,7 @@ pub fn state_matrices(
     state: &State,
     (inputs, outputs): (&[usize], &[usize]),
     coordinates: &Coordinates,
-) -> Result<StateMatrices, Reason> {
+) -> Result<StateMatrices, MotionFailure> {
     let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
     let (p, r) = (about.chosen.len(), about.rates);
     // A coordinate and its rate have inertia where the rate of the rate does.
@@ -72,11 +72,11 @@ pub fn state_matrices(
     let reduced = reduced.map_err(|why| match why {
         Irreducible::Undetermined => {
             let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);
-            Reason::MassSingular {
+            MotionFailure::MassSingular {
                 freedom: names.get(light).cloned().unwrap_or_default(),
             }
         }
-        Irreducible::StateByInputRate(state) => Reason::InputRate {
+        Irreducible::StateByInputRate(state) => MotionFailure::InputRate {
             what: names[state].clone(),
         },
     })?;
@@ -87,7 +87,7 @@ pub fn state_matrices(
     let direct = about.by_input.select_rows(outputs).select_columns(inputs);
     let (C, D) = reduced
         .output(&by_u, &by_rate, &direct)
-        .map_err(|row| Reason::InputRate {
+        .map_err(|row| MotionFailure::InputRate {
             what: system.variables[outputs[row]].name.to_string(),
         })?;
     let states = reduced.kept.iter().map(|k| names[*k].clone()).collect();

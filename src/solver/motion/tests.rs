@@ -1,10 +1,10 @@
 //! The equations of motion against differences, and motions against what is known of them.
 
-use super::{Consistent, Integrator, Kept, Settings, assemble};
+use super::{Consistent, Integrator, Kept, MotionSettings, assemble};
 use crate::linear::Levels;
 use crate::mechanics::{Vec3, exp};
 use crate::model::Model;
-use crate::system::{Parameters, Rates, Rows, Scratch, State, System};
+use crate::system::{Parameters, PartRates, Rows, Scratch, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
@@ -85,11 +85,11 @@ fn moving(deck: &Deck) -> State {
             }
         };
         if body.freedoms > 0 {
-            state.velocities[part] = Rates {
+            state.velocities[part] = PartRates {
                 linear: vector(7 * part),
                 angular: angular(7 * part + 3),
             };
-            state.accelerations[part] = Rates {
+            state.accelerations[part] = PartRates {
                 linear: vector(11 * part + 5),
                 angular: angular(11 * part + 2),
             };
@@ -408,7 +408,7 @@ fn begun(deck: &Deck, error: f64, hmax: f64) -> Integrator<'_> {
         1e-3,
     )
     .unwrap();
-    let settings = Settings {
+    let settings = MotionSettings {
         error,
         hinit: hmax / 20.0,
         hmax,

@@ -179,7 +179,7 @@ impl fmt::Display for Balance {
 mod tests {
     use super::*;
     use crate::model::Model;
-    use crate::statics::{Settings, Solver};
+    use crate::statics::{StaticSettings, Solver};
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
@@ -204,7 +204,7 @@ END
         let system = System::compile(&model).value;
         let (parameters, mut state) = (system.parameters(), system.state());
         let mut solver = Solver::new(&system);
-        let settings = Settings::tight();
+        let settings = StaticSettings::tight();
         let report = solver
             .solve(&system, &parameters, &mut state, &settings)
             .unwrap();

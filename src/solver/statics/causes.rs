@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Settings;
+use super::StaticSettings;
 use super::rank::{FREE, free_motion, free_motions, motion_of};
 use super::report::FreeMotion;
 use crate::function::Program;
@@ -36,7 +36,7 @@ pub(super) struct Ended<'a> {
     pub spent: bool,
     /// Steps that were cut to TLIMIT or ALIMIT.
     pub limited: usize,
-    pub settings: &'a Settings,
+    pub settings: &'a StaticSettings,
 }
 
 impl Ended<'_> {

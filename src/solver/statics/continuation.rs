@@ -4,7 +4,7 @@ use super::causes::Ended;
 use super::measures::largest;
 use super::newton::{Failure, NewtonOptions, Solver};
 use super::settings::MOST_ITERATIONS;
-use super::{Continuation, Report, Settings, Softest, SolveError};
+use super::{Continuation, Report, StaticSettings, Softest, SolveError};
 use crate::system::{Parameters, State, System};
 
 /// The way of an arm in a half turn, in its lengths, and some more.
@@ -17,7 +17,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         plain: NewtonOptions,
     ) -> (Option<Continuation>, usize) {
         let mut iterations = 0;
@@ -66,7 +66,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         (plain, report): (NewtonOptions, &mut Report),
     ) -> Result<(), SolveError> {
         if self.remaining == 0 || !Softest::is_cheap(system) {
@@ -100,7 +100,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         plain: NewtonOptions,
     ) -> (Option<Continuation>, usize) {
         let mut iterations = 0;
@@ -149,7 +149,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &State,
-        settings: &Settings,
+        settings: &StaticSettings,
         failure: Failure,
     ) -> SolveError {
         if let Failure::NoValue(reason) = failure {

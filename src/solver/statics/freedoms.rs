@@ -4,7 +4,7 @@ use crate::system::{Parameters, Scratch, State, System};
 
 /// Degrees of freedom of a mechanism in one configuration.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
-pub struct Freedoms {
+pub struct FreedomCount {
     /// Six for every part that can move, three for every point mass.
     pub of_parts: usize,
     /// Scalar equations of joints, primitives, motions, couplers, gears and general constraints.
@@ -15,7 +15,7 @@ pub struct Freedoms {
     pub without_value: Option<String>,
 }
 
-impl Freedoms {
+impl FreedomCount {
     /// Counts the equations and finds the rank of their Jacobian at a state.
     pub fn of(system: &System, parameters: &Parameters, state: &State) -> Self {
         let n = system.unknowns();

@@ -1,6 +1,6 @@
 //! Sizes of residuals and corrections, in the words of EQUILIBRIUM.
 
-use super::{Far, Settings};
+use super::{Far, StaticSettings};
 use crate::mechanics::log;
 use crate::model::PartIx;
 use crate::system::{State, System};
@@ -82,7 +82,7 @@ pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) ->
 }
 
 /// The fraction of the step that keeps every part within TLIMIT and ALIMIT.
-pub(super) fn limit(system: &System, settings: &Settings, dx: &[f64]) -> f64 {
+pub(super) fn limit(system: &System, settings: &StaticSettings, dx: &[f64]) -> f64 {
     let (mut shift, mut turn) = (0.0_f64, 0.0_f64);
     for body in &system.bodies {
         for k in 0..body.freedoms {

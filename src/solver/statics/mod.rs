@@ -24,12 +24,12 @@ mod stability;
 mod tangent;
 
 pub use balance::{Balance, Left};
-pub use freedoms::Freedoms;
+pub use freedoms::FreedomCount;
 pub use newton::{Solver, solve};
 pub(crate) use report::Iteration;
 pub use report::{Continuation, Far, FreeMotion, Report, SolveError, history_table};
 pub use sensitivity::Sensitivity;
-pub use settings::Settings;
+pub use settings::StaticSettings;
 pub use settle::StabilisedEquilibrium;
 pub use stability::{Softest, smallest_eigenvalue};
 pub use tangent::Tangent;

@@ -7,7 +7,7 @@ use super::measures::{
 use super::minimum_norm::FreeMotionSpace;
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::{Balance, Iteration, Report, Settings, SolveError, Tangent};
+use super::{Balance, Iteration, Report, StaticSettings, SolveError, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -40,7 +40,7 @@ pub fn solve(
     system: &System,
     parameters: &Parameters,
     state: &mut State,
-    settings: &Settings,
+    settings: &StaticSettings,
 ) -> Result<Report, SolveError> {
     Solver::new(system).solve(system, parameters, state, settings)
 }
@@ -158,7 +158,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
     ) -> Result<Report, SolveError> {
         self.start.clone_from(state);
         self.began = false;
@@ -177,7 +177,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
     ) -> Result<Report, SolveError> {
         let mut report = Report::default();
         let from_afar = self.poses != state.poses;
@@ -244,7 +244,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &State,
-        settings: &Settings,
+        settings: &StaticSettings,
         report: &mut Report,
     ) -> Result<(), SolveError> {
         let memory = (&mut self.scratch, &mut self.sums);
@@ -385,7 +385,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         way: NewtonOptions,
     ) -> Result<(), Failure> {
         self.history.clear();

@@ -6,7 +6,7 @@ pub(crate) const MOST_ITERATIONS: usize = 20_000;
 
 /// EQUILIBRIUM's own words, and what the built-in solver may do beyond ADAMS' plain iteration.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Settings {
+pub struct StaticSettings {
     /// ERROR: largest relative correction of the last iteration.
     pub error: f64,
     /// IMBALANCE: largest residual of any equation, in its own unit.
@@ -28,7 +28,7 @@ pub struct Settings {
     pub continuation: bool,
 }
 
-impl From<&EquilibriumSettings> for Settings {
+impl From<&EquilibriumSettings> for StaticSettings {
     fn from(e: &EquilibriumSettings) -> Self {
         Self {
             error: e.error,
@@ -44,13 +44,13 @@ impl From<&EquilibriumSettings> for Settings {
     }
 }
 
-impl Default for Settings {
+impl Default for StaticSettings {
     fn default() -> Self {
         Self::from(&EquilibriumSettings::default())
     }
 }
 
-impl Settings {
+impl StaticSettings {
     /// As tight as double precision allows for models in millimetres and newtons.
     pub fn tight() -> Self {
         Self {

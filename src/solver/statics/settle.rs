@@ -3,7 +3,7 @@
 use super::measures::{distance, force_imbalance, largest, limit};
 use super::newton::Solver;
 use super::path::add_damping;
-use super::{Report, Settings, Softest, SolveError};
+use super::{Report, StaticSettings, Softest, SolveError};
 use crate::system::{NoValue, Parameters, State, System};
 
 /// The first push, as a part of the model's length.
@@ -58,7 +58,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         softest: &Softest,
     ) -> Result<StabilisedEquilibrium, Unsettled> {
         let mut found = Vec::new();
@@ -95,11 +95,11 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         (softest, way): (&Softest, f64),
     ) -> Result<(Report, Option<Softest>), Descent> {
         let start = state.clone();
-        let newton = Settings {
+        let newton = StaticSettings {
             continuation: false,
             budget: None,
             ..settings.clone()
@@ -143,7 +143,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         (softest, way): (&Softest, f64),
     ) {
         let mut dx = softest.motion.clone();
@@ -171,7 +171,7 @@ impl Solver {
     ) -> f64 {
         let after = |solver: &mut Self, way: f64| {
             let mut trial = state.clone();
-            let settings = Settings::default();
+            let settings = StaticSettings::default();
             solver.perturb(system, parameters, &mut trial, &settings, (softest, way));
             distance(system, start, &trial)
         };
@@ -188,7 +188,7 @@ impl Solver {
         system: &System,
         parameters: &Parameters,
         state: &mut State,
-        settings: &Settings,
+        settings: &StaticSettings,
         negative: f64,
     ) -> Result<(), NoValue> {
         self.next.clear();

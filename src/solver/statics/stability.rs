@@ -335,7 +335,7 @@ mod tests {
 
     use super::*;
     use crate::model::Model;
-    use crate::statics::{Settings, solve};
+    use crate::statics::{StaticSettings, solve};
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
@@ -376,7 +376,7 @@ mod tests {
         let system = system.value;
         let mut state = system.state();
         let parameters = system.parameters();
-        solve(&system, &parameters, &mut state, &Settings::tight()).unwrap();
+        solve(&system, &parameters, &mut state, &StaticSettings::tight()).unwrap();
         (system, state)
     }
 

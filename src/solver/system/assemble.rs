@@ -5,7 +5,7 @@
 use super::chain::{add_block, add_wrench};
 use super::contribution::Of;
 use super::forces::Ask;
-use super::structure::{Drive, Rate, System};
+use super::structure::{ParameterSource, Rate, System};
 use super::{Configuration, NoValue, Parameters, Scratch, State};
 use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
@@ -186,7 +186,7 @@ impl Configuration<'_> {
             self.add(g, sink);
         }
         if S::ROWS
-            && let Drive::Rate(drive) = joint.drive
+            && let ParameterSource::Rate(drive) = joint.drive
             && self.moving()
             && !out[0]
         {
@@ -195,7 +195,7 @@ impl Configuration<'_> {
             sink.add(first, 3 * system.moving_unknowns, by * rate);
         }
         if S::ROWS
-            && let Drive::Function(function) = joint.drive
+            && let ParameterSource::Function(function) = joint.drive
         {
             let value = &self.scratch.functions[function];
             let by = if out[0] {

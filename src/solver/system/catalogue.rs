@@ -32,7 +32,7 @@ pub(crate) enum Role {
 
 /// Dimensions of the numbers of a group.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Quantity {
+pub(crate) enum GroupDimensions {
     /// Single dimension for all numbers.
     Same(Dimension),
     /// Dimensions by component, as the grammar defines them for an argument.
@@ -41,7 +41,7 @@ pub(crate) enum Quantity {
     MultiStiffness(usize),
 }
 
-impl Quantity {
+impl GroupDimensions {
     /// Returns the dimensions of an argument of the grammar.
     pub(crate) fn of_argument(argument: &ArgumentDef) -> Self {
         match argument.components {
@@ -70,7 +70,7 @@ pub(crate) struct Group {
     pub count: usize,
     /// Whether addresses carry an index even for a single number.
     pub indexed: bool,
-    pub quantity: Quantity,
+    pub quantity: GroupDimensions,
     pub minimum: f64,
     pub role: Role,
 }

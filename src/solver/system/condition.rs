@@ -3,7 +3,7 @@
 use super::NoValue;
 use super::compiled_function::Source;
 use super::scratch::Beside;
-use super::structure::{Drive, GconEquation};
+use super::structure::{ParameterSource, GconEquation};
 use super::{Configuration, Name, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
@@ -164,7 +164,7 @@ impl System {
     pub fn driven_by_states(&self) -> Option<&Name> {
         let motions = self.joints.iter().filter(|joint| joint.active);
         let motions = motions.filter_map(|joint| match joint.drive {
-            Drive::Function(function) => Some((&joint.name, function)),
+            ParameterSource::Function(function) => Some((&joint.name, function)),
             _ => None,
         });
         let conditions = self.conditions.iter().filter(|c| c.active);

@@ -1,5 +1,5 @@
-use super::chain::Place;
-use super::contribution::{Ends, halves};
+use super::chain::BodyColumns;
+use super::contribution::{WrenchEnds, halves};
 use super::{NoValue, Parameters, Scratch, State, System};
 use crate::function::MovingFrame;
 use crate::mechanics::{Mat3, Pose, RelativeMotion, Vec3, Vec6};
@@ -67,8 +67,8 @@ impl System {
         Ok((here, lacking))
     }
 
-    pub(crate) fn place(&self, part: usize) -> Place {
-        Place {
+    pub(crate) fn place(&self, part: usize) -> BodyColumns {
+        BodyColumns {
             first: self.bodies[part].first,
             freedoms: self.bodies[part].freedoms,
         }
@@ -202,7 +202,7 @@ impl Configuration<'_> {
     }
 
     /// Initialises `scratch.contribution` with a wrench in the axes of the frame, without derivatives.
-    pub(super) fn begin(&mut self, ends: Ends, w: Vec6) {
+    pub(super) fn begin(&mut self, ends: WrenchEnds, w: Vec6) {
         let system = self.system;
         let a = (
             system.place(system.owners[ends.i]),

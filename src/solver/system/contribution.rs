@@ -25,7 +25,7 @@
 //! has additional terms `D_k m_k` from the motions of its other markers in C.
 
 use super::chain::{
-    Place, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
+    BodyColumns, Twist, add_block, add_wrench, add33, moved_columns, moved_rows, seen_motion,
 };
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, skew};
@@ -49,7 +49,7 @@ pub(crate) enum Of {
 
 /// Scalar to which a wrench is proportional, with the wrench per unit, ground axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scalar {
+pub(crate) struct ScalarWrench {
     pub of: Of,
     pub F: Vec3,
     pub T: Vec3,
@@ -59,7 +59,7 @@ pub(crate) struct Scalar {
 #[derive(Clone, Debug)]
 pub(crate) struct Cross {
     pub marker: usize,
-    pub place: Place,
+    pub place: BodyColumns,
     /// Vector from the reference point of the marker's part to the marker.
     pub r: Vec3,
     /// Vector from the reference point of the part of C to the marker.
@@ -73,7 +73,7 @@ pub(crate) struct Cross {
 impl Cross {
     /// Returns the derivatives of the wrench with respect to the positions and, with damping, the velocities of the marker's part and the
     /// part of C.
-    fn columns(&self, c: Option<Place>) -> impl Iterator<Item = (Place, Mat6)> + use<> {
+    fn columns(&self, c: Option<BodyColumns>) -> impl Iterator<Item = (BodyColumns, Mat6)> + use<> {
         let (r, s) = (skew(&self.r), skew(&self.s));
         let (mut by_k, mut by_c) = (moved_columns(&self.D, &r), -moved_columns(&self.D, &s));
         let mut later = None;
@@ -106,8 +106,8 @@ pub(crate) struct ByRate {
 
 impl ByRate {
     /// Returns the velocity columns of a body.
-    fn later(&self, place: Place) -> Place {
-        Place {
+    fn later(&self, place: BodyColumns) -> BodyColumns {
+        BodyColumns {
             first: place.first + self.unknowns,
             ..place
         }
@@ -153,18 +153,18 @@ pub(crate) struct Contribution {
     /// Dependence on the velocity of I relative to C; `None` without damping.
     pub rate: Option<ByRate>,
     pub cross: Vec<Cross>,
-    pub scalars: Vec<Scalar>,
+    pub scalars: Vec<ScalarWrench>,
     /// Part A and its arm r.
-    pub a: (Place, Vec3),
+    pub a: (BodyColumns, Vec3),
     /// Part B and its arm s_B.
-    pub b: Option<(Place, Vec3)>,
+    pub b: Option<(BodyColumns, Vec3)>,
     /// Part C and its arm s_C.
-    pub c: Option<(Place, Vec3)>,
+    pub c: Option<(BodyColumns, Vec3)>,
 }
 
 impl Default for Contribution {
     fn default() -> Self {
-        let nowhere = Place {
+        let nowhere = BodyColumns {
             first: 0,
             freedoms: 0,
         };
@@ -190,7 +190,7 @@ impl Default for Contribution {
 
 /// Markers and parts of a wrench.
 #[derive(Clone, Copy)]
-pub(crate) struct Ends {
+pub(crate) struct WrenchEnds {
     pub i: usize,
     pub j: usize,
     pub pair: usize,
@@ -203,7 +203,7 @@ impl Contribution {
     /// Adds a scalar, given the wrench per unit in the axes of the frame.
     pub(super) fn push_scalar(&mut self, of: Of, unit: &Vec6) {
         let (F, T) = halves(&self.R, unit);
-        self.scalars.push(Scalar { of, F, T });
+        self.scalars.push(ScalarWrench { of, F, T });
     }
 
     /// Returns the magnitude of the wrench as a force.
@@ -231,10 +231,10 @@ impl Contribution {
     }
 
     /// Returns the contributions of a scalar to the balances, per unit: the position of each body and its six numbers.
-    pub(crate) fn column(&self, scalar: &Scalar) -> impl Iterator<Item = (Place, [f64; 6])> {
-        let on = |(place, arm): (Place, Vec3), sign: f64| {
+    pub(crate) fn column(&self, scalar: &ScalarWrench) -> impl Iterator<Item = (BodyColumns, [f64; 6])> {
+        let on = |(place, arm): (BodyColumns, Vec3), sign: f64| {
             let mut column = [0.0; 6];
-            let local = Place { first: 0, ..place };
+            let local = BodyColumns { first: 0, ..place };
             add_wrench(&mut column, local, sign, &scalar.F, &scalar.T, &arm);
             (place, column)
         };
@@ -361,7 +361,7 @@ impl Contribution {
         functions: &[FunctionValue],
         gradient: &mut Vec<(usize, f64)>,
     ) {
-        let mut push = |place: Place, row: &nalgebra::RowVector6<f64>| {
+        let mut push = |place: BodyColumns, row: &nalgebra::RowVector6<f64>| {
             for k in 0..place.freedoms {
                 gradient.push((place.first + k, row[k]));
             }

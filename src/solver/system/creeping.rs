@@ -4,7 +4,7 @@
 //! equilibria the creep changes by the displacement. Creep beyond the limit is converted to sliding. The force therefore equals the force
 //! of a spring-slider element and is independent of the rate.
 
-use super::surface::Friction;
+use super::surface::JointFriction;
 use super::{Parameters, Scratch, State, StictionState, System};
 use crate::element::FrictionLaw;
 use crate::mechanics::Vec3;
@@ -55,7 +55,7 @@ impl StickSlipState {
     }
 }
 
-impl Friction {
+impl JointFriction {
     fn counts_at_rest(&self) -> bool {
         self.active && self.at_rest.is_some()
     }
@@ -80,7 +80,7 @@ impl System {
 
     /// Returns whether any friction acts in statics.
     pub fn creeps(&self) -> bool {
-        self.frictions.iter().any(Friction::counts_at_rest)
+        self.frictions.iter().any(JointFriction::counts_at_rest)
     }
 
     /// Updates the friction surfaces to an equilibrium.

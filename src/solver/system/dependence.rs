@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use super::System;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
-use super::structure::{Action, Drive, Element, Joint, VariableEquation};
+use super::structure::{Action, ParameterSource, Element, ConstraintEquation, VariableEquation};
 
 /// Objects through which functions read each other.
 #[derive(Clone, Copy)]
@@ -15,7 +15,7 @@ pub(crate) struct Reads<'a> {
     pub functions: &'a [CompiledFunction],
     pub variables: &'a [VariableEquation],
     pub elements: &'a [Element],
-    pub joints: &'a [Joint],
+    pub joints: &'a [ConstraintEquation],
 }
 
 impl Reads<'_> {
@@ -51,7 +51,7 @@ impl Reads<'_> {
         match who {
             Exerted::Element(k) => self.push_element(&self.elements[k], out),
             Exerted::Joint(k, _) => {
-                if let Drive::Function(function) = self.joints[k].drive {
+                if let ParameterSource::Function(function) = self.joints[k].drive {
                     out.push(function);
                 }
             }
@@ -65,7 +65,7 @@ impl Reads<'_> {
             return;
         }
         match &element.action {
-            Action::Law(_, Drive::Function(function)) => out.push(*function),
+            Action::Law(_, ParameterSource::Function(function)) => out.push(*function),
             Action::Law(..) => {}
             Action::Vector(components) => out.extend(components.iter().flatten()),
         }
@@ -247,9 +247,9 @@ impl System {
     pub(crate) fn constraining(&self) -> impl Iterator<Item = usize> + '_ {
         let joints = self.joints.iter().filter(|joint| joint.active);
         let driven = joints.filter_map(|joint| match joint.drive {
-            Drive::Function(function) => Some(function),
-            Drive::Rate(drive) => Some(drive.function),
-            Drive::Theta(_) | Drive::Held(_) => None,
+            ParameterSource::Function(function) => Some(function),
+            ParameterSource::Rate(drive) => Some(drive.function),
+            ParameterSource::Theta(_) | ParameterSource::Held(_) => None,
         });
         let conditions = self.conditions.iter().filter(|c| c.active);
         driven.chain(conditions.map(|c| c.function))

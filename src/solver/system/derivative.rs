@@ -11,7 +11,7 @@ use super::contribution::{Of, halves};
 use super::forces::Ask;
 use super::parameters::PER_MARKER;
 use super::scratch::Seed;
-use super::structure::{Action, Drive, Element, Rate};
+use super::structure::{Action, ParameterSource, Element, Rate};
 use super::{Configuration, Parameters, Scratch, Slot, State, System};
 use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6};
@@ -60,7 +60,7 @@ impl System {
 impl Element {
     fn driven_by(&self, function: usize) -> bool {
         match &self.action {
-            Action::Law(_, drive) => matches!(drive, Drive::Function(f) if *f == function),
+            Action::Law(_, drive) => matches!(drive, ParameterSource::Function(f) if *f == function),
             Action::Vector(components) => components.contains(&Some(function)),
         }
     }
@@ -113,7 +113,7 @@ impl Configuration<'_> {
         match group.role {
             Role::Law { element: number } => {
                 let element = &system.elements[number];
-                if let (true, Action::Law(_, Drive::Theta(range))) =
+                if let (true, Action::Law(_, ParameterSource::Theta(range))) =
                     (element.active, &element.action)
                 {
                     self.element(number, Ask::Parameters)?;
@@ -234,7 +234,7 @@ impl Configuration<'_> {
             }
         }
         for (number, joint) in system.joints.iter().enumerate() {
-            if matches!(joint.drive, Drive::Function(f) if f == function)
+            if matches!(joint.drive, ParameterSource::Function(f) if f == function)
                 && !joint.out(self.state)[0]
             {
                 self.term(number, 0, false);

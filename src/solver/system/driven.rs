@@ -1,9 +1,9 @@
 //! MOTIONs that prescribe a velocity or an acceleration: their displacement, integrated from the stored constants.
 
 use super::NoValue;
-use super::structure::{Drive, RateDrive};
+use super::structure::{ParameterSource, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
-use crate::constraint::{Measure, PairConstraint};
+use crate::constraint::{RelativeCoordinate, PairConstraint};
 
 /// Gauss-Legendre nodes and weights on [-1, 1].
 const POINTS: [(f64, f64); 5] = [
@@ -22,7 +22,7 @@ impl System {
     /// Returns the active MOTIONs that prescribe a velocity or acceleration.
     pub(crate) fn rate_drives(&self) -> impl Iterator<Item = RateDrive> + '_ {
         self.joints.iter().filter_map(|joint| match joint.drive {
-            Drive::Rate(drive) if joint.active => Some(drive),
+            ParameterSource::Rate(drive) if joint.active => Some(drive),
             _ => None,
         })
     }
@@ -31,7 +31,7 @@ impl System {
     /// Resets the inactive ones.
     pub fn begin_drives(&self, parameters: &Parameters, state: &mut State, scratch: &mut Scratch) {
         for joint in &self.joints {
-            let Drive::Rate(drive) = joint.drive else {
+            let ParameterSource::Rate(drive) = joint.drive else {
                 continue;
             };
             if !joint.active {
@@ -70,16 +70,16 @@ impl System {
         self.at(parameters, state, scratch).look_at_constraints()?;
         for joint in self.joints.iter().filter(|joint| joint.active) {
             let value = match joint.drive {
-                Drive::Function(function) => scratch.functions[function].value,
-                Drive::Rate(drive) => scratch.driven[drive.index][0],
-                Drive::Theta(_) | Drive::Held(_) => continue,
+                ParameterSource::Function(function) => scratch.functions[function].value,
+                ParameterSource::Rate(drive) => scratch.driven[drive.index][0],
+                ParameterSource::Theta(_) | ParameterSource::Held(_) => continue,
             };
             for term in &joint.terms {
                 if let PairConstraint::Drive(drive) = term.law {
                     match drive.measure {
-                        Measure::Angle(axis) => state.pair_angles[term.pair][axis] = value,
-                        Measure::Body123(0) => state.pair_angles[term.pair].x = value,
-                        Measure::Translation(_) | Measure::Body123(_) | Measure::Pinion => {}
+                        RelativeCoordinate::Angle(axis) => state.pair_angles[term.pair][axis] = value,
+                        RelativeCoordinate::Body123(0) => state.pair_angles[term.pair].x = value,
+                        RelativeCoordinate::Translation(_) | RelativeCoordinate::Body123(_) | RelativeCoordinate::Pinion => {}
                     }
                 }
             }

@@ -1,8 +1,8 @@
 //! Wrenches of force elements: force laws between two markers, and vector forces given by functions.
 
 use super::chain::turn;
-use super::contribution::{ByRate, Ends, Of};
-use super::structure::{Action, Drive, Element};
+use super::contribution::{ByRate, WrenchEnds, Of};
+use super::structure::{Action, ParameterSource, Element};
 use super::{Configuration, NoValue};
 use crate::element::Wrench;
 use crate::mechanics::{Mat6, Vec6};
@@ -22,7 +22,7 @@ impl Configuration<'_> {
     /// Computes the wrench of an element into `scratch.contribution`. An inactive element gives zero with the same pattern.
     pub(super) fn element(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
         let element = &self.system.elements[number];
-        let ends = Ends {
+        let ends = WrenchEnds {
             i: element.i,
             j: element.j,
             pair: element.pair,
@@ -55,7 +55,7 @@ impl Configuration<'_> {
                 }
                 let scratch = &mut *self.scratch;
                 let out = &mut scratch.contribution;
-                if let (Drive::Function(function), Some(unit)) =
+                if let (ParameterSource::Function(function), Some(unit)) =
                     (drive, scratch.wrench.by_parameter.first())
                 {
                     out.push_scalar(Of::Function(*function), unit);
@@ -105,17 +105,17 @@ impl Configuration<'_> {
         let motion = self.motion((element.i, element.j, element.pair), law.uses_angles());
         let value;
         let (theta, with_parameters) = match drive {
-            Drive::Theta(range) => (&self.parameters.theta()[range.clone()], with_parameters),
-            Drive::Function(function) => {
+            ParameterSource::Theta(range) => (&self.parameters.theta()[range.clone()], with_parameters),
+            ParameterSource::Function(function) => {
                 value = [self.scratch.functions[*function].value];
                 (&value[..], true)
             }
-            Drive::Held(held) => {
+            ParameterSource::Held(held) => {
                 value = [*held];
                 (&value[..], true)
             }
             // Only constraints have such a drive.
-            Drive::Rate(_) => (&[][..], false),
+            ParameterSource::Rate(_) => (&[][..], false),
         };
         let rates = match &element.damping {
             Some(damping) if self.moving() => {

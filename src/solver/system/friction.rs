@@ -10,9 +10,9 @@
 //! vector, since the end of the last step. It therefore needs neither an unknown nor a tolerance of its own.
 
 use super::compiled_function::Exerted;
-use super::contribution::{Ends, FunctionValue, Of};
+use super::contribution::{WrenchEnds, FunctionValue, Of};
 use super::forces::Ask;
-use super::surface::{Friction, SLOTS, Slide};
+use super::surface::{JointFriction, SLOTS, Slide};
 use super::{Configuration, NoValue, Parameters, Scratch, State, StictionState, System};
 use crate::element::{Coefficient, FrictionLaw};
 use crate::function::{RateAxis, RateKind, RateMeasure};
@@ -118,13 +118,13 @@ impl System {
 
 impl Configuration<'_> {
     /// Returns displacement along zj and rotation of I in J.
-    pub(super) fn joint_place(&self, friction: &Friction) -> (f64, Mat3) {
+    pub(super) fn joint_place(&self, friction: &JointFriction) -> (f64, Mat3) {
         let motion = self.motion((friction.i, friction.j, friction.pair), false);
         (motion.p_ij_j.z, motion.R_ji)
     }
 
     /// Returns the surface velocity, one component per sliding direction.
-    fn surface_velocity(&self, friction: &Friction) -> Vec3 {
+    fn surface_velocity(&self, friction: &JointFriction) -> Vec3 {
         let rates = if self.moving() {
             self.relative_rates(friction.i, friction.j)
         } else {
@@ -145,7 +145,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the rotation vector from the anchor, J axes.
-    fn turned(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
+    fn turned(&self, friction: &JointFriction, grip: &StictionState) -> Vec3 {
         let (_, R_ji) = self.joint_place(friction);
         log(&(R_ji * grip.turn.transpose()))
     }
@@ -160,7 +160,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the creep, one component per sliding direction; zero unless the friction sticks.
-    pub(super) fn creep(&self, friction: &Friction, grip: &StictionState) -> Vec3 {
+    pub(super) fn creep(&self, friction: &JointFriction, grip: &StictionState) -> Vec3 {
         if !grip.sticking {
             return Vec3::zeros();
         }
@@ -329,7 +329,7 @@ impl Configuration<'_> {
                 friction.torque_preload
             };
             let value = on * (lever * mu.value[k] * sliding.load + preload * sigma.value[k]);
-            w += Friction::unit(slide) * value;
+            w += JointFriction::unit(slide) * value;
             if !tangent {
                 continue;
             }
@@ -355,7 +355,7 @@ impl Configuration<'_> {
                 last: self.scratch.gradient.len(),
             };
         }
-        let ends = Ends {
+        let ends = WrenchEnds {
             i: friction.i,
             j: friction.j,
             pair: friction.pair,
@@ -366,7 +366,7 @@ impl Configuration<'_> {
         if tangent {
             for (k, &slide) in friction.slides.iter().enumerate() {
                 let of = Of::Function(slots + k);
-                let unit = Friction::unit(slide);
+                let unit = JointFriction::unit(slide);
                 self.scratch.contribution.push_scalar(of, &unit);
             }
         }
@@ -374,7 +374,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the friction law in force: in statics that of rest.
-    fn law<'a>(&self, friction: &'a Friction) -> &'a FrictionLaw {
+    fn law<'a>(&self, friction: &'a JointFriction) -> &'a FrictionLaw {
         let at_rest = friction.at_rest.as_ref().filter(|_| !self.moving());
         at_rest.unwrap_or(&friction.law)
     }

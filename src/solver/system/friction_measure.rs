@@ -8,12 +8,12 @@ use super::Configuration;
 use super::NoValue;
 use super::forces::Ask;
 use super::friction::{Sliding, coefficients};
-use super::surface::{Friction, Slide};
+use super::surface::{JointFriction, Slide};
 use crate::mechanics::{Vec3, Vec6};
 
 /// Quantity of a friction.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Number {
+enum FrictionComponent {
     /// Force or torque on I along an axis of J.
     Wrench { axis: usize, torque: bool },
     /// Component along an axis of J of a vector summed over the sliding directions.
@@ -36,7 +36,7 @@ enum Vector {
     Creep,
 }
 
-impl Number {
+impl FrictionComponent {
     fn of(which: usize) -> Self {
         let along = |of, at: usize| Self::Along {
             of,
@@ -74,21 +74,21 @@ impl Configuration<'_> {
             }
             let before = self.scratch.gradient.len();
             let on = f64::from(u8::from(friction.active));
-            let (found, first) = match Number::of(which) {
-                Number::Wrench { axis, torque } => {
+            let (found, first) = match FrictionComponent::of(which) {
+                FrictionComponent::Wrench { axis, torque } => {
                     self.friction_wrench(number, friction, (axis, torque))?
                 }
-                Number::Along { of, axis, turning } => {
+                FrictionComponent::Along { of, axis, turning } => {
                     let sliding = self.sliding(number, true)?;
                     let first = self.scratch.gradient.len();
                     let found = self.friction_along(friction, &sliding, (of, axis, turning));
                     (found, first)
                 }
-                Number::Stiction | Number::Share => {
+                FrictionComponent::Stiction | FrictionComponent::Share => {
                     let sliding = self.sliding(number, false)?;
                     let (mu, _) = coefficients(&friction.law, &sliding);
-                    let found = match Number::of(which) {
-                        Number::Stiction => mu.mu_1,
+                    let found = match FrictionComponent::of(which) {
+                        FrictionComponent::Stiction => mu.mu_1,
                         _ => mu.beta,
                     };
                     (found, self.scratch.gradient.len())
@@ -108,7 +108,7 @@ impl Configuration<'_> {
     fn friction_wrench(
         &mut self,
         number: usize,
-        friction: &Friction,
+        friction: &JointFriction,
         (axis, torque): (usize, bool),
     ) -> Result<(f64, usize), NoValue> {
         self.friction(number, Ask::Tangent)?;
@@ -134,7 +134,7 @@ impl Configuration<'_> {
     /// Returns a component of a vector whose parts lie along the sliding directions, and appends its gradient.
     fn friction_along(
         &mut self,
-        friction: &Friction,
+        friction: &JointFriction,
         sliding: &Sliding,
         (of, axis, turning): (Vector, usize, bool),
     ) -> f64 {

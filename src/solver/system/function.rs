@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::compiled_function::{CompiledFunction, Source};
 use super::contribution::FunctionValue;
-use super::{Configuration, NoValue, Reason, Scratch, State, System};
+use super::{Configuration, NoValue, NoValueReason, Scratch, State, System};
 use crate::function::{Measure, Piece, Program, RateMeasure, Reference, measure, rate};
 use crate::mechanics::{Pose, Vec3, Vec6};
 
@@ -38,7 +38,7 @@ impl CompiledFunction {
         );
         value.map_err(|error| NoValue {
             element: self.owner.clone(),
-            reason: Reason::Function(error),
+            reason: NoValueReason::Function(error),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Inertia of the parts about their reference points, in ground axes.
 
-use super::chain::{Place, add_block, add33};
+use super::chain::{BodyColumns, add_block, add33};
 use super::{Configuration, Parameters, State, System};
 use crate::linear::Sink;
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, eigen::symmetric_eigen, skew};
@@ -69,7 +69,7 @@ impl Configuration<'_> {
                 add33(&mut C, 3, 3, &(w_ * J - skew(&(J * w))));
             }
             for (level, block) in [K, C, M].iter().enumerate() {
-                let column = Place {
+                let column = BodyColumns {
                     first: place.first + level * n,
                     ..place
                 };

@@ -1,7 +1,7 @@
 //! NFORCE: wrenches on several markers that depend on the motion of all of them.
 
 use super::chain::turn;
-use super::contribution::{Cross, Ends};
+use super::contribution::{Cross, WrenchEnds};
 use super::structure::NForce;
 use super::{Configuration, NoValue};
 
@@ -31,7 +31,7 @@ impl Configuration<'_> {
         let on = f64::from(u8::from(multi.active));
         let n = multi.i.len();
         let part_j = system.owners[multi.j];
-        let ends = Ends {
+        let ends = WrenchEnds {
             i: multi.i[at],
             j: multi.j,
             pair: multi.pairs[at],

@@ -8,12 +8,12 @@ pub struct NoValue {
     /// Name of the element.
     pub element: Name,
     /// Reason of the failure.
-    pub reason: Reason,
+    pub reason: NoValueReason,
 }
 
 /// Reason why an element is undefined.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
-pub enum Reason {
+pub enum NoValueReason {
     /// The force law is undefined at this relative motion.
     #[error(transparent)]
     Degenerate(#[from] Degenerate),

@@ -3,7 +3,7 @@
 use super::NoValue;
 use super::catalogue::Role;
 use super::compiled_function::Exerted;
-use super::structure::{Action, Drive};
+use super::structure::{Action, ParameterSource};
 use super::{Configuration, ConstraintIx, ElementIx, Slot, System};
 use crate::mechanics::{Vec3, Vec6};
 use crate::model::PartIx;
@@ -143,11 +143,11 @@ impl System {
             Quantity::Element(ElementIx(k), _) => {
                 let element = &self.elements[k];
                 match (&element.action, role) {
-                    (Action::Law(_, Drive::Theta(_)), Role::Law { element }) => element == k,
-                    (Action::Law(_, Drive::Theta(_)), Role::Marker(_)) => {
+                    (Action::Law(_, ParameterSource::Theta(_)), Role::Law { element }) => element == k,
+                    (Action::Law(_, ParameterSource::Theta(_)), Role::Marker(_)) => {
                         self.moves_marker(role, element.i) || self.moves_marker(role, element.j)
                     }
-                    (Action::Law(_, Drive::Theta(_)), _) => false,
+                    (Action::Law(_, ParameterSource::Theta(_)), _) => false,
                     (_, role) => !matches!(role, Role::Mass(_) | Role::Gravity),
                 }
             }

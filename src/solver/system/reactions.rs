@@ -2,12 +2,12 @@
 
 use super::Configuration;
 use super::State;
-use super::contribution::{Ends, Of};
-use super::structure::{Drive, Joint};
+use super::contribution::{WrenchEnds, Of};
+use super::structure::{ParameterSource, ConstraintEquation};
 use crate::constraint::Constraint;
 use crate::mechanics::{Mat6, Vec6};
 
-impl Joint {
+impl ConstraintEquation {
     /// Returns which of its equations are ignored: all if the constraint is inactive, otherwise the redundant ones.
     pub(super) fn out(&self, state: &State) -> [bool; 6] {
         let mut out = [false; 6];
@@ -46,7 +46,7 @@ impl Configuration<'_> {
         for k in 0..joint.count {
             w -= self.scratch.equations.jacobian[k] * multipliers[k];
         }
-        let ends = Ends {
+        let ends = WrenchEnds {
             i: term.i,
             j: term.j,
             pair: term.pair,
@@ -81,21 +81,21 @@ impl Configuration<'_> {
     }
 
     /// Evaluates one term of a constraint into `scratch.equations`.
-    pub(super) fn evaluate_term(&mut self, joint: &Joint, number: usize, multipliers: &[f64; 6]) {
+    pub(super) fn evaluate_term(&mut self, joint: &ConstraintEquation, number: usize, multipliers: &[f64; 6]) {
         let term = &joint.terms[number];
         let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
         let value;
         let theta = match &joint.drive {
-            Drive::Theta(range) => &self.parameters.theta()[range.clone()],
-            Drive::Function(function) => {
+            ParameterSource::Theta(range) => &self.parameters.theta()[range.clone()],
+            ParameterSource::Function(function) => {
                 value = [self.scratch.functions[*function].value];
                 &value[..]
             }
-            Drive::Held(held) => {
+            ParameterSource::Held(held) => {
                 value = [*held];
                 &value[..]
             }
-            Drive::Rate(drive) => {
+            ParameterSource::Rate(drive) => {
                 value = [self.scratch.driven[drive.index][0]];
                 &value[..]
             }

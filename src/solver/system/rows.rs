@@ -1,7 +1,7 @@
 //! Constraint equations along a motion: gradients, rates, and the acceleration-independent part of the second time derivatives.
 
 use super::NoValue;
-use super::structure::{Drive, Joint, Rate, StateEquation};
+use super::structure::{ParameterSource, ConstraintEquation, Rate, StateEquation};
 use super::{Configuration, Parameters, Scratch, State, System};
 use crate::constraint::Constraint;
 use crate::linear::Sink;
@@ -106,7 +106,7 @@ impl System {
     }
 
     /// Writes velocities or accelerations of the parts to `out`, in the order of the unknowns.
-    pub(crate) fn gathered(&self, rates: &[super::Rates], out: &mut Vec<f64>) {
+    pub(crate) fn gathered(&self, rates: &[super::PartRates], out: &mut Vec<f64>) {
         out.clear();
         for (body, rates) in self.bodies.iter().zip(rates) {
             let all = rates.linear.iter().chain(rates.angular.iter());
@@ -115,7 +115,7 @@ impl System {
     }
 
     /// Distributes values in the order of the unknowns to the rates of the parts, the inverse of [`Self::gathered`].
-    pub(crate) fn scattered(&self, values: &[f64], rates: &mut [super::Rates]) {
+    pub(crate) fn scattered(&self, values: &[f64], rates: &mut [super::PartRates]) {
         for (body, rates) in self.bodies.iter().zip(rates) {
             for k in 0..body.freedoms {
                 let value = values[body.first + k];
@@ -274,7 +274,7 @@ impl Configuration<'_> {
             .joints
             .iter()
             .filter_map(|joint| match joint.drive {
-                Drive::Function(function) if joint.active => Some(function),
+                ParameterSource::Function(function) if joint.active => Some(function),
                 _ => None,
             })
             .collect();
@@ -296,12 +296,12 @@ impl Configuration<'_> {
                 continue;
             }
             let driven = match joint.drive {
-                Drive::Function(function) => found(function),
-                Drive::Rate(drive) => {
+                ParameterSource::Function(function) => found(function),
+                ParameterSource::Rate(drive) => {
                     let [_, rate, second] = self.scratch.driven[drive.index];
                     [rate, second]
                 }
-                Drive::Theta(_) | Drive::Held(_) => [0.0; 2],
+                ParameterSource::Theta(_) | ParameterSource::Held(_) => [0.0; 2],
             };
             self.joint_gamma(joint, driven, gamma);
             for k in 0..joint.count {
@@ -318,7 +318,7 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    fn joint_gamma(&mut self, joint: &Joint, [rate, second]: [f64; 2], gamma: &mut [f64]) {
+    fn joint_gamma(&mut self, joint: &ConstraintEquation, [rate, second]: [f64; 2], gamma: &mut [f64]) {
         for (at, term) in joint.terms.iter().enumerate() {
             let u = self.relative_rates(term.i, term.j);
             let b = self.convective(term.i, term.j);

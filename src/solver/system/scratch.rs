@@ -35,7 +35,7 @@ pub struct Scratch {
     pub(crate) equations: Equations,
     pub(crate) multi: MultiWrench,
     pub(crate) motions: Vec<RelativeMotion>,
-    pub(crate) program: crate::function::Scratch,
+    pub(crate) program: crate::function::EvaluationMemory,
     pub(crate) inputs: Vec<f64>,
     pub(crate) by_input: Vec<f64>,
     pub(crate) by_literal: Vec<f64>,

@@ -3,14 +3,14 @@ use crate::mechanics::{Mat3, Pose, Vec3};
 
 /// Velocity or acceleration of a part: of its origin and its rotation, ground axes.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Rates {
+pub struct PartRates {
     /// Linear velocity or acceleration of the part's origin.
     pub linear: Vec3,
     /// Angular velocity or acceleration.
     pub angular: Vec3,
 }
 
-impl Rates {
+impl PartRates {
     /// Returns zero rates.
     pub(crate) const fn zero() -> Self {
         Self {
@@ -81,9 +81,9 @@ pub struct State {
     /// Reference angles of the functions' angle measures at the last equilibrium.
     pub measure_angles: Vec<Reference>,
     /// Velocity of each part; empty at rest, as in statics.
-    pub velocities: Vec<Rates>,
+    pub velocities: Vec<PartRates>,
     /// Acceleration of each part; empty at rest.
-    pub accelerations: Vec<Rates>,
+    pub accelerations: Vec<PartRates>,
     /// Time derivative of each dynamic state; empty at rest.
     pub state_rates: Vec<f64>,
     /// Integration constants of MOTIONs that prescribe a velocity or an acceleration, in the order of the model.
@@ -134,8 +134,8 @@ impl State {
 
     /// Allocates velocities, accelerations and state rates, zero where there was none.
     pub fn set_moving(&mut self) {
-        self.velocities.resize(self.poses.len(), Rates::zero());
-        self.accelerations.resize(self.poses.len(), Rates::zero());
+        self.velocities.resize(self.poses.len(), PartRates::zero());
+        self.accelerations.resize(self.poses.len(), PartRates::zero());
         self.state_rates.resize(self.states.len(), 0.0);
     }
 

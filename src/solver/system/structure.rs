@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::carried::Carried;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
-use super::surface::Friction;
+use super::surface::JointFriction;
 use super::{Catalogue, EquationName, Name, Parameters, State};
 use crate::constraint::{Constraint, PairConstraint};
 use crate::element::{Damping, Law, MultiPoint};
@@ -61,7 +61,7 @@ pub(crate) struct Start {
 #[derive(Debug)]
 pub(crate) enum Action {
     /// Force law of the marker pair, with the source of its parameters.
-    Law(&'static dyn Law, Drive),
+    Law(&'static dyn Law, ParameterSource),
     /// Functions of the force and torque components in the axes of the frame marker.
     Vector([Option<usize>; 6]),
 }
@@ -122,7 +122,7 @@ pub(crate) struct Term {
 
 /// Source of the parameters of a force law or a constraint.
 #[derive(Clone, Debug)]
-pub(crate) enum Drive {
+pub(crate) enum ParameterSource {
     /// Range of theta.
     Theta(Range<usize>),
     /// Single parameter, given by the value of a function.
@@ -150,10 +150,10 @@ pub(crate) struct RateDrive {
 
 /// Constraint of a JOINT, JPRIM, MOTION, COUPLER or GEAR: the scaled sum of its terms equals `offset`.
 #[derive(Debug)]
-pub(crate) struct Joint {
+pub(crate) struct ConstraintEquation {
     pub name: Name,
     pub terms: Vec<Term>,
-    pub drive: Drive,
+    pub drive: ParameterSource,
     /// Constant value of the sum (GEAR).
     pub offset: f64,
     /// Index of the first scalar equation.
@@ -162,7 +162,7 @@ pub(crate) struct Joint {
     pub active: bool,
 }
 
-impl Joint {
+impl ConstraintEquation {
     /// Returns the number of leading terms that act between the same two markers, which are the terms of a COUPLER or GEAR at its first
     /// joint. A cylindrical joint in a GEAR has two terms, rotation and translation.
     pub(crate) fn at_first(&self) -> usize {
@@ -248,8 +248,8 @@ pub struct System {
     pub(crate) used: Vec<usize>,
     pub(crate) elements: Vec<Element>,
     pub(crate) multis: Vec<NForce>,
-    pub(crate) joints: Vec<Joint>,
-    pub(crate) frictions: Vec<Friction>,
+    pub(crate) joints: Vec<ConstraintEquation>,
+    pub(crate) frictions: Vec<JointFriction>,
     pub(crate) conditions: Vec<GconEquation>,
     /// VARIABLEs: algebraic unknowns.
     pub variables: Vec<VariableEquation>,
@@ -408,7 +408,7 @@ impl System {
 
     /// Returns whether an active MOTION drives parts.
     pub fn is_driven(&self) -> bool {
-        let drives = |joint: &Joint| matches!(joint.drive, Drive::Function(_) | Drive::Rate(_));
+        let drives = |joint: &ConstraintEquation| matches!(joint.drive, ParameterSource::Function(_) | ParameterSource::Rate(_));
         self.joints
             .iter()
             .any(|joint| joint.active && drives(joint))

@@ -38,7 +38,7 @@ pub(crate) struct Pressing {
 
 /// FRICTION of one joint, or of one of its yokes.
 #[derive(Debug)]
-pub(crate) struct Friction {
+pub(crate) struct JointFriction {
     pub name: Name,
     /// Index of the joint in the system.
     pub joint: usize,
@@ -62,7 +62,7 @@ pub(crate) struct Friction {
     pub active: bool,
 }
 
-impl Friction {
+impl JointFriction {
     pub(crate) fn lever(&self, slide: Slide) -> f64 {
         if slide == Slide::AlongZ {
             1.0

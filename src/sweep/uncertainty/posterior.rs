@@ -37,7 +37,7 @@ pub(crate) struct Posterior<'a> {
 }
 
 /// Point in whitened coordinates.
-struct Point {
+struct PosteriorPoint {
     z: DVector<f64>,
     /// Half chi-square with priors.
     energy: f64,
@@ -209,7 +209,7 @@ impl<'a> Posterior<'a> {
         0.5 * residual.norm_squared() + own
     }
 
-    fn point(&self, fit: &mut MarginalProblem<'_>, z: DVector<f64>) -> Option<Point> {
+    fn point(&self, fit: &mut MarginalProblem<'_>, z: DVector<f64>) -> Option<PosteriorPoint> {
         let x = self.x(&z);
         let found = fit.evaluate(&x, true)?;
         let mut slope = found.jacobian.tr_mul(&found.residual);
@@ -222,7 +222,7 @@ impl<'a> Posterior<'a> {
         }
         let energy = self.energy(&x, &found.residual);
         let finite = energy.is_finite() && slope.iter().all(|s| s.is_finite());
-        finite.then(|| Point {
+        finite.then(|| PosteriorPoint {
             gradient: self.estimate.root.tr_mul(&slope),
             energy,
             z,

@@ -1,6 +1,6 @@
 //! Derivatives of numeric functions against central differences.
 
-use super::{Scratch, compile};
+use super::{EvaluationMemory, compile};
 
 /// Small linear congruential generator, which makes the test points reproducible on every machine.
 struct Points(u64);
@@ -20,7 +20,7 @@ fn check_derivatives(text: &str) {
     let case = compile(text);
     let program = &case.program;
     let mut points = Points(text.len() as u64 + 17);
-    let mut scratch = Scratch::default();
+    let mut scratch = EvaluationMemory::default();
     let (n, m) = (program.inputs.len(), case.literals.len());
     for _ in 0..25 {
         let inputs: Vec<f64> = (0..n).map(|_| points.next(0.2, 1.8)).collect();
@@ -48,7 +48,7 @@ fn check_derivatives(text: &str) {
             .expect("it has a value here");
         assert_eq!(Ok(value), program.eval(&inputs, &literals, &mut scratch));
         let mut compare = |all: Vec<f64>, k: usize, exact: f64| {
-            let at = |h: f64, scratch: &mut Scratch| {
+            let at = |h: f64, scratch: &mut EvaluationMemory| {
                 let mut moved = all.clone();
                 moved[k] += h;
                 program
@@ -146,7 +146,7 @@ const BENT: [&str; 10] = [
 #[test]
 fn second_rates_are_those_of_differences() {
     let mut points = Points(5);
-    let mut scratch = Scratch::default();
+    let mut scratch = EvaluationMemory::default();
     let mut found = 0;
     for (text, sure) in BENT
         .iter()
@@ -244,7 +244,7 @@ fn derivatives_at_edges_are_those_of_a_side() {
         ("IF(VARVAL(1):2*VARVAL(1),3*VARVAL(1),5*VARVAL(1))", 0.0),
     ] {
         let case = compile(text);
-        let mut scratch = Scratch::default();
+        let mut scratch = EvaluationMemory::default();
         let (n, m) = (case.program.inputs.len(), case.literals.len());
         let (mut by, mut by_literal) = (vec![0.0; n], vec![0.0; m]);
         let value = case.program.eval_with_derivatives(
@@ -283,7 +283,7 @@ fn infinite_slopes_are_taken_as_zero() {
     let value = case.program.eval_with_derivatives(
         &[0.0, 0.0],
         &case.literals,
-        &mut Scratch::default(),
+        &mut EvaluationMemory::default(),
         &mut by,
         &mut by_literal[..case.literals.len()],
     );

@@ -1,12 +1,12 @@
 //! Functions held on a piece: their formula continues beyond the end of the piece, and the excess of the arguments is reported.
 
-use super::{Fault, Scratch, compile};
+use super::{Fault, EvaluationMemory, compile};
 
 /// Returns the value, the derivatives with respect to VARIABLE/1 and /2, the piece of the arguments and the excess.
 fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {
     let case = compile(text);
     assert_eq!(case.program.switches().len(), 1, "{text}");
-    let mut scratch = Scratch::default();
+    let mut scratch = EvaluationMemory::default();
     let inputs = case.inputs([at[0], at[1], 0.0, 0.0]);
     let (mut by, mut by_literal) = (vec![0.0; inputs.len()], vec![0.0; case.literals.len()]);
     let value = case.program.eval_on_pieces(
@@ -179,7 +179,7 @@ fn no_number_has_no_whole_part() {
     for function in ["AINT", "ANINT", "INT", "NINT"] {
         for held in [None, Some(0), Some(2)] {
             let case = compile(&format!("{function}(VARVAL(1))"));
-            let (mut by, mut scratch) = ([0.0], Scratch::default());
+            let (mut by, mut scratch) = ([0.0], EvaluationMemory::default());
             let inputs = case.inputs([f64::NAN, 0.0, 0.0, 0.0]);
             let value = case.program.eval_on_pieces(
                 &inputs,
@@ -233,7 +233,7 @@ fn held_between_its_sides_a_function_is_a_line() {
         &inputs,
         &case.literals,
         &[Some(piece), None],
-        &mut Scratch::default(),
+        &mut EvaluationMemory::default(),
         (&mut by, &mut by_literal),
     );
     // A quarter of 1 plus three quarters of 7, minus 1.

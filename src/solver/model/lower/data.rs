@@ -71,13 +71,13 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
     })
 }
 
-type Matrix = Vec<Vec<f64>>;
+type DenseRows = Vec<Vec<f64>>;
 
 /// Returns whether the state dimensions of the matrices of an LSE agree. Mismatches are reported by `dimensions`, and such an LSE is
 /// dropped.
-fn fit((a, b, c, _): &(Matrix, Matrix, Matrix, Matrix)) -> bool {
+fn fit((a, b, c, _): &(DenseRows, DenseRows, DenseRows, DenseRows)) -> bool {
     let states = a.len();
-    let wide = |matrix: &Matrix| matrix.iter().all(|row| row.len() == states);
+    let wide = |matrix: &DenseRows| matrix.iter().all(|row| row.len() == states);
     wide(a) && wide(c) && (b.is_empty() || b.len() == states)
 }
 
@@ -86,7 +86,7 @@ fn fit((a, b, c, _): &(Matrix, Matrix, Matrix, Matrix)) -> bool {
 fn controllable_form(
     numerator: &[f64],
     denominator: &[f64],
-) -> Option<(Matrix, Matrix, Matrix, Matrix)> {
+) -> Option<(DenseRows, DenseRows, DenseRows, DenseRows)> {
     let order = denominator.iter().rposition(|value| *value != 0.0)?;
     let degree = numerator
         .iter()

@@ -1,13 +1,13 @@
 //! Centres of the parts, about which statics moves them, and the length scales of a model.
 
 use super::super::Parameters;
-use super::super::structure::{Body, Element, Joint, NForce};
+use super::super::structure::{Body, Element, ConstraintEquation, NForce};
 use crate::mechanics::{Pose, Vec3};
 
 /// Sets the centre of every part, which must not depend on the position of the part's frame.
 pub(super) fn centres(
     bodies: &mut [Body],
-    (elements, joints, multis): (&[Element], &[Joint], &[NForce]),
+    (elements, joints, multis): (&[Element], &[ConstraintEquation], &[NForce]),
     owners: &[usize],
     parameters: &Parameters,
 ) {

@@ -1,9 +1,9 @@
 //! Nonholonomic GCONs, which constrain velocities.
 
-use super::Compiler;
+use super::SystemCompiler;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     /// Returns whether each constraint equation is nonholonomic. Requires [`Compiler::order`]. Warns about those, because statics ignores
     /// them.
     pub(super) fn of_velocities(&mut self) -> Vec<bool> {

@@ -1,18 +1,18 @@
 //! Compilation of constraint statements to scalar equations.
 
-use super::{Compiler, Header, name, stated};
+use super::{SystemCompiler, Header, name, stated};
 use crate::constraint::{
-    Constraint, ConstraintEntry, Convel, Drive as Driven, GearedJoint, Measure, PairConstraint,
+    Constraint, ConstraintEntry, Convel, Drive as Driven, GearedJoint, RelativeCoordinate, PairConstraint,
     constraint, gear_terms,
 };
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder};
 use crate::system::catalogue::Role;
-use crate::system::structure::{Drive, GconEquation, Joint, RateDrive, Term};
+use crate::system::structure::{ParameterSource, GconEquation, ConstraintEquation, RateDrive, Term};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     pub(super) fn constraints(&mut self) {
         self.joint_statements();
         self.primitives();
@@ -52,18 +52,18 @@ impl Compiler<'_> {
                 }
                 _ => 0..0,
             };
-            self.push_joint("JOINT", &j.header, at, law, Drive::Theta(theta));
+            self.push_joint("JOINT", &j.header, at, law, ParameterSource::Theta(theta));
         }
     }
 
     fn primitives(&mut self) {
         for p in &self.model.primitives {
             let law = entry("JPRIM", p.kind.word()).constraint;
-            self.push_joint("JPRIM", &p.header, (p.i.0, p.j.0), law, Drive::Theta(0..0));
+            self.push_joint("JPRIM", &p.header, (p.i.0, p.j.0), law, ParameterSource::Theta(0..0));
         }
     }
 
-    fn term(&mut self, i: usize, j: usize, measure: Measure, scale: f64) -> Term {
+    fn term(&mut self, i: usize, j: usize, measure: RelativeCoordinate, scale: f64) -> Term {
         Term {
             i,
             j,
@@ -81,8 +81,8 @@ impl Compiler<'_> {
                     continue;
                 };
                 let measure = match kind {
-                    CouplerKind::Translation => Measure::Translation(2),
-                    CouplerKind::Rotation => Measure::Angle(2),
+                    CouplerKind::Translation => RelativeCoordinate::Translation(2),
+                    CouplerKind::Rotation => RelativeCoordinate::Angle(2),
                 };
                 terms.push(self.term(joint.i.0, joint.j.0, measure, scale));
             }
@@ -121,10 +121,10 @@ impl Compiler<'_> {
     }
 
     fn push_sum(&mut self, kind: &'static str, header: &Header, terms: Vec<Term>, offset: f64) {
-        self.joints.push(Joint {
+        self.joints.push(ConstraintEquation {
             name: name(kind, header),
             terms,
-            drive: Drive::Held(0.0),
+            drive: ParameterSource::Held(0.0),
             offset,
             first: self.equations,
             count: 1,
@@ -165,7 +165,7 @@ impl Compiler<'_> {
                 MotionAxis::RotationZ | MotionAxis::Body123(_) => Dimension::ANGLE,
             };
             let drive = if m.order == MotionOrder::Displacement {
-                Drive::Function(self.function(&m.function, &owner, None, dimension))
+                ParameterSource::Function(self.function(&m.function, &owner, None, dimension))
             } else {
                 let here = measure.evaluate(&self.design_motion(i, j), 0.0).value;
                 let held = m.initial_displacement.unwrap_or(here);
@@ -184,7 +184,7 @@ impl Compiler<'_> {
                     value: held,
                     rate: start_rate,
                 });
-                Drive::Rate(RateDrive {
+                ParameterSource::Rate(RateDrive {
                     function,
                     second: m.order == MotionOrder::Acceleration,
                     index: self.driven.len() - 1,
@@ -203,11 +203,11 @@ impl Compiler<'_> {
         header: &Header,
         (i, j): (usize, usize),
         law: PairConstraint,
-        drive: Drive,
+        drive: ParameterSource,
     ) {
         let count = law.count();
         let pair = self.pair(i, j);
-        self.joints.push(Joint {
+        self.joints.push(ConstraintEquation {
             name: name(kind, header),
             terms: vec![Term {
                 i,

@@ -1,11 +1,11 @@
 //! Compilation of force statements to elements.
 
-use super::{Compiler, Header, Name, name};
+use super::{SystemCompiler, Header, Name, name};
 use crate::element::{Beam, Damping, Law, ScalarForce};
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
-use crate::system::catalogue::{Quantity, Role};
-use crate::system::structure::{Action, Drive, Element, NForce};
+use crate::system::catalogue::{GroupDimensions, Role};
+use crate::system::structure::{Action, ParameterSource, Element, NForce};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar;
 use admire_syntax::grammar::{Components, LawDef, StatementDef};
@@ -13,7 +13,7 @@ use admire_syntax::units::Dimension;
 
 const ANY: f64 = f64::NEG_INFINITY;
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     pub(super) fn forces(&mut self) {
         self.laws();
         self.scalar_forces();
@@ -25,20 +25,20 @@ impl Compiler<'_> {
             let role = Role::Multi {
                 multi: self.multis.len(),
             };
-            let stiffness = (Quantity::MultiStiffness(size), ANY);
+            let stiffness = (GroupDimensions::MultiStiffness(size), ANY);
             self.numbers(of, Some("KMATRIX"), &n.k, stiffness, role);
             self.numbers(
                 of,
                 Some("LENGTH"),
                 &n.length,
-                (Quantity::Of(Components::Motion), ANY),
+                (GroupDimensions::Of(Components::Motion), ANY),
                 role,
             );
             self.numbers(
                 of,
                 Some("FORCE"),
                 &n.force,
-                (Quantity::Of(Components::Wrench), ANY),
+                (GroupDimensions::Of(Components::Wrench), ANY),
                 role,
             );
             let whole = n.k.len() == size * size && n.length.len() == size && n.force.len() == size;
@@ -85,7 +85,7 @@ impl Compiler<'_> {
         }
         let law = crate::element::law(wanted.name).expect("a law for every name of the grammar");
         debug_assert_eq!(law.parameter_count(), values.len(), "{}", wanted.name);
-        let drive = Drive::Theta(start..self.theta.len());
+        let drive = ParameterSource::Theta(start..self.theta.len());
         let reaction = Some(self.part_of(j));
         let action = Action::Law(law, drive);
         self.push_element((def.name, header), (i, j, Some(j)), reaction, action);
@@ -179,7 +179,7 @@ impl Compiler<'_> {
                 ("SFORCE", &s.header),
                 (s.i.0, s.j.0, Some(s.j.0)),
                 reaction,
-                Action::Law(law, Drive::Function(function)),
+                Action::Law(law, ParameterSource::Function(function)),
             );
         }
     }

@@ -1,12 +1,12 @@
 //! Compilation of FRICTION statements.
 
-use super::{Compiler, name};
+use super::{SystemCompiler, name};
 use crate::element::FrictionLaw;
 use crate::model::JointKind;
-use crate::system::surface::{Friction, Pressing, Slide};
+use crate::system::surface::{JointFriction, Pressing, Slide};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     /// Compiles all FRICTIONs. Must run after the joints, which come first among the constraints.
     pub(super) fn joint_frictions(&mut self) {
         for f in &self.model.frictions {
@@ -104,7 +104,7 @@ impl Compiler<'_> {
                 deformation: f.deformation,
             };
             for (slides, radius, pressing) in kinds {
-                self.frictions.push(Friction {
+                self.frictions.push(JointFriction {
                     name: owner.clone(),
                     joint: f.joint,
                     i,

@@ -1,15 +1,15 @@
 //! Compilation of FUNCTIONs to programs, and resolution of their inputs in the system.
 
-use super::{Compiler, Function, Name, name, way_out};
-use crate::function::{ElementIx, ForceMeasure, Input, time_breaks};
+use super::{SystemCompiler, Function, Name, name, way_out};
+use crate::function::{MeasuredElement, ForceMeasure, Input, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
-use crate::system::catalogue::{Quantity, Role};
+use crate::system::catalogue::{GroupDimensions, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
 use crate::system::structure::{Element, Rate};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     /// Compiles a function and returns its index. Its inputs are resolved at the end, when all indices are known.
     pub(super) fn function(
         &mut self,
@@ -51,10 +51,10 @@ impl Compiler<'_> {
                 (None, Vec::new())
             }
         };
-        let none = (Quantity::Same(Dimension::NONE), f64::NEG_INFINITY);
+        let none = (GroupDimensions::Same(Dimension::NONE), f64::NEG_INFINITY);
         let word = Some(argument.unwrap_or("FUNCTION"));
         let literals = self.numbers(id, word, &literals, none, Role::Literals(at));
-        let whole = (Quantity::Same(dimension), f64::NEG_INFINITY);
+        let whole = (GroupDimensions::Same(dimension), f64::NEG_INFINITY);
         let replacement = self
             .numbers(id, argument, &[f64::NAN], whole, Role::Override(at))
             .start;
@@ -279,25 +279,25 @@ impl Compiler<'_> {
         elements.chain(joints).chain(multis)
     }
 
-    fn exerted_by(&self, element: ElementIx) -> Exerted {
+    fn exerted_by(&self, element: MeasuredElement) -> Exerted {
         let model = self.model;
         let bushings = model.bushings.len();
         let springs = bushings + model.springdampers.len();
         let pairs = springs + model.pair_forces.len();
         let sforces = pairs + model.sforces.len();
         match element {
-            ElementIx::Bushing(k) => Exerted::Element(k),
-            ElementIx::SpringDamper(k) => Exerted::Element(bushings + k),
-            ElementIx::PairForce(k) => Exerted::Element(springs + k),
-            ElementIx::Sforce(k) => Exerted::Element(pairs + k),
-            ElementIx::VectorForce(k) => Exerted::Element(sforces + k),
-            ElementIx::Nforce { nforce, at } => {
+            MeasuredElement::Bushing(k) => Exerted::Element(k),
+            MeasuredElement::SpringDamper(k) => Exerted::Element(bushings + k),
+            MeasuredElement::PairForce(k) => Exerted::Element(springs + k),
+            MeasuredElement::Sforce(k) => Exerted::Element(pairs + k),
+            MeasuredElement::VectorForce(k) => Exerted::Element(sforces + k),
+            MeasuredElement::Nforce { nforce, at } => {
                 let which = model.nforces[nforce].i.iter().position(|m| *m == at);
                 Exerted::Multi(nforce, which.unwrap_or(0))
             }
-            ElementIx::Joint(k) => Exerted::Joint(k, 0),
-            ElementIx::Primitive(k) => Exerted::Joint(model.joints.len() + k, 0),
-            ElementIx::Motion(k) => Exerted::Joint(
+            MeasuredElement::Joint(k) => Exerted::Joint(k, 0),
+            MeasuredElement::Primitive(k) => Exerted::Joint(model.joints.len() + k, 0),
+            MeasuredElement::Motion(k) => Exerted::Joint(
                 model.joints.len()
                     + model.primitives.len()
                     + model.couplers.len()

@@ -19,13 +19,13 @@ use self::centres::{centres, sizes};
 use self::motion::{not_in_motion, reference_mass};
 
 use super::carried::Carried;
-use super::catalogue::{Catalogue, Group, Quantity, Role};
+use super::catalogue::{Catalogue, Group, GroupDimensions, Role};
 use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Body, Element, GconEquation, Joint, NForce, Rate, Start, StateEquation, System,
+    Body, Element, GconEquation, ConstraintEquation, NForce, Rate, Start, StateEquation, System,
     VariableEquation,
 };
-use super::surface::Friction;
+use super::surface::JointFriction;
 use super::{Driven, Name, Parameters, Scratch, State, StictionState};
 use crate::function::Reference;
 use crate::mechanics::{Mat3, Pose, Vec3};
@@ -58,7 +58,7 @@ fn way_out(kind: &str, real: &str) -> String {
 impl System {
     /// Compiles a model. The diagnostics report unsolved statements. With an error among them, the solution would not represent the model.
     pub fn compile(model: &Model) -> Checked<Self> {
-        let mut compiler = Compiler::new(model);
+        let mut compiler = SystemCompiler::new(model);
         compiler.markers();
         compiler.parts();
         compiler.forces();
@@ -71,7 +71,7 @@ impl System {
     }
 }
 
-struct Compiler<'a> {
+struct SystemCompiler<'a> {
     model: &'a Model,
     diagnostics: Vec<Diagnostic>,
     catalogue: Catalogue,
@@ -82,8 +82,8 @@ struct Compiler<'a> {
     floating: BTreeMap<usize, usize>,
     elements: Vec<Element>,
     multis: Vec<NForce>,
-    joints: Vec<Joint>,
-    frictions: Vec<Friction>,
+    joints: Vec<ConstraintEquation>,
+    frictions: Vec<JointFriction>,
     conditions: Vec<GconEquation>,
     variables: Vec<VariableEquation>,
     states: Vec<StateEquation>,
@@ -91,7 +91,7 @@ struct Compiler<'a> {
     gravity: usize,
     pairs: usize,
     equations: usize,
-    programs: crate::function::Compiler<'a>,
+    programs: crate::function::ExpressionCompiler<'a>,
     measured_angles: usize,
     /// Function of each DIFF that statics holds constant.
     held_rates: BTreeMap<usize, usize>,
@@ -123,7 +123,7 @@ pub fn name(kind: &'static str, header: &Header) -> Name {
     }
 }
 
-impl<'a> Compiler<'a> {
+impl<'a> SystemCompiler<'a> {
     fn new(model: &'a Model) -> Self {
         Self {
             model,
@@ -144,7 +144,7 @@ impl<'a> Compiler<'a> {
             gravity: 0,
             pairs: 0,
             equations: 0,
-            programs: crate::function::Compiler::new(model),
+            programs: crate::function::ExpressionCompiler::new(model),
             measured_angles: 1,
             held_rates: BTreeMap::new(),
             state_values: Vec::new(),
@@ -163,7 +163,7 @@ impl<'a> Compiler<'a> {
         (kind, id): (&'static str, Option<u32>),
         argument: Option<&'static str>,
         values: &[f64],
-        (quantity, minimum): (Quantity, f64),
+        (quantity, minimum): (GroupDimensions, f64),
         role: Role,
     ) -> std::ops::Range<usize> {
         self.theta.extend_from_slice(values);
@@ -189,7 +189,7 @@ impl<'a> Compiler<'a> {
         values: &[f64],
         role: Role,
     ) -> std::ops::Range<usize> {
-        let bounds = (Quantity::of_argument(argument), argument.minimum());
+        let bounds = (GroupDimensions::of_argument(argument), argument.minimum());
         self.numbers(of, Some(argument.name), values, bounds, role)
     }
 

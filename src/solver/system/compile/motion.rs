@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::function::{Degree, RateAxis};
 use crate::model::{Model, PartKind};
 use crate::system::compiled_function::Source;
-use crate::system::structure::{Drive, Rate};
+use crate::system::structure::{ParameterSource, Rate};
 use crate::system::{Name, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -33,14 +33,14 @@ pub(super) fn not_in_motion(system: &System) -> Vec<Diagnostic> {
     };
     for joint in system.joints.iter().filter(|joint| joint.active) {
         match joint.drive {
-            Drive::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
+            ParameterSource::Rate(drive) if !system.reads().only_time(drive.function) => refuse(
                 &joint.name,
                 format!(
                     "{} prescribes a rate by more than the time: it is not integrated",
                     joint.name
                 ),
             ),
-            Drive::Function(function) => {
+            ParameterSource::Function(function) => {
                 if let Some(what) = unsteady(system, function, false) {
                     refuse(&joint.name, reading(&joint.name, what));
                 }

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::Compiler;
+use super::SystemCompiler;
 use crate::system::compiled_function::Source;
 use crate::system::dependence::Reads;
-use crate::system::structure::{Drive, Rate, Switch};
+use crate::system::structure::{ParameterSource, Rate, Switch};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Evaluation order of the functions.
@@ -22,7 +22,7 @@ pub(super) struct Order {
     pub implicit: Vec<usize>,
 }
 
-impl Compiler<'_> {
+impl SystemCompiler<'_> {
     pub(super) fn reads(&self) -> Reads<'_> {
         Reads {
             functions: &self.functions,
@@ -96,7 +96,7 @@ impl Compiler<'_> {
     /// Returns the functions of MOTIONs and GCONs.
     fn constrained(&self) -> Vec<usize> {
         let driven = self.joints.iter().filter_map(|joint| match joint.drive {
-            Drive::Function(function) => Some(function),
+            ParameterSource::Function(function) => Some(function),
             _ => None,
         });
         let conditions = self.conditions.iter().map(|c| c.function);
@@ -147,7 +147,7 @@ impl Compiler<'_> {
         }
         // Functions of prescribed rates are integrated separately from the equations.
         let rates = self.joints.iter().filter_map(|joint| match joint.drive {
-            Drive::Rate(drive) => Some(drive.function),
+            ParameterSource::Rate(drive) => Some(drive.function),
             _ => None,
         });
         for function in self.reads().components(rates).into_iter().flatten() {
