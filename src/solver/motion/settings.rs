@@ -1,31 +1,32 @@
 use crate::model::IntegratorSettings;
 
-/// How a motion is integrated.
+/// Settings of the integrator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Settings {
-    /// ERROR: what a step may err by, relative to the larger of one and the largest value of a kind.
+    /// ERROR: local error allowed per step, relative to the larger of one and the largest value so far of the same kind of unknown.
     pub error: f64,
-    /// HINIT: the first step.
+    /// HINIT: size of the first step.
     pub hinit: f64,
-    /// HMAX: the largest step.
+    /// HMAX: largest step size.
     pub hmax: f64,
-    /// HMIN: a step below ends the simulation.
+    /// HMIN: step size below which the simulation ends with an error.
     pub hmin: f64,
-    /// DTOUT: how far apart outputs are.
+    /// DTOUT: time between outputs.
     pub output: f64,
-    /// MAXIT: iterations of a step.
+    /// MAXIT: largest number of iterations per step.
     pub maxit: usize,
-    /// What the tolerance of the iterations is multiplied by: CORRECTOR, and ADAPTIVITY over the step.
+    /// Factor on the convergence tolerance of the iteration: 10 for CORRECTOR=MODIFIED, otherwise 1.
     pub corrector: f64,
-    /// ADAPTIVITY.
+    /// ADAPTIVITY: the convergence tolerance is multiplied by 1 + ADAPTIVITY / step size.
     pub adaptivity: f64,
 }
 
-/// The tolerance of the method inside of ERROR: what is left of the error stays below it.
+/// Ratio of the internal tolerance to ERROR. It keeps the error of the solution below ERROR.
 pub(super) const INSIDE: f64 = 0.1;
 
 impl Settings {
-    /// INTEGRATOR for output steps of this length: HMAX is the output step, HINIT HMAX/20, HMIN 1e-6 HMAX where nothing is given.
+    /// Converts an INTEGRATOR statement for the given output step. Defaults: HMAX is the output step, HINIT is HMAX/20, HMIN is 1e-6 HMAX,
+    /// MAXIT is 10.
     pub fn of(given: &IntegratorSettings, output: f64) -> Self {
         let hmax = given.hmax.filter(|h| *h > 0.0).unwrap_or(output);
         Self {
