@@ -1,4 +1,4 @@
-//! What the compiler does not hold: floors inside of crates, file sizes, generated code that is fresh.
+//! Architecture rules beyond the compiler: layers inside crates, circular dependencies, file sizes, and up-to-date generated code.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,7 +12,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Every Rust file of the project's own folders, with its path from the root.
+/// Returns all Rust files in the project's own folders, as pairs of path (from the root) and text.
 fn rust_files() -> Vec<(String, String)> {
     let mut found = Vec::new();
     for folder in ["src", "tests", "grammar/src"] {
@@ -28,7 +28,7 @@ fn rust_files() -> Vec<(String, String)> {
     found
 }
 
-/// The folders of all crates: those below `src` with a manifest of their own, and the package of the top level with its rooms.
+/// Returns the names of all crates: folders below `src` with their own manifest, and `""` for the top-level package.
 fn crates() -> Vec<String> {
     let mut found: Vec<String> = fs::read_dir(root().join("src"))
         .expect("src")
@@ -46,7 +46,7 @@ fn crates() -> Vec<String> {
     found
 }
 
-/// The crate of a file below `src`, and its path inside of it; the package of the top level is the crate without a name.
+/// Returns the crate of a file below `src` and the path inside it; the top-level package is the crate with an empty name.
 fn inside<'a>(crates: &[String], path: &'a str) -> Option<(String, &'a str)> {
     let below = path.strip_prefix("src/")?;
     let own = below
@@ -57,7 +57,7 @@ fn inside<'a>(crates: &[String], path: &'a str) -> Option<(String, &'a str)> {
     }))
 }
 
-/// Folders of a crate from the bottom up, where it has several; `""` is the rest of the crate.
+/// Layers of each crate that has several, from the bottom up, as folder names; `""` is the rest of the crate.
 const ROOMS: [(&str, &[&str]); 6] = [
     ("syntax", &["text", "units", "diagnostic", "grammar", ""]),
     (
@@ -80,7 +80,7 @@ const ROOMS: [(&str, &[&str]); 6] = [
     ("", &["front", "cli", "python"]),
 ];
 
-/// The top-level modules a piece of code names as `crate::x` or `crate::{x, y::z}`.
+/// Returns the top-level modules that a piece of code names as `crate::x` or `crate::{x, y::z}`.
 fn crate_modules(code: &str) -> BTreeSet<String> {
     let word = |text: &str| -> String {
         text.chars()
@@ -115,7 +115,7 @@ fn crate_modules(code: &str) -> BTreeSet<String> {
     found
 }
 
-/// The code of a file without its comment lines.
+/// Returns the text of a file without its comment lines.
 fn without_comments(text: &str) -> String {
     text.lines()
         .filter(|line| !line.trim_start().starts_with("//"))
@@ -123,7 +123,7 @@ fn without_comments(text: &str) -> String {
         .join("\n")
 }
 
-/// Between crates the compiler holds it.
+/// Checks the layers inside crates; between crates the compiler enforces them.
 #[test]
 fn imports_point_down_inside_of_crates() {
     let crates = crates();
@@ -158,7 +158,7 @@ fn imports_point_down_inside_of_crates() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The table of the first page, `| crate | what it owns |`, from the bottom up.
+/// Returns the crates in the table of the front page, `| crate | what it owns |`, which lists them from the bottom up.
 fn table() -> Vec<String> {
     let text = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
     let rows = text
@@ -206,7 +206,7 @@ fn every_crate_says_what_it_is_for() {
     }
 }
 
-/// Programs see the front and the types it answers with; what tests and the programs need besides is not documented.
+/// Checks that only the public interface and its types are documented; modules used only by tests and programs are hidden.
 #[test]
 fn the_first_page_documents_the_front() {
     let text = fs::read_to_string(root().join("src/lib.rs")).expect("src/lib.rs");
@@ -220,10 +220,10 @@ fn the_first_page_documents_the_front() {
     assert!(lines.contains(&"#![warn(unreachable_pub)]"));
 }
 
-/// Files in such circles at most.
+/// Maximum total number of files in circular dependencies.
 const MOST_IN_CIRCLES: usize = 6;
 
-/// Circles that may stand, by one file of each, and why. A circle that is gone must leave this list.
+/// Allowed circular dependencies, each by one of its files, with the reason. A circle that no longer exists must leave this list.
 const ALLOWED: [(&str, &str); 2] = [
     (
         "solver/function/build.rs",
@@ -246,7 +246,7 @@ fn no_circles_of_files_but_those_named() {
         if rest.starts_with("bin/") || rest == "build.rs" {
             continue;
         }
-        // The first file of a crate hands on what its modules have, as a `mod.rs` does.
+        // The first file of a crate re-exports the items of its modules, like a `mod.rs`.
         let rest = if rest == "lib.rs" { "mod.rs" } else { rest };
         files.entry(own).or_default().push((rest.to_string(), text));
     }
@@ -265,7 +265,7 @@ fn no_circles_of_files_but_those_named() {
         .filter(|(of, _)| !found.iter().flatten().any(|file| file == of))
         .collect();
     assert!(gone.is_empty(), "no circle any more: {gone:?}");
-    // No circle grows.
+    // No circle may grow.
     let files_in_circles: usize = found.iter().map(Vec::len).sum();
     assert!(
         files_in_circles <= MOST_IN_CIRCLES,
@@ -337,8 +337,9 @@ fn nothing_is_left_unfinished() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Sines, exponentials and powers of equilibria and fits come from a crate, not from the C library of the system: one deck has one
-/// answer everywhere.
+/// Checks that solvers and fits take sines, exponentials and powers from a crate and not from the system's C library.
+///
+/// A deck then has the same solution on every system.
 #[test]
 fn solutions_do_not_depend_on_the_c_library() {
     let folders = [
@@ -393,7 +394,7 @@ fn the_generated_tables_are_fresh() {
     );
 }
 
-/// The compiler refuses `unsafe` in all packages, and no file asks it to look away; what calls Python may.
+/// Checks that all packages inherit the ban on `unsafe` and that no file overrides it; the crate that calls Python is exempt.
 #[test]
 fn nothing_is_unsafe() {
     let workspace = fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");

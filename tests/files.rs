@@ -1,4 +1,4 @@
-//! The front half on real files: nothing is lost, nothing is misread.
+//! Parsing, editing and lowering of real files: nothing is lost, nothing is misread.
 
 mod common;
 mod files {

@@ -3,8 +3,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::declaration::{Grammar, Keyword, Value};
 use crate::parse::{ParseError, Problem};
 
-/// What no single line shows: names that are unique, references and presence rules that name something, abbreviations that
-/// do not clash.
+/// Checks the rules that span several lines of the grammar.
+///
+/// Statement, argument and function names are unique. References name an id space that exists; presence rules, laws and `leftout` lines
+/// name arguments of their statement. The shortest forms of keywords in one context differ.
 pub(crate) fn check(grammar: &Grammar) -> Result<(), ParseError> {
     let spaces: BTreeSet<&str> = grammar
         .statements

@@ -1,31 +1,31 @@
-/// A keyword with the number of letters that must be typed.
+/// A keyword with the number of its leading letters that must be typed.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Keyword {
-    /// The whole keyword in capitals.
+    /// Full keyword in capitals.
     pub name: String,
-    /// How many letters must be typed.
+    /// Number of leading letters that must be typed.
     pub minimum: usize,
 }
 
-/// How many values: at least, at most (`None` for no limit).
+/// Allowed number of values: a minimum and a maximum (`None` for no limit).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
-    /// At least so many.
+    /// Smallest allowed number of values.
     pub min: usize,
-    /// At most so many.
+    /// Largest allowed number of values; `None` for no limit.
     pub max: Option<usize>,
 }
 
-/// What stands after the equals sign.
+/// Type of the value after an argument's equals sign.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// The word alone.
+    /// No value: the keyword alone.
     Flag,
     /// Real numbers.
     Real,
     /// Integers.
     Integer,
-    /// Ids of a space.
+    /// Statement ids of the named id space.
     Reference(String),
     /// One of several words.
     Word(Vec<Keyword>),
@@ -48,60 +48,61 @@ pub struct Range {
     pub upper: Option<(f64, bool)>,
 }
 
-/// One argument.
+/// One argument of a statement or command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Argument {
-    /// Its keyword.
+    /// Keyword of the argument.
     pub keyword: Keyword,
-    /// What it takes.
+    /// Type of the value.
     pub value: Value,
-    /// How many values.
+    /// Allowed number of values.
     pub count: Count,
-    /// Default values.
+    /// Default values; empty if the argument has no default.
     pub default: Vec<f64>,
-    /// Exponents of force, mass, length, time, angle.
+    /// Exponents of force, mass, length, time and angle.
     pub dimension: [i8; 5],
-    /// `Alike`, or how the dimensions of its values differ: `Motion`, `Wrench`, `Stiffness`, `Damping`.
+    /// `Alike` if all values have the same dimension; otherwise `Motion`, `Wrench`, `Stiffness` or `Damping`, which say how the dimensions
+    /// differ.
     pub components: &'static str,
-    /// Bounds.
+    /// Allowed range of the values.
     pub range: Range,
-    /// True if a dataset statement must have it.
+    /// True if a dataset statement must give this argument.
     pub required: bool,
-    /// One line for people.
+    /// Description in one line.
     pub doc: String,
 }
 
-/// A rule on which arguments stand together.
+/// A rule about which arguments may or must appear together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Presence {
     /// `Exclusive`, `Together`, `Requires` or `OneOf`.
     pub rule: &'static str,
-    /// The whole argument names.
+    /// Full names of the arguments.
     pub names: Vec<String>,
 }
 
-/// A force law between the markers I and J, and its numbers.
+/// A force law between the markers I and J, with the arguments that hold its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Law {
-    /// Its name in the registry of laws.
+    /// Name of the law in the registry of laws.
     pub name: String,
-    /// The arguments it takes its numbers from, in its order.
+    /// Arguments that hold the parameters of the law, in the order the law expects.
     pub arguments: Vec<String>,
-    /// The flag that chooses it, where a statement has several laws.
+    /// Flag that selects this law, for a statement with several laws.
     pub flag: Option<String>,
 }
 
-/// Arguments that ADAMS follows and the built-in solver does not.
+/// Arguments that ADAMS uses and the built-in solver ignores.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// The whole argument names.
+    /// Full names of the arguments.
     pub names: Vec<String>,
-    /// What ADAMS makes of them.
+    /// Effect of the arguments in ADAMS.
     pub effect: String,
 }
 
 impl Law {
-    /// `NAME ARGUMENT...`, and `for FLAG` behind it where a statement has several laws; `None` without a name.
+    /// Parses `NAME ARGUMENT...`, optionally followed by `for FLAG` for a statement with several laws; returns `None` without a name.
     pub(crate) fn read(words: &[&str]) -> Option<Self> {
         let (words, flag) = match words {
             [words @ .., "for", flag] => (words, Some((*flag).to_string())),
@@ -119,7 +120,7 @@ impl Law {
 }
 
 impl LeftOut {
-    /// From names with blanks between them.
+    /// Builds the entry from argument names separated by blanks and the effect of the arguments.
     pub(crate) fn new(names: &str, effect: String) -> Self {
         Self {
             names: names.split_whitespace().map(str::to_string).collect(),
@@ -128,72 +129,72 @@ impl LeftOut {
     }
 }
 
-/// Who can solve it.
+/// Which solver handles a statement or function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Solved {
-    /// The built-in solver, as the named thing.
+    /// Built-in solver, with the name of the implementation.
     Native(String),
-    /// No effect on statics, and why.
+    /// No effect on statics, with the reason.
     NoEffect(String),
-    /// Only real ADAMS, and why.
+    /// Real ADAMS only, with the reason.
     External(String),
-    /// Only real ADAMS with a user-written subroutine, and what is in it.
+    /// Real ADAMS with a user-written subroutine only, with the content of the subroutine.
     Subroutine(String),
 }
 
 /// One statement or command.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
-    /// Its keyword.
+    /// Keyword of the statement.
     pub keyword: Keyword,
     /// `Dataset`, `Command` or `Both`.
     pub role: &'static str,
-    /// The id space, if it takes an id.
+    /// Id space of the statement; `None` if the statement has no id.
     pub id: Option<String>,
     /// Arguments in canonical order.
     pub arguments: Vec<Argument>,
-    /// Presence rules.
+    /// Rules about which arguments appear together.
     pub presence: Vec<Presence>,
-    /// Arguments that only real ADAMS follows.
+    /// Arguments that only real ADAMS uses.
     pub left_out: Vec<LeftOut>,
-    /// Its force laws.
+    /// Force laws of the statement.
     pub laws: Vec<Law>,
-    /// Who can solve it.
+    /// Which solver handles the statement.
     pub solved: Solved,
-    /// One line for people.
+    /// Description in one line.
     pub doc: String,
-    /// The page that documents it.
+    /// Documentation page of the statement.
     pub source: String,
-    /// What no page could be compared with; empty if nothing.
+    /// Facts that no documentation page confirms; empty if there are none.
     pub unchecked: String,
-    /// File and line of its declaration.
+    /// File and line (from 1) of the declaration.
     pub place: (String, usize),
 }
 
-/// One function of expressions.
+/// One function of FUNCTION expressions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Function {
-    /// Its name in capitals.
+    /// Name of the function in capitals.
     pub name: String,
-    /// How many arguments.
+    /// Allowed number of arguments.
     pub count: Count,
-    /// The arguments as shown.
+    /// Argument list as declared, for example `i[,j][,k]`; empty for a function without arguments.
     pub arguments: String,
-    /// Who can evaluate it.
+    /// Which solver evaluates the function.
     pub solved: Solved,
-    /// One line for people.
+    /// Description in one line.
     pub doc: String,
-    /// The page that documents it.
+    /// Documentation page of the function.
     pub source: String,
-    /// File and line of its declaration.
+    /// File and line (from 1) of the declaration.
     pub place: (String, usize),
 }
 
-/// Everything that was declared, in the order of the files.
+/// All declared statements and functions, in the order of the grammar files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grammar {
     /// Statements and commands.
     pub statements: Vec<Statement>,
-    /// Functions.
+    /// Functions of FUNCTION expressions.
     pub functions: Vec<Function>,
 }

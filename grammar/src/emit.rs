@@ -4,7 +4,7 @@ use crate::declaration::{
     Argument, Count, Grammar, Keyword, Law, LeftOut, Presence, Solved, Statement, Value,
 };
 
-/// The text of `src/syntax/grammar/generated.rs`.
+/// Returns the Rust source text of `src/syntax/grammar/generated.rs`.
 pub fn emit(grammar: &Grammar) -> String {
     let mut out = String::from(
         "//! Written by `cargo run -p grammar` from `grammar/*.grammar`. Do not edit.\n\n\
@@ -141,7 +141,7 @@ fn solved(solved: &Solved) -> String {
     }
 }
 
-/// The law, with the name of its objects in results: `translational_spring_damper` makes `Translational_Spring_Damper`.
+/// Prints the law and its entity name in results: the law `translational_spring_damper` has the entity name `Translational_Spring_Damper`.
 fn law(law: &Law) -> String {
     let words: Vec<String> = law
         .name
@@ -164,7 +164,7 @@ fn presence(presence: &Presence) -> String {
 const BEGIN: &str = "<!-- coverage: cargo run -p grammar -->\n";
 const END: &str = "<!-- end of coverage -->";
 
-/// The page with a fresh coverage table between its two marks; `None` if it has no such place.
+/// Returns the page with a fresh coverage table between its two marks, or `None` if a mark is missing.
 pub fn with_coverage(page: &str, grammar: &Grammar) -> Option<String> {
     let begin = page.find(BEGIN)? + BEGIN.len();
     let end = begin + page[begin..].find(END)?;
@@ -176,7 +176,7 @@ pub fn with_coverage(page: &str, grammar: &Grammar) -> Option<String> {
     ))
 }
 
-/// The coverage table of the guide in Markdown: every statement and who does what with it.
+/// Returns the coverage table of the guide in Markdown: every statement, and whether it is read, edited, linted and solved natively.
 pub fn coverage(grammar: &Grammar) -> String {
     let mut out = String::from(
         "| statement | read | edited | linted | solved natively |\n|---|---|---|---|---|\n",

@@ -1,12 +1,13 @@
-//! The grammar of the dataset language as a file people read, and the generator that turns it into tables.
+//! The grammar of the dataset language as readable files, and the generator that turns them into Rust tables.
 //!
-//! `*.grammar` files declare statements, commands and functions; [`read`] parses them and [`emit`] prints the Rust tables of
-//! `src/syntax/grammar/generated.rs`. Knows nothing about the crate it writes for, except the names of its types.
+//! `*.grammar` files declare statements, commands and functions. [`read`] parses them, and [`emit`] prints the Rust tables of
+//! `src/syntax/grammar/generated.rs`. The generator does not depend on the crate that contains
+//! these tables; it uses only the names of their types.
 //!
 //! # The format
 //!
-//! One line per fact; `#` begins a documentation comment of the line, `##` a remark that goes nowhere. In keywords the letters
-//! that must be typed are capitals: `BUshing` may be cut to `BU`.
+//! Each line states one fact. `#` begins the description of the line; `##` begins a remark that is ignored. The capitals of a keyword are
+//! the letters that must be typed: `BUshing` may be shortened to `BU`.
 //!
 //! ```text
 //! statement BUshing / id                            # what it is, in one line
@@ -21,8 +22,9 @@
 //!   together IXX IYY                                # presence: exclusive, together, requires, oneof
 //! ```
 //!
-//! `/ id` gives the statement ids of the space with its own name in lower case; `/ id space` names another one. Types are
-//! `flag real int ref<space> word<..> function text texts file`; a count is `[3]`, `[3..6]` or `[1..]`. Functions stand in blocks:
+//! `/ id` gives the statement an id space named after itself in lower case; `/ id space` names another space. Types are `flag real int
+//! ref<space> word<..> function text texts file`. A count is `[3]`, `[3..6]` or `[1..]`. A line `law NAME ARGUMENT...`, optionally followed
+//! by `for FLAG`, declares a force law of the statement. Functions are declared in blocks:
 //!
 //! ```text
 //! functions displacement measures
@@ -44,12 +46,12 @@ pub use parse::{ParseError, Problem, parse};
 
 use std::path::{Path, PathBuf};
 
-/// Why the grammar could not be read.
+/// Reason why the grammar could not be read.
 #[derive(Debug)]
 pub enum ReadError {
     /// A file or folder could not be read.
     File(PathBuf, std::io::Error),
-    /// A line that does not follow the format.
+    /// A line violates the format.
     Parse(ParseError),
 }
 
@@ -64,10 +66,10 @@ impl std::fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
-/// Reads every `*.grammar` file of a folder, in the order of their names.
+/// Reads all `*.grammar` files of a folder in alphabetical order and checks the whole grammar.
 ///
 /// # Errors
-/// When a file cannot be read, or the first line that does not follow the format.
+/// Returns an error if a file cannot be read, a line violates the format, or the whole grammar is inconsistent.
 pub fn read(folder: &Path) -> Result<Grammar, ReadError> {
     let at = |error| ReadError::File(folder.to_path_buf(), error);
     let mut paths = Vec::new();

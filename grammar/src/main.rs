@@ -1,5 +1,6 @@
-//! `cargo run -p grammar` rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar`; with
-//! `--coverage` it prints that table instead.
+//! Rewrites `src/syntax/grammar/generated.rs` and the coverage table of the guide from `grammar/*.grammar` (`cargo run -p grammar`).
+//!
+//! With `--coverage` it prints the coverage table instead.
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -5,35 +5,35 @@ use crate::declaration::{
     Value,
 };
 
-/// A line that does not follow the format.
+/// A line that violates the format.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ParseError {
-    /// The file as named by the caller.
+    /// Name of the file, as given by the caller.
     pub file: String,
-    /// Line, from 1.
+    /// Line number, from 1.
     pub line: usize,
-    /// What is wrong with it.
+    /// Problem of the line.
     pub problem: Problem,
 }
 
-/// What is wrong with a line.
+/// Problem of a line of a grammar file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Problem {
-    /// A word that is not a keyword with its must-type letters in front, in capitals.
+    /// A word that is not a keyword whose must-type letters come first, in capitals.
     Keyword(String),
-    /// A word that is none of those possible here.
+    /// An unexpected word: the expected kind of word, then the word found.
     Expected(&'static str, String),
-    /// The line is not inside a statement or a function block.
+    /// A line outside of any statement or function block.
     Outside,
-    /// A statement or block without this line.
+    /// A statement or block that lacks a required line: the keyword of that line, then the name of the statement or function.
     Missing(&'static str, String),
     /// A name declared twice.
     Twice(String),
-    /// A presence rule or reference that names nothing.
+    /// A presence rule, law, `leftout` line or reference whose name does not exist.
     Unknown(String),
-    /// As many default values as the count allows are needed.
+    /// A default whose number of values contradicts the count of the argument.
     DefaultCount(String),
-    /// Two keywords of one context are both reached by the same abbreviation.
+    /// Two keywords of one context that share their shortest abbreviation.
     Clash(String, String),
 }
 
@@ -63,7 +63,7 @@ impl fmt::Display for ParseError {
 
 impl std::error::Error for ParseError {}
 
-/// What the lines being read belong to.
+/// The statement or function block to which the next lines belong.
 enum Block {
     None,
     Statement(Box<Draft>),
@@ -81,10 +81,10 @@ struct FunctionBlock {
     source: String,
 }
 
-/// Reads one file into the grammar.
+/// Parses the text of one grammar file and appends its declarations to the grammar.
 ///
 /// # Errors
-/// The first line that does not follow the format.
+/// Returns an error for the first line that violates the format.
 pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseError> {
     let mut block = Block::None;
     for (index, line) in text.lines().enumerate() {
@@ -180,7 +180,7 @@ pub fn parse(file: &str, text: &str, grammar: &mut Grammar) -> Result<(), ParseE
     finish(&mut block, grammar)
 }
 
-/// The part before `#` outside of quotes, and the documentation after it; a remark (`##`) is no documentation.
+/// Splits a line at the first `#` outside of quotes into code and description; the description of a remark (`##`) is empty.
 fn split_comment(line: &str) -> (&str, &str) {
     let mut quoted = false;
     for (at, c) in line.char_indices() {
@@ -255,7 +255,7 @@ fn header(words: &[&str], doc: &str, place: (String, usize)) -> Result<Draft, Pr
     })
 }
 
-/// `NAME ... "effect"`.
+/// Parses the rest of a `leftout` line: `NAME ... "effect"`.
 fn left_out(text: &str) -> Result<LeftOut, Problem> {
     let (names, effect) = text.split_at(text.find('"').unwrap_or(text.len()));
     Ok(LeftOut::new(names, quoted(effect)?))
@@ -401,7 +401,7 @@ fn argument(name: &str, rest: &str, doc: &str) -> Result<Argument, Problem> {
     Ok(argument)
 }
 
-/// `[3]`, `[3..6]`, `[1..]`.
+/// Parses a count: `[3]`, `[3..6]` or `[1..]`.
 fn count(text: &str) -> Result<Count, Problem> {
     let bad = || Problem::Expected("a count like [3], [3..6] or [1..]", text.into());
     let inner = text
@@ -428,7 +428,10 @@ fn count(text: &str) -> Result<Count, Problem> {
     }
 }
 
-/// Products and quotients of force, mass, length, time, angle, torque with `^` exponents: `mass*length^2`, `force/length`.
+/// Parses a dimension into exponents of force, mass, length, time and angle.
+///
+/// The text is a product or quotient of `force`, `mass`, `length`, `time`, `angle`, `torque` and `1`, with `^` exponents: `mass*length^2`,
+/// `force/length`.
 fn dimension(text: &str) -> Result<[i8; 5], Problem> {
     let mut out = [0; 5];
     let mut sign = 1;
@@ -461,7 +464,7 @@ fn dimension(text: &str) -> Result<[i8; 5], Problem> {
     }
 }
 
-/// The count of a function from its arguments as shown: optional ones stand in brackets, `...` means any number more.
+/// Derives the number of arguments from the declared argument list: optional arguments are in brackets, and `...` allows any number more.
 fn count_of(shown: &str) -> Result<Count, Problem> {
     if shown.is_empty() {
         return Err(Problem::Expected(

@@ -1,33 +1,37 @@
-//! What the tables of the guide say of single words: keys of a study, fields of the answers, columns, causes.
+//! Lookup of single words in the tables of the guide: keys of a study, fields of the answers, columns and causes.
 //!
-//! The first cell of a row names the word in backticks; the headings of the columns say what the other cells tell.
+//! The first cell of a table row holds the word in backticks. The column headings describe the other cells.
 
 use super::{PAGES, Page};
 
-/// A row of a table of the guide.
+/// One word explained in a table of the guide.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Entry {
-    /// The word, without backticks and without the `[]` of lists.
+    /// The word, without backticks and without the `[]` that marks a list.
     pub term: String,
-    /// The page it stands on.
+    /// Topic of the page that contains the table.
     pub page: &'static str,
-    /// The heading it stands under.
+    /// Heading of the section that contains the table.
     pub section: &'static str,
-    /// Heading and text of the other cells that hold something.
+    /// Column heading and text of each other cell that is not empty.
     pub cells: Vec<(&'static str, &'static str)>,
 }
 
-/// Pages whose tables explain words.
+/// Topics of the pages whose tables explain words.
 const EXPLAINING: [&str; 5] = ["study", "diagnosis", "plan", "kc", "sweep"];
 
-/// Every word that a table explains, in the order of the pages.
+/// Returns all words explained in tables, in the order of the pages.
 pub fn entries() -> impl Iterator<Item = Entry> {
     let explaining = |page: &&Page| EXPLAINING.contains(&page.topic);
     PAGES.iter().filter(explaining).flat_map(of_page)
 }
 
-/// The words of this name: the whole one, the last piece of a dotted one, those that begin with it, or what it is a component of. The
-/// unit behind a column (`toe_angle.left [rad]`) does not matter.
+/// Returns the entries that explain a word.
+///
+/// The first of these matches that finds anything is used: the whole term; a dotted term with placeholders in capitals, such as
+/// `tests.TEST.hold`; the last piece of a dotted term; terms that begin with the word and a dot. If nothing matches a dotted word, its last
+/// piece counts as a component: it is dropped, and the rest is searched on the pages `kc` and `sweep` only. A unit after the word
+/// (`toe_angle.left [rad]`) is ignored.
 pub fn find(word: &str) -> Vec<Entry> {
     let word = word.split_once(" [").map_or(word, |(name, _)| name);
     let all = |is: &dyn Fn(&str) -> bool| -> Vec<Entry> {
@@ -38,7 +42,7 @@ pub fn find(word: &str) -> Vec<Entry> {
         let rest = term.strip_prefix(word);
         rest.is_some_and(|rest| rest.starts_with('.'))
     };
-    // A piece in capitals, such as NAME, stands for any.
+    // A piece in capitals, such as NAME, matches any word.
     let own = |piece: &str| piece.len() > 1 && piece.chars().all(|c| c.is_ascii_uppercase());
     let fits = |term: &str| {
         let (terms, words) = (term.split('.'), word.split('.'));
@@ -50,7 +54,7 @@ pub fn find(word: &str) -> Vec<Entry> {
     let found = ways.into_iter().map(all).find(|found| !found.is_empty());
     match (found, word.rsplit_once('.')) {
         (Some(found), _) => found,
-        // Components are those of characteristics and of counts, not of a study's keys.
+        // Only characteristics and counts have components; keys of a study have none.
         (None, Some((whole, _))) => {
             let mut found = all(&|term| term == whole);
             found.retain(|entry| entry.page == "kc" || entry.page == "sweep");
@@ -60,7 +64,7 @@ pub fn find(word: &str) -> Vec<Entry> {
     }
 }
 
-/// What a key of `study.toml` means, in one line.
+/// Returns the one-line meaning of a key of `study.toml`.
 pub fn meaning(key: &str) -> Option<&'static str> {
     let key = key.strip_suffix(".NAME").unwrap_or(key);
     let here = |entry: &Entry| entry.page == "study" && entry.term == key;
@@ -116,7 +120,7 @@ fn of_page(page: &'static Page) -> Vec<Entry> {
     found
 }
 
-/// The cells of a row behind its first bar; a bar in backticks parts nothing.
+/// Splits a table row, without its leading bar, into cells; a bar inside backticks does not separate cells.
 fn cells(row: &'static str) -> Vec<&'static str> {
     let (mut found, mut start, mut code) = (Vec::new(), 0, false);
     for (at, byte) in row.bytes().enumerate() {

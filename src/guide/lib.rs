@@ -1,9 +1,9 @@
-//! The guide: the same pages in the documentation and in the terminal by `admire guide TOPIC`.
+//! The user guide, shown both in the documentation and in the terminal by `admire guide TOPIC`.
 //!
-//! [`PAGES`] holds the pages as text; [`glossary`] explains the words of tables, in the terminal and in the schema of a study. Text only:
-//! this crate uses no other.
+//! [`PAGES`] holds the pages as text. [`glossary`] explains the words used in tables, for the terminal and for the schema of a study. The
+//! crate has no dependencies.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 
@@ -12,21 +12,21 @@ pub mod glossary;
 /// One page of the guide.
 #[derive(Clone, Copy, Debug)]
 pub struct Page {
-    /// What `admire guide` takes.
+    /// Topic name, as given to `admire guide`.
     pub topic: &'static str,
-    /// The page in Markdown; its first line is its heading.
+    /// Text of the page in Markdown; the first line is the heading.
     pub text: &'static str,
 }
 
 impl Page {
-    /// The heading.
+    /// Returns the heading of the page.
     pub fn title(&self) -> &'static str {
         let first = self.text.lines().next().unwrap_or_default();
         first.trim_start_matches('#').trim()
     }
 }
 
-/// Declares the pages: a module with the text as its documentation, and an entry of [`PAGES`].
+/// Declares for each page a module with the text as its documentation, and an entry of [`PAGES`].
 macro_rules! pages {
     ($($topic:ident)*) => {
         $(
@@ -63,7 +63,7 @@ pages! {
     benchmarks
 }
 
-/// The page of a topic; hyphens and capitals do not matter.
+/// Returns the page of a topic; hyphens count as underscores, and case is ignored.
 pub fn page(topic: &str) -> Option<&'static Page> {
     let topic = topic.to_ascii_lowercase().replace('-', "_");
     PAGES.iter().find(|page| page.topic == topic)
@@ -85,7 +85,7 @@ mod tests {
         }
     }
 
-    /// A page that names another page in backticks names one that exists.
+    /// Checks that every page named in backticks by another page exists.
     #[test]
     fn the_pages_a_page_sends_to_exist() {
         for entry in PAGES {

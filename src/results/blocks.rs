@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::StepKind;
 
-/// The Data blocks of an XRF file: a step of another kind than the one before begins a new one.
+/// The Data blocks of an XRF file. A step starts a new block if its kind differs from the kind of the step before.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub(super) struct Blocks {
     kind: Option<StepKind>,
@@ -12,7 +12,7 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Puts a step into its block; true if that is a new one.
+    /// Assigns a step to its block; returns true if the step starts a new block.
     pub(super) fn take(&mut self, kind: StepKind) -> bool {
         if self.kind == Some(kind) {
             return false;
@@ -25,12 +25,12 @@ impl Blocks {
         true
     }
 
-    /// Name of the present block, for example `quasiStatic_001`; empty before the first step.
+    /// Returns the name of the current block, for example `quasiStatic_001`; empty before the first step.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
-    /// How many blocks there are, the present one included.
+    /// Returns the number of blocks so far, including the current one.
     pub(super) fn count(&self) -> u32 {
         self.count
     }

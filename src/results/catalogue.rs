@@ -3,24 +3,24 @@
 pub struct Component {
     /// Name inside its entity, for example `FX`.
     pub name: String,
-    /// Unit as the file spells it, for example `newton-mm`; variables have none.
+    /// Unit as the file spells it, for example `newton-mm`; `None` for variables.
     pub units: Option<String>,
-    /// What to write beside the axis of a plot; some requests have it.
+    /// Label for the axis of a plot; only some requests have one.
     pub plot_label: Option<String>,
     /// 1-based position of the value in every step.
     pub id: usize,
 }
 
-/// An object of the model that has results.
+/// The results of one object of the model: one entity of the file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Entity {
     /// Name of the result set, for example `arm_XFORM`.
     pub name: String,
-    /// Name of the object, without the name of the model, for example `testrig.arm`.
+    /// Name of the object without the model name, for example `testrig.arm`.
     pub entity: Option<String>,
     /// Kind of the object, for example `Part`.
     pub ent_type: Option<String>,
-    /// Id of the statement.
+    /// Id of the dataset statement of the object.
     pub object_id: Option<i64>,
     /// Comment of a request.
     pub comment: Option<String>,
@@ -29,7 +29,7 @@ pub struct Entity {
 }
 
 impl Entity {
-    /// A component by name, upper and lower case alike.
+    /// Returns the component with this name; case is ignored.
     pub fn component(&self, name: &str) -> Option<&Component> {
         self.components
             .iter()
@@ -37,7 +37,7 @@ impl Entity {
     }
 }
 
-/// The names of all columns: the StepMap of an XRF file.
+/// The names of all result columns: the StepMap of an XRF file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Catalogue {
     /// Name of the map.
@@ -46,17 +46,17 @@ pub struct Catalogue {
     pub entities: Vec<Entity>,
 }
 
-/// A component together with the entity it belongs to.
+/// A component and the entity to which it belongs.
 #[derive(Clone, Copy, Debug)]
 pub struct Column<'a> {
-    /// The entity.
+    /// Entity of the component.
     pub entity: &'a Entity,
-    /// The component of it.
+    /// Component of the entity.
     pub component: &'a Component,
 }
 
 impl Catalogue {
-    /// A catalogue under the name ADAMS gives it.
+    /// Creates a catalogue named `map_001`, as in ADAMS.
     pub fn new(entities: Vec<Entity>) -> Self {
         Self {
             name: "map_001".to_string(),
@@ -64,17 +64,17 @@ impl Catalogue {
         }
     }
 
-    /// Number of values in a step: the largest id.
+    /// Returns the number of values in a step: the largest component id.
     pub fn len(&self) -> usize {
         self.columns().map(|c| c.component.id).max().unwrap_or(0)
     }
 
-    /// True if there is no component at all.
+    /// Returns true if there are no components.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// All columns in the order of the file.
+    /// Iterates over all columns in the order of the file.
     pub fn columns(&self) -> impl Iterator<Item = Column<'_>> {
         self.entities.iter().flat_map(|entity| {
             entity
@@ -84,7 +84,7 @@ impl Catalogue {
         })
     }
 
-    /// Columns by position: element i has id i + 1. A position without a name is `None`.
+    /// Returns the columns by position: element i has id i + 1, and a position without a column is `None`.
     pub fn by_position(&self) -> Vec<Option<Column<'_>>> {
         let mut columns = vec![None; self.len()];
         for column in self.columns() {
@@ -95,7 +95,7 @@ impl Catalogue {
         columns
     }
 
-    /// The entities called `name`, as result set or as object, upper and lower case alike.
+    /// Iterates over the entities whose result set or object has this name; case is ignored.
     pub fn entities_called<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Entity> {
         self.entities.iter().filter(move |entity| {
             entity.name.eq_ignore_ascii_case(name)
@@ -106,7 +106,7 @@ impl Catalogue {
         })
     }
 
-    /// The entity of a statement: by kind (`Part`) and id.
+    /// Returns the entity of a statement, by kind (such as `Part`) and id.
     pub fn entity_of(&self, ent_type: &str, object_id: i64) -> Option<&Entity> {
         self.entities.iter().find(|entity| {
             entity.object_id == Some(object_id) && entity.ent_type.as_deref() == Some(ent_type)
@@ -115,22 +115,23 @@ impl Catalogue {
 }
 
 impl Column<'_> {
-    /// `ENTITY.COMPONENT`, with the object's full name: `testrig.arm_XFORM.X`. Result sets of nested objects share their
-    /// short names, full names tell them apart.
+    /// Returns `ENTITY.COMPONENT`, preceded by the owner of the object: `testrig.arm_XFORM.X`.
+    ///
+    /// Result sets of nested objects can share their short names; the owner makes the names unique.
     pub fn path(&self) -> String {
         let name = &self.entity.name;
         let component = &self.component.name;
         let full = self.entity.entity.as_deref();
         let owner = full.and_then(|full| full.rsplit_once('.'));
         match owner {
-            // A result set may be called by its full name already: `Brake.Brake_Moment`.
+            // The name of a result set may already contain its owner: `Brake.Brake_Moment`.
             Some((owner, _)) if !is_in(name, owner) => format!("{owner}.{name}.{component}"),
             _ => format!("{name}.{component}"),
         }
     }
 }
 
-/// True for a name that begins with its owner's.
+/// Returns true if the name begins with its owner's name and a dot.
 fn is_in(name: &str, owner: &str) -> bool {
     let rest = name.strip_prefix(owner);
     rest.is_some_and(|rest| rest.starts_with('.'))

@@ -2,43 +2,43 @@ use std::collections::BTreeMap;
 
 use super::{ResultsError, ResultsReader, SelectedColumn, Selection, StepKind};
 
-/// When two values are the same: |a - b| <= absolute + relative max(|a|, |b|).
+/// Condition for two values to count as equal: |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct Tolerance {
-    /// Absolute part, in the unit of each column.
+    /// Absolute tolerance, in the unit of each column.
     pub absolute: f64,
-    /// Relative part.
+    /// Relative tolerance.
     pub relative: f64,
 }
 
-/// What two results files have in common and what not.
+/// Result of comparing two results files, A and B.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct Comparison {
-    /// The tolerance it was made with.
+    /// Tolerance of the comparison.
     pub tolerance: Tolerance,
-    /// Steps compared.
+    /// Number of steps compared.
     pub steps: usize,
-    /// Steps of A without a counterpart.
+    /// Number of steps of A without a counterpart in B.
     pub steps_only_in_a: usize,
-    /// Steps of B without a counterpart.
+    /// Number of steps of B without a counterpart in A.
     pub steps_only_in_b: usize,
-    /// Steps, from 1 among those compared, whose kinds differ in more than the word for an equilibrium; a
-    /// step whose file does not tell its kind differs from none.
+    /// Compared steps, numbered from 1, whose kinds differ. All kinds of equilibrium count as one kind, and an unlisted kind matches any
+    /// kind.
     pub kinds_differ: Vec<usize>,
-    /// Columns in both, in the order of A.
+    /// Columns in both files, in the order of A.
     pub columns: Vec<ColumnDifference>,
-    /// Names of columns only in A.
+    /// Full names of the columns only in A.
     pub only_in_a: Vec<String>,
-    /// Names of columns only in B.
+    /// Full names of the columns only in B.
     pub only_in_b: Vec<String>,
-    /// Columns in both whose units differ; their numbers are not compared.
+    /// Columns in both files whose units differ; their values are not compared.
     pub units_differ: Vec<UnitsDiffer>,
 }
 
-/// A column whose unit is not the same in both files.
+/// A column whose unit differs between the two files.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct UnitsDiffer {
-    /// Full name.
+    /// Full name of the column.
     pub path: String,
     /// Unit in A.
     pub a: Option<String>,
@@ -46,29 +46,29 @@ pub struct UnitsDiffer {
     pub b: Option<String>,
 }
 
-/// The largest difference of one column.
+/// Differences of the values of one column over all compared steps.
 #[derive(Clone, PartialEq, Debug, serde::Serialize)]
 pub struct ColumnDifference {
-    /// Full name.
+    /// Full name of the column.
     pub path: String,
-    /// Unit.
+    /// Unit of the column in A.
     pub units: Option<String>,
     /// Largest |a - b|.
     pub largest: f64,
     /// Largest |a - b| / max(|a|, |b|).
     pub largest_relative: f64,
-    /// Number of steps beyond the tolerance.
+    /// Number of steps whose difference exceeds the tolerance.
     pub beyond: usize,
-    /// Where |a - b| exceeds its tolerance most, or is largest when none does.
+    /// Step where |a - b| exceeds its tolerance most, or comes closest to it if no step exceeds it; `None` if all values are equal.
     pub worst: Option<Worst>,
 }
 
-/// Two values that differ.
+/// Two differing values of a column in the same step.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize)]
 pub struct Worst {
-    /// Step, from 1 among those compared.
+    /// Number of the step, from 1 among the compared steps.
     pub step: usize,
-    /// Time in A.
+    /// Time of the step in A.
     pub time: f64,
     /// Value in A.
     pub a: f64,
@@ -79,7 +79,9 @@ pub struct Worst {
 }
 
 impl Comparison {
-    /// True if everything both files should share is there and within the tolerance. The exit code of `admire compare`.
+    /// Returns true if both files have the same steps and columns and all differences are within the tolerance.
+    ///
+    /// This result decides the exit code of `admire compare`.
     pub fn agrees(&self) -> bool {
         self.columns.iter().all(|column| column.beyond == 0)
             && self.steps_only_in_a == 0
@@ -91,13 +93,13 @@ impl Comparison {
     }
 }
 
-/// Compares the remaining steps of two files, column by column by name, step by step in order, in memory for one step.
+/// Compares the remaining steps of two files: columns are paired by name, steps by order. Only one step of each file is held in memory.
 ///
-/// Steps of kind `input` are left out: they hold no answer. PSI, THETA and PHI are compared modulo one turn. Two values that
-/// are both NaN are the same; NaN and a number are not.
+/// Steps of kind `input` are skipped because they hold no solution. PSI, THETA and PHI are compared modulo one turn. Two NaN values count
+/// as equal; NaN and a number differ.
 ///
 /// # Errors
-/// When a file cannot be read further.
+/// Returns an error if one of the files cannot be read further.
 pub fn compare(
     a: &mut dyn ResultsReader,
     b: &mut dyn ResultsReader,
@@ -198,7 +200,7 @@ impl ColumnDifference {
         };
         self.largest_relative = self.largest_relative.max(relative);
         let allowed = tolerance.absolute + tolerance.relative * scale;
-        // Infinity is beyond any tolerance, also one relative to infinity.
+        // An infinite difference exceeds every tolerance, even a relative one whose bound is infinite.
         let beyond = difference.is_infinite() || difference > allowed;
         self.beyond += usize::from(beyond);
         let excess = if difference.is_infinite() {
@@ -234,12 +236,12 @@ fn next_answer(
 fn same_unit(a: &SelectedColumn, b: &SelectedColumn) -> bool {
     match (&a.units, &b.units) {
         (Some(a), Some(b)) => a.eq_ignore_ascii_case(b),
-        // A file that tells no unit is believed to have the other's.
+        // A missing unit is assumed to equal the unit of the other file.
         _ => true,
     }
 }
 
-/// One turn in the unit of an orientation angle.
+/// Returns one turn in the unit of an orientation angle (PSI, THETA, PHI), or `None` for any other column.
 fn turn(column: &SelectedColumn) -> Option<f64> {
     let (_, component) = column.path.rsplit_once('.')?;
     if !["PSI", "THETA", "PHI"].contains(&component) {

@@ -1,9 +1,9 @@
-/// The kinds of objects that have results, in the order their values stand in a step.
+/// The kinds of objects that have results, in the order in which their values are stored in a step.
 ///
-/// Order: that of the maps of the formatted file (guide/formats.md 6.2), which is also the order of the real XRF files of
-/// section 12. The names are those of ADAMS/View classes; Part, Joint, Primitive_Joint, Motion, Single_Component_Force,
-/// Bushing, Field, Request, ADAMS_Variable, Plant_Input, Plant_Output, Differential_Equation, General_Force,
-/// Floating_Marker, Friction and Contact are seen in real files, the others follow from the rule.
+/// The order follows the maps of the formatted file (guide/formats.md 6.2); the real XRF files of section 12 have the same order. The names
+/// are class names of ADAMS/View. Real files contain Part, Joint, Primitive_Joint, Motion, Single_Component_Force, Bushing, Field,
+/// Request, ADAMS_Variable, Plant_Input, Plant_Output, Differential_Equation, General_Force, Floating_Marker, Friction and Contact. The
+/// other names follow the same rule.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 #[allow(missing_docs)] // Each variant is the class it is called after.
 pub enum EntityKind {
@@ -23,7 +23,7 @@ pub enum EntityKind {
     Bushing,
     Beam,
     Field,
-    /// A force by a law that no real file was seen with, by the name of its type.
+    /// A force of a law for which no real results file was found; holds the name of its type.
     PairForce(&'static str),
     Request,
     Variable,
@@ -43,14 +43,14 @@ pub enum EntityKind {
     Contact,
 }
 
-/// Which columns the objects of a kind have.
+/// Set of columns of the objects of a kind.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Shape {
-    /// X Y Z PSI THETA PHI, then velocities, then accelerations.
+    /// X Y Z PSI THETA PHI, then their velocities, then their accelerations.
     Pose,
-    /// X Y Z, then velocities, then accelerations.
+    /// X Y Z, then their velocities, then their accelerations.
     Position,
-    /// X Y Z PSI THETA PHI alone.
+    /// X Y Z PSI THETA PHI only.
     Place,
     /// FX FY FZ TX TY TZ.
     Force,
@@ -64,12 +64,12 @@ pub(super) enum Shape {
     Inputs,
     /// OUT1, OUT2, ...
     Outputs,
-    /// Whatever the statement names.
+    /// Columns named by the statement itself.
     Named,
 }
 
 impl EntityKind {
-    /// The kind of a force by a law, from the name of its type.
+    /// Returns the kind of a force from the type name of its force law.
     pub fn of_law(entity: &'static str) -> Self {
         [
             Self::TranslationalSpringDamper,
@@ -83,12 +83,12 @@ impl EntityKind {
         .unwrap_or(Self::PairForce(entity))
     }
 
-    /// True if its objects have the angles ANGX, ANGY, ANGZ.
+    /// Returns true if objects of this kind have the angle columns ANGX, ANGY, ANGZ.
     pub const fn has_angles(self) -> bool {
         matches!(self.shape(), Shape::ForceAndAngles)
     }
 
-    /// The attribute `entType`.
+    /// Returns the `entType` attribute of this kind.
     pub const fn ent_type(self) -> &'static str {
         match self {
             Self::Part => "Part",
@@ -127,7 +127,7 @@ impl EntityKind {
         }
     }
 
-    /// The keyword of the statement behind a class, as the attribute `entType` has it.
+    /// Returns the statement keyword for an `entType` attribute, for example `SFORCE` for `Single_Component_Force`.
     pub fn keyword(ent_type: &str) -> String {
         let keyword = match ent_type {
             "Single_Component_Force" => "SFORCE",
@@ -149,7 +149,7 @@ impl EntityKind {
         keyword.to_string()
     }
 
-    /// The name of an object that has none in the dataset, for example `PART_2`.
+    /// Returns the default name of an object that has no name in the dataset, for example `PART_2`.
     pub(crate) fn default_name(self, id: i64) -> String {
         let stem = match self {
             Self::SingleComponentForce => "SFORCE",
@@ -187,7 +187,7 @@ impl EntityKind {
         }
     }
 
-    /// True for the bodies: their displacements, velocities and accelerations come first in a step.
+    /// Returns true for bodies, whose displacements, velocities and accelerations come first in a step.
     pub(crate) const fn is_body(self) -> bool {
         matches!(self, Self::Part | Self::PointMass | Self::FlexibleBody)
     }

@@ -1,19 +1,19 @@
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Span;
 
-/// Why results cannot be read (further).
+/// Reason why results cannot be read, or read further.
 #[derive(Debug, thiserror::Error)]
 pub enum ResultsError {
-    /// The file cannot be read or written.
+    /// The file could not be read or written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// The file is not what it should be.
+    /// The content of the file is invalid.
     #[error("{}", .0.message)]
     Refused(Box<Diagnostic>),
 }
 
 impl ResultsError {
-    /// A refusal at bytes `from..to` of a file.
+    /// Creates an error for the bytes `from..to` of a file.
     pub(super) fn refused(
         code: Code,
         file: &str,
@@ -29,7 +29,7 @@ impl ResultsError {
         Self::Refused(Box::new(diagnostic.label(file, span, "")))
     }
 
-    /// As a complaint, whichever it is.
+    /// Converts the error into a diagnostic.
     pub fn into_diagnostic(self) -> Diagnostic {
         match self {
             Self::Io(error) => Diagnostic::error(Code::CannotRead, error.to_string()),

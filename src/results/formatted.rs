@@ -3,40 +3,40 @@ use std::collections::BTreeMap;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Source, Span};
 
-/// The displacements of a formatted (ASCII) results file.
+/// Displacements of the parts in a formatted (ASCII) results file.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct FormattedResults {
-    /// The units, as 12 letters.
+    /// The 12-letter code of the units.
     pub unit_code: String,
     /// Title of the dataset.
     pub title: String,
     /// Parts in the order of the file.
     pub parts: Vec<FormattedPart>,
-    /// Output steps.
+    /// Output steps in the order of the file.
     pub steps: Vec<FormattedStep>,
 }
 
-/// A part of such a file.
+/// A part in a formatted results file.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FormattedPart {
-    /// Id of the statement.
+    /// Id of the PART statement.
     pub id: i64,
-    /// Full name, if the file has names.
+    /// Full name; `None` if the file has no names.
     pub name: Option<String>,
 }
 
-/// One step of such a file.
+/// One output step of a formatted results file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FormattedStep {
-    /// Kind of analysis as the file calls it.
+    /// Kind of analysis, as spelled in the file.
     pub kind: String,
-    /// Time.
+    /// Time of the step.
     pub time: f64,
-    /// For each part X, Y, Z and PSI, THETA, PHI in radians, made from the file's Euler parameters.
+    /// X, Y, Z and PSI, THETA, PHI (radians) of each part; the angles are converted from the Euler parameters of the file.
     pub displacements: Vec<[f64; 6]>,
 }
 
-/// A block: a label, and lines up to one that is `!`.
+/// A block of the file: a label and the lines up to a line that contains only `!`.
 struct Block<'a> {
     label: String,
     span: Span,
@@ -46,8 +46,10 @@ struct Block<'a> {
 type LocatedFault = (Code, String, Span);
 
 impl FormattedResults {
-    /// Reads the displacements of parts (guide/formats.md 6.2). Blocks of other objects, whose layout is not known, are named in
-    /// warnings and not read. A file that ends inside a step is read up to the last whole one, with a warning.
+    /// Reads the displacements of the parts (guide/formats.md 6.2).
+    ///
+    /// Blocks of other objects have an unknown layout; each is skipped with a warning that names it. If the file ends inside a step, the
+    /// complete steps before it are returned with a warning.
     pub fn parse(source: &Source) -> Checked<Self> {
         let mut results = Checked::clean(Self::default());
         let mut rest = lines(source.bytes());
@@ -211,8 +213,9 @@ impl FormattedResults {
     }
 }
 
-/// PSI, THETA, PHI of Euler parameters of any length: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn
-/// about z is psi (guide/formats.md 4.1). `None` for parameters of nearly no length.
+/// Converts Euler parameters of any length to PSI, THETA, PHI (guide/formats.md 4.1); returns `None` if their length is at most 1e-6.
+///
+/// THETA is in [0, pi], and the other angles are in (-pi, pi]. At THETA = 0 or pi, PSI is the whole rotation about z and PHI is 0.
 fn psi_theta_phi(e: [f64; 4]) -> Option<[f64; 3]> {
     let length = e.iter().map(|e| e * e).sum::<f64>().sqrt();
     if !(length > 1e-6) {
@@ -244,7 +247,9 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = (Span, &[u8])> {
         })
 }
 
-/// The next block, whose count of lines is checked. The lines are counted by reading, so a large count needs no memory.
+/// Reads the next block and checks its announced number of lines.
+///
+/// Memory grows with the lines actually read, so a false large number costs nothing.
 fn next_block<'a>(
     rest: &mut impl Iterator<Item = (Span, &'a [u8])>,
 ) -> Result<Option<Block<'a>>, LocatedFault> {
@@ -282,7 +287,7 @@ fn next_block<'a>(
     Ok(Some(block))
 }
 
-/// The text of a line; empty when it is not ASCII, so that columns can be cut anywhere.
+/// Returns the text of a line, or an empty text if the line is not ASCII; ASCII text can be cut at any column.
 fn ascii(line: &[u8]) -> &str {
     std::str::from_utf8(line)
         .ok()
@@ -354,7 +359,7 @@ mod tests {
         assert_eq!(read.value.parts[0].name.as_deref(), Some(".m.arm"));
         let step = &read.value.steps[0];
         assert_eq!((step.kind.as_str(), step.time), ("STATIC", 0.0));
-        // A quarter turn about z: PSI + PHI = 90 degrees, THETA = 0.
+        // A quarter turn about z means PSI + PHI = 90 degrees and THETA = 0.
         let [x, y, z, psi, theta, phi] = step.displacements[0];
         assert_eq!([x, y, z], [1.0, 2.0, 3.0]);
         assert!(theta.abs() < 1e-12);

@@ -2,7 +2,7 @@
 
 use admire_syntax::units::{Unit, Units};
 
-/// `1PEw.d`: one digit before the point, an exponent of at least two digits, right-justified.
+/// Formats a number as FORTRAN `1PEw.d`: one digit before the point, an exponent of at least two digits, right-justified.
 pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {
     let value = if value == 0.0 { 0.0 } else { value };
     let text = format!("{value:.decimals$e}");
@@ -20,8 +20,9 @@ pub(super) fn exponential(value: f64, width: usize, decimals: usize) -> String {
     format!("{spelled:>width$}")
 }
 
-/// Six values to a line, `1X,6E13.5`, as request and graphics files have them. A negative number with an exponent of three digits
-/// fills its field and gets a blank in front: two numbers never become one.
+/// Formats up to six values as one line `1X,6E13.5` of a request or graphics file.
+///
+/// A negative number with a three-digit exponent fills its field; a blank is inserted before it so that adjacent numbers stay separate.
 pub(super) fn line_of(values: &[f64]) -> String {
     let mut line = String::from(" ");
     for &value in values {
@@ -35,8 +36,9 @@ pub(super) fn line_of(values: &[f64]) -> String {
     line
 }
 
-/// The 12 letters that name the units: length, mass, time, force, angle and coordinates, two letters each
-/// (`MMKGS_N_RACA`; seen for mm, metre, inch, kg, pound, second, newton and pound-force, the others follow suit).
+/// Returns the 12-letter code of the units: two letters each for length, mass, time, force, angle and coordinates, such as `MMKGS_N_RACA`.
+///
+/// The letters for mm, metre, inch, kg, pound, second, newton and pound-force come from real files; the others follow the same pattern.
 pub(super) fn unit_code(units: &Units) -> String {
     let force = match units.force.keyword {
         "POUND_FORCE" => "PF".to_string(),
@@ -72,7 +74,7 @@ fn one_letter(unit: Unit) -> String {
     format!("{}_", &unit.keyword[..1])
 }
 
-/// The title as an A80 field: cut or filled, control characters as blanks.
+/// Formats the title as an A80 field: cut or padded to 80 characters, with blanks in place of control characters.
 pub(super) fn title_line(title: &str) -> String {
     let title: String = title
         .chars()

@@ -5,10 +5,10 @@ use admire_syntax::units::Units;
 use super::fortran::{exponential, line_of, title_line, unit_code};
 use super::{StepKind, Timestamp};
 
-/// Behind the head; the frame that follows it has no label: the model as it was read.
+/// Label of the first frame, directly after the head, which shows the model as it was read.
 pub(super) const INPUT: f64 = -9.999_99e5;
 
-/// The label of a frame that is a static solution, in place of a time.
+/// Label of the frame of a static solution, in place of a time.
 pub(super) const STATIC: f64 = -5.555_55e5;
 
 /// A marker in a graphics file.
@@ -16,11 +16,11 @@ pub(super) const STATIC: f64 = -5.555_55e5;
 pub struct GraphicsMarker {
     /// Id of the marker.
     pub id: i64,
-    /// Id of its part.
+    /// Id of the part that carries the marker.
     pub part: i64,
-    /// Position on the part.
+    /// Position relative to the part.
     pub position: [f64; 3],
-    /// PSI, THETA, PHI on the part, radians.
+    /// PSI, THETA, PHI relative to the part, in radians.
     pub angles: [f64; 3],
 }
 
@@ -33,26 +33,25 @@ pub struct GraphicsJoint {
     pub markers: [i64; 2],
 }
 
-/// A drawing that moves by itself, in a graphics file. Shapes that are rigid on their parts (CYLINDER, ELLIPSOID, ...) are in the dataset
-/// alone.
+/// A drawn shape that changes during the run. Shapes fixed to their parts (CYLINDER, ELLIPSOID, ...) are in the dataset only.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum GraphicsShape {
-    /// The arrow of a force, whose size every frame has.
+    /// The arrow of a force; every frame holds the force and torque.
     Force {
         /// Id of the GRAPHICS statement.
         id: i64,
-        /// Id of the marker it begins at.
+        /// Id of the marker at the foot of the arrow.
         marker: i64,
     },
-    /// A spring and damper.
+    /// A spring-damper.
     Spring {
         /// Id of the GRAPHICS statement.
         id: i64,
         /// Ids of its I and J markers.
         markers: [i64; 2],
-        /// SEG and COILS.
+        /// Values of SEG and COILS.
         counts: [i64; 2],
-        /// DA, DB, DC, LA, LB, LC, LD.
+        /// Values of DA, DB, DC, LA, LB, LC and LD.
         sizes: [f64; 7],
     },
 }
@@ -63,28 +62,30 @@ impl GraphicsShape {
     }
 }
 
-/// What the head of a graphics file says.
+/// Content of the head of a graphics file.
 #[derive(Clone, Debug, Default)]
 pub struct GraphicsHead {
     /// Title of the model.
     pub title: String,
     /// Units of the model.
     pub units: Units,
-    /// Id of the ground.
+    /// Id of the ground part.
     pub ground: i64,
-    /// Ids of the parts in the order of the frames, without ground.
+    /// Ids of the parts without ground, in the order of the frames.
     pub parts: Vec<i64>,
     /// Markers in the order of the dataset.
     pub markers: Vec<GraphicsMarker>,
-    /// Joints; those whose markers are not in the list are left out.
+    /// Joints of the model; a joint with a marker missing from `markers` is not written.
     pub joints: Vec<GraphicsJoint>,
     /// Forces in the order of the frames, and springs.
     pub shapes: Vec<GraphicsShape>,
-    /// X, Y, Z, PSI, THETA, PHI (radians) of each part as the model was read.
+    /// X, Y, Z, PSI, THETA, PHI (radians) of each part in the model as it was read.
     pub input: Vec<[f64; 6]>,
 }
 
-/// Writes a `.gra` file (format A.G8, guide/formats.md 6.4): frames of part positions and of forces, each flushed.
+/// Writer of a `.gra` file (format A.G8, guide/formats.md 6.4).
+///
+/// Each frame holds the part positions and the forces, and is flushed at once.
 #[derive(Debug)]
 pub struct GraphicsWriter<W: Write> {
     output: W,
@@ -93,10 +94,10 @@ pub struct GraphicsWriter<W: Write> {
 }
 
 impl<W: Write> GraphicsWriter<W> {
-    /// Writes the head and the frame of the model as it was read.
+    /// Writes the head and the first frame, which shows the model as it was read.
     ///
     /// # Errors
-    /// When the output cannot be written, or has another number of poses than of parts.
+    /// Returns an error if the output cannot be written, or if the number of input poses differs from the number of parts.
     pub fn create(output: W, when: Timestamp, head: &GraphicsHead) -> io::Result<Self> {
         let mut text = Vec::new();
         head.write(when, &mut text)?;
@@ -110,11 +111,12 @@ impl<W: Write> GraphicsWriter<W> {
         Ok(writer)
     }
 
-    /// Writes one frame: X, Y, Z, PSI, THETA, PHI (radians) of each part, and force and torque of each force in ground axes, in the order
-    /// of the head. A lone static solution has a label in place of its time.
+    /// Writes one frame: X, Y, Z, PSI, THETA, PHI (radians) of each part, then force and torque of each force in ground axes.
+    ///
+    /// The order is the order of the head. A step of kind `Static` has a fixed label in place of its time.
     ///
     /// # Errors
-    /// `InvalidInput` when there are not as many as parts and forces; otherwise when the output cannot be written.
+    /// Returns `InvalidInput` if the number of poses or forces differs from the head; otherwise an error if the output cannot be written.
     pub fn frame(
         &mut self,
         kind: StepKind,
@@ -155,19 +157,19 @@ impl<W: Write> GraphicsWriter<W> {
         self.output.flush()
     }
 
-    /// Gives the output back.
+    /// Returns the output.
     pub fn finish(self) -> W {
         self.output
     }
 }
 
-/// Kinds of drawings, by their place in the alphabet among ARC, BOX, CIRCLE, CYLINDER, FORCE, FRUSTUM, OUTLINE, SPDP.
+/// Codes of the drawn shapes: positions in the list ARC, BOX, CIRCLE, CYLINDER, FORCE, FRUSTUM, OUTLINE, SPDP.
 const FORCE: i64 = 5;
 const SPRING: i64 = 8;
 
 impl GraphicsHead {
     fn write(&self, when: Timestamp, text: &mut Vec<u8>) -> io::Result<()> {
-        // Markers name their part, joints and drawings their markers, by place in the list, from 1.
+        // Markers refer to their part, and joints and shapes to their markers, by position in the list, from 1.
         let part = |id: i64| {
             let mut all = std::iter::once(&self.ground).chain(&self.parts);
             all.position(|other| *other == id).map(|at| at + 1)
@@ -207,7 +209,7 @@ impl GraphicsHead {
         ];
         text.push(b' ');
         for count in counts {
-            // Five columns, or more: two numbers never become one.
+            // A count fills at least five columns; a blank keeps longer counts separate.
             let gap = if count > 9999 { " " } else { "" };
             write!(text, "{gap}{count:>5}")?;
         }
@@ -231,7 +233,7 @@ impl GraphicsHead {
             writeln!(text, "{:>8}", 0)?;
             text.extend_from_slice(line_of(&marker.angles).as_bytes());
         }
-        // Forces first: the kinds are in the order of their numbers.
+        // Forces come first because shapes are ordered by their codes.
         let (forces, others): (Vec<_>, Vec<_>) = self.shapes.iter().partition(|s| s.is_force());
         for shape in forces.into_iter().chain(others) {
             match shape {

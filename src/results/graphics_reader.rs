@@ -4,33 +4,33 @@ use admire_syntax::text::{Source, Span};
 use super::StepKind;
 use super::graphics_file::{INPUT, STATIC};
 
-/// What a `.gra` file (format A.G8) holds: where the parts are and which forces act, frame by frame. The shapes that hang on the parts
-/// are in the dataset.
+/// Content of a `.gra` file (format A.G8): positions of the parts and the forces, frame by frame. Shapes fixed to the parts are in the
+/// dataset.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct GraphicsFile {
-    /// When the run was made.
+    /// Date and time of the run.
     pub date: String,
     /// Title of the model.
     pub title: String,
-    /// Ids of the parts that move, in the order of the frames.
+    /// Ids of the moving parts, in the order of the frames.
     pub parts: Vec<i64>,
-    /// Ids of the GRAPHICS statements of forces, in the order of the frames; from 1 where the head does not tell them.
+    /// Ids of the GRAPHICS statements of the forces, in the order of the frames; 1, 2, ... if the head does not list them.
     pub forces: Vec<i64>,
-    /// The time of each frame; of a static solution, which has none in the file, that of the frame before.
+    /// Time of each frame. A static solution has no time in the file and gets the time of the frame before it.
     pub times: Vec<f64>,
-    /// `Static` or `Unlisted` of each frame: the file does not tell more.
+    /// Kind of each frame, `Static` or `Unlisted`; the file distinguishes no other kinds.
     pub kinds: Vec<StepKind>,
-    /// For each frame X, Y, Z, PSI, THETA, PHI (radians) of each part.
+    /// X, Y, Z, PSI, THETA, PHI (radians) of each part, for each frame.
     pub poses: Vec<Vec<[f64; 6]>>,
-    /// For each frame FX, FY, FZ, TX, TY, TZ of each force, in ground axes.
+    /// FX, FY, FZ, TX, TY, TZ of each force in ground axes, for each frame.
     pub loads: Vec<Vec<[f64; 6]>>,
 }
 
 impl GraphicsFile {
-    /// Reads a file. A frame that is cut off is left out with a warning.
+    /// Reads a file. An incomplete last frame is dropped with a warning.
     ///
-    /// A frame has a line for each part and one for each force. How many that are is what stands between the label of the model as it was
-    /// read and the next one, so that counts of the head that are not known do no harm.
+    /// A frame has one line per part and one line per force. The number of lines is counted in the first frame, between its label and the
+    /// next label. Unknown counts in the head therefore do no harm.
     pub fn parse(source: &Source) -> Checked<Self> {
         let text = source.text(Span::new(0, source.bytes().len()));
         let mut lines = text.lines();
@@ -56,7 +56,7 @@ impl GraphicsFile {
                     .and_then(|id| id.parse::<i64>().ok()),
             );
         }
-        // The first part is the ground, which stays where it is.
+        // The first part is the ground, which does not move.
         if !file.parts.is_empty() {
             file.parts.remove(0);
         }
@@ -72,10 +72,10 @@ impl GraphicsFile {
         }
     }
 
-    /// Reads what is behind the parts.
+    /// Reads everything after the list of parts.
     ///
     /// # Errors
-    /// Why it is not read to its end.
+    /// Returns the reason if the frames cannot be read to the end of the file.
     fn frames(&mut self, lines: &mut std::str::Lines<'_>) -> Result<(), &'static str> {
         const NONE: &str = "the file ends before its first frame";
         let mut forces = Vec::new();
@@ -87,7 +87,7 @@ impl GraphicsFile {
             }
             let whole: Option<Vec<i64>> = line.split_whitespace().map(|n| n.parse().ok()).collect();
             let whole = whole.unwrap_or_default();
-            // The record of a force is its id, 5, and 2, which are the numbers in the next line.
+            // The record of a force holds its id, the code 5 and the count 2; the next line then holds two numbers.
             if let ([id, 5, 2], 2) = (before.as_slice(), whole.len()) {
                 forces.push(*id);
             }
@@ -137,12 +137,12 @@ impl GraphicsFile {
     }
 }
 
-/// The numbers of a line, if it is nothing else.
+/// Returns the numbers of a line, or `None` if the line contains anything else.
 fn values(line: &str) -> Option<Vec<f64>> {
     numbers(line).collect()
 }
 
-/// Numbers of a line of 13 columns each: a minus sign may touch the number before it.
+/// Iterates over the numbers of a line in 13-column fields, where a minus sign may follow the number before it without a blank.
 fn numbers(line: &str) -> impl Iterator<Item = Option<f64>> + '_ {
     let mut rest = line.trim_end();
     std::iter::from_fn(move || {
@@ -201,7 +201,7 @@ mod tests {
         assert_eq!(file.loads[2], loads);
         let cut = GraphicsFile::parse(&Source::new("a.gra", &bytes[..bytes.len() - 40]));
         assert_eq!((cut.value.times.len(), cut.diagnostics.len()), (2, 1));
-        // Before the first frame is over nobody knows how many lines it has.
+        // Until the first frame is complete, its number of lines is unknown.
         let text = String::from_utf8(bytes).unwrap();
         let short = text.find("-9.99999E+05").unwrap() + 100;
         let none = GraphicsFile::parse(&Source::new("a.gra", &text.as_bytes()[..short]));

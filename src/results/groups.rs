@@ -1,14 +1,13 @@
 use super::{Catalogue, NumberStyle, StepKind, write_number};
 
-/// Longest line of values.
+/// Maximum length of a line of values, in characters.
 const WIDTH: usize = 120;
 
-/// Where the values of a step begin new lines.
+/// Line breaks between the values of a step in an XRF file.
 ///
-/// Measured on all real files: TIME has a line of its own; every entity begins a line, a body once for its displacements,
-/// once for its velocities, once for its accelerations; a line that would grow past 120 characters is wrapped before the
-/// number that does not fit. In the step `input` everything behind the bodies is not grouped by entity: its first line has
-/// six values, the following ones seven.
+/// The rules were measured on all real files. TIME has its own line. Every entity starts a new line; a body starts one each for its
+/// displacements, velocities and accelerations. A line that would exceed 120 characters is wrapped before the number that does not fit. In
+/// the step `input`, values after the bodies are not grouped by entity: their first line has six values, each later line seven.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Groups {
     breaks: Vec<bool>,
@@ -16,7 +15,7 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// The groups of a catalogue.
+    /// Determines the line breaks for a catalogue.
     pub(crate) fn new(catalogue: &Catalogue) -> Self {
         let mut breaks = Vec::with_capacity(catalogue.len());
         let mut bodies_end = 1;
@@ -42,12 +41,12 @@ impl Groups {
         Self { breaks, bodies_end }
     }
 
-    /// Number of values in a step.
+    /// Returns the number of values in a step.
     pub(crate) fn len(&self) -> usize {
         self.breaks.len()
     }
 
-    /// Appends the lines of one step, each with `line_end`. `values` are as many as there are columns.
+    /// Appends the lines of one step to `out`, each ended by `line_end`. `values` has one element per column.
     pub(crate) fn write(
         &self,
         out: &mut Vec<u8>,

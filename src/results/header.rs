@@ -2,51 +2,50 @@ use admire_syntax::units::Units;
 
 use super::Timestamp;
 
-/// What an XRF file says of itself before its results. Every attribute of real files is here, so that writing a header
-/// that was read gives the same bytes.
+/// Header of an XRF file. It holds every attribute seen in real files, so that a header that was read is written back byte for byte.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Header {
-    /// Where the file was written, `file://...`.
+    /// Location where the file was written, `file://...`.
     pub uri: String,
-    /// Schema, `xrf`.
+    /// Name of the schema, `xrf`.
     pub schema: String,
     /// Version of the schema.
     pub version: String,
-    /// When the file was begun.
+    /// Date and time at which writing of the file started.
     pub publication_date: String,
-    /// Who makes the program.
+    /// Maker of the program.
     pub corporation: String,
-    /// Where to find them.
+    /// Web address of the maker.
     pub corporation_uri: String,
-    /// Log-in name.
+    /// Login name of the user.
     pub user: String,
-    /// Full name.
+    /// Full name of the user.
     pub user_name: String,
     /// Revision of the file.
     pub revision: String,
-    /// What the revision comes from.
+    /// Source from which the revision was derived.
     pub derived_from: String,
     /// Lines of the revision's comment (RESULTS/COMMENT), each with its line end; usually empty.
     pub comment: String,
     /// Name of the analysis.
     pub analysis: String,
-    /// When the analysis ran.
+    /// Date and time of the analysis.
     pub execution_date: String,
-    /// The solver.
+    /// Name and version of the solver.
     pub solver: String,
-    /// The script that ran it.
+    /// Script that ran the analysis.
     pub script: String,
     /// Operating system.
     pub operating_system: String,
-    /// Host.
+    /// Name of the host computer.
     pub hostname: String,
-    /// Program that made the model.
+    /// Program that created the model.
     pub application: String,
-    /// Its version.
+    /// Version of the program that created the model.
     pub application_version: String,
     /// Title of the model: the first line of the dataset.
     pub title: String,
-    /// When the model was made.
+    /// Date and time at which the model was created.
     pub creation_date: String,
     /// Checksum of the model.
     pub checksum: String,
@@ -56,16 +55,16 @@ pub struct Header {
     pub units: ResultUnits,
 }
 
-/// Units of results as the file spells them.
+/// Units of the results, as spelled in the file.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ResultUnits {
-    /// `rad` or `deg`.
+    /// Unit of angles, `rad` or `deg`.
     pub angle: String,
-    /// For example `mm`.
+    /// Unit of length, for example `mm`.
     pub length: String,
-    /// For example `kg`.
+    /// Unit of mass, for example `kg`.
     pub mass: String,
-    /// For example `sec`.
+    /// Unit of time, for example `sec`.
     pub time: String,
 }
 
@@ -81,8 +80,9 @@ impl From<&Units> for ResultUnits {
 }
 
 impl Header {
-    /// The header of a run of ours: `path` of the file (forward or backward slashes as the system has them), `title` of the
-    /// model, its units, and when it is written.
+    /// Creates the header of a run of `admire`.
+    ///
+    /// `path` is the path of the file with the system's own slashes, `title` is the title of the model, and `when` is the time of writing.
     pub fn new(path: &str, title: &str, units: &Units, when: Timestamp) -> Self {
         let unknown = || "-unknown-".to_string();
         let version = env!("CARGO_PKG_VERSION");

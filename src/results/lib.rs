@@ -1,9 +1,11 @@
-//! Results files: XRF (`.res`), its older formatted form, requests (`.req`), graphics (`.gra`) and tabular output (`.out`).
+//! Readers and writers of results files: XRF (`.res`), formatted results, requests (`.req`), graphics (`.gra`) and tabular output (`.out`).
 //!
-//! [`XrfReader`] reads a results file of any size step by step, [`XrfWriter`] writes one; [`open_any`] opens each kind by its content. A
-//! [`Catalogue`] names the columns, and a [`Selection`] picks some of them by patterns such as `*/front_arm.X`. Layouts are those of the guide,
-//! page `formats`, sections 6 and 12, measured on files that ADAMS wrote. The crate contains neither models nor solvers: a writer takes names,
-//! units and values, and a reader returns them. The id of a component is the 1-based position of its value in every step.
+//! [`XrfReader`] reads a results file of any size step by step, and [`XrfWriter`] writes one. [`open_any`] opens a file of any kind by its
+//! content. A [`Catalogue`] names the columns, and a [`Selection`] picks columns by patterns such as `*/front_arm.X`.
+//!
+//! The layouts are described in sections 6 and 12 of the guide's page `formats`; they were measured on files written by ADAMS. The crate
+//! contains neither models nor solvers: a writer takes names, units and values, and a reader returns them. The id of a component is the
+//! 1-based position of its value in every step.
 //!
 //! ```
 //! use admire_results::{
@@ -45,7 +47,7 @@
 //! # }
 //! ```
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

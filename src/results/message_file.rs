@@ -2,26 +2,26 @@ use serde::Serialize;
 
 use admire_syntax::text::{Source, Span};
 
-/// What a `.msg` file tells of a run, of ADAMS or of this program.
+/// Content of a `.msg` file: the messages of a run of ADAMS or of this program.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct MessageFile {
-    /// `Adams 2019.2, C++`, as far as the banner tells.
+    /// Name and version of the solver from the banner, for example `Adams 2019.2, C++`; empty if the banner is missing.
     pub solver: String,
-    /// The titles of the models, in the order they were read.
+    /// Titles of the models, in the order in which they were read.
     pub titles: Vec<String>,
-    /// Lines of commands.
+    /// Number of `command:` lines.
     pub commands: usize,
     /// Simulations and static solutions, in order.
     pub analyses: Vec<Analysis>,
-    /// Errors and warnings in frames, in order.
+    /// Framed errors and warnings, in order.
     pub frames: Vec<Frame>,
-    /// Names of redundant constraint equations, each once.
+    /// Names of the redundant constraint equations, without duplicates.
     pub redundant: Vec<String>,
-    /// Seconds of the whole run.
+    /// Elapsed time of the whole run, in seconds.
     pub elapsed: Option<f64>,
-    /// Seconds of the processor.
+    /// Processor time of the whole run, in seconds.
     pub cpu: Option<f64>,
-    /// True if the run came to its end: pollers wait for the line `Finished`.
+    /// True if the run ended normally, with the line `Finished` for which polling scripts wait.
     pub finished: bool,
 }
 
@@ -30,31 +30,31 @@ pub struct MessageFile {
 pub struct Analysis {
     /// `Static`, `Dynamic`, `Quasi-static`, `Displacement Initial Conditions`.
     pub kind: String,
-    /// The line it begins in, from 1.
+    /// Line where the analysis begins, from 1.
     pub line: usize,
-    /// Iterations of a lone static solution.
+    /// Number of iterations of a lone static solution.
     pub iterations: Option<usize>,
-    /// Times of the first and the last step shown.
+    /// Times of the first and the last listed step.
     pub times: Option<(f64, f64)>,
-    /// Steps shown.
+    /// Number of listed steps.
     pub steps: usize,
-    /// True if it came to its end.
+    /// True if the end of the analysis was reported.
     pub ended: bool,
 }
 
-/// A message in a frame.
+/// A message framed by `START` and `END` lines.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize)]
 pub struct Frame {
     /// `ERROR` or `WARNING`.
     pub kind: String,
-    /// The line of its first line of text, from 1.
+    /// Line number of the first line of text, from 1.
     pub line: usize,
-    /// Its text.
+    /// Text of the message.
     pub text: String,
 }
 
 impl MessageFile {
-    /// True for texts that begin like a message file: its banner, or a command.
+    /// Returns true for a text that begins like a message file, with its banner or a command.
     pub fn is_one(source: &Source) -> bool {
         let head = source.text(Span::new(0, source.bytes().len().min(4000)));
         let lines = || head.lines().map(str::trim_start);
@@ -63,7 +63,7 @@ impl MessageFile {
                 && lines().any(|line| line.starts_with('|'))
     }
 
-    /// Reads any text; what is not known is passed over.
+    /// Reads a message file; unrecognised text is ignored.
     pub fn parse(source: &Source) -> Self {
         let text = source.text(Span::new(0, source.bytes().len()));
         let mut file = Self::default();
@@ -119,7 +119,9 @@ impl MessageFile {
         file
     }
 
-    /// The banner's version, and titles in their frames: the title is the second line behind "Model Title" that says something.
+    /// Reads the solver version from the banner, and model titles from their frames.
+    ///
+    /// A title is the first line after "Model Title" that is neither empty nor a rule of `=`.
     fn banner(&mut self, line: &str, after_title: &mut usize) {
         let inner = line.trim_matches('|').trim();
         if inner.ends_with("Model Title") || inner == "Model Title" {
@@ -212,12 +214,14 @@ impl MessageFile {
     }
 }
 
-/// The time a line of the table of steps begins with: at least three numbers, the first one with an exponent.
+/// Returns the time at the start of a line in the table of steps.
+///
+/// Such a line has at least three numbers, and the first one has an exponent.
 fn step_time(line: &str) -> Option<f64> {
     let mut words = line.split_whitespace();
     let first = words.next().filter(|word| word.contains(['E', 'e']))?;
     let rest: Vec<&str> = words.collect();
-    // The last one is a time, from a minute on `1:05`.
+    // The last word is an elapsed time; from one minute on it is written as `1:05`.
     let digits = |word: &str| word.bytes().all(|byte| byte.is_ascii_digit());
     let numbers = rest
         .iter()

@@ -1,12 +1,13 @@
 use std::io::Write;
 
-/// How numbers are spelled in an XRF file.
+/// Format of the numbers in an XRF file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum NumberStyle {
-    /// Versions since 2017: fixed point from 1e-3 up to below 1e5, otherwise an exponent of two digits, both with this many
-    /// decimals (RESULTS/DECIMALPLACES, default 17) and trailing zeros trimmed.
+    /// Format of versions since 2017: fixed point for magnitudes from 1e-3 up to below 1e5, otherwise an exponent of two digits.
+    ///
+    /// Both forms have this number of decimals (RESULTS/DECIMALPLACES, default 17), and trailing zeros are trimmed.
     Decimals(u8),
-    /// Versions before 2017: 17 significant digits, an exponent of three digits below 1e-4.
+    /// Format of versions before 2017: 17 significant digits, with an exponent of three digits below 1e-4 and from 1e17 on.
     SeventeenDigits,
 }
 
@@ -16,10 +17,10 @@ impl Default for NumberStyle {
     }
 }
 
-/// Appends a finite number. Zeros of both signs are `0`.
+/// Appends a finite number; positive and negative zero are both written as `0`.
 ///
-/// Digits are those of the exact decimal expansion of the double, rounded half to even, as C's printf prints them
-/// (guide/formats.md 12: checked on 154,582 real values).
+/// The exact decimal expansion of the double is rounded half to even, like the output of C's printf (guide/formats.md 12: checked on
+/// 154,582 real values).
 pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     if value == 0.0 {
         out.push(b'0');
@@ -42,9 +43,9 @@ pub(crate) fn write_number(out: &mut Vec<u8>, value: f64, style: NumberStyle) {
     }
 }
 
-/// `%.17f` for 1e-3 <= |value| < 1e5, trailing zeros trimmed, in integer arithmetic.
+/// Prints `%.17f` for 1e-3 <= |value| < 1e5 in integer arithmetic, and trims trailing zeros.
 ///
-/// With value = m 2^-s, m < 2^53 and 36 <= s <= 62, fraction * 10^17 fits 128 bits and the rounding sees every bit.
+/// For value = m 2^-s with m < 2^53 and 36 <= s <= 62, fraction * 10^17 fits into 128 bits, so the rounding is exact.
 fn fixed_seventeen(out: &mut Vec<u8>, value: f64) {
     const TEN_17: u64 = 100_000_000_000_000_000;
     let bits = value.to_bits();
@@ -102,7 +103,7 @@ fn fixed(out: &mut Vec<u8>, value: f64, decimals: usize) {
     }
 }
 
-/// Trims trailing zeros after a point, and the point itself when nothing is left behind it.
+/// Trims trailing zeros after the decimal point, and the point itself if no digit follows it.
 fn trim_fraction(out: &mut Vec<u8>, start: usize) {
     if !out[start..].contains(&b'.') {
         return;
@@ -115,7 +116,7 @@ fn trim_fraction(out: &mut Vec<u8>, start: usize) {
     }
 }
 
-/// `%.{decimals}E` with trailing zeros trimmed; the point stays (`1.E+05`).
+/// Prints `%.{decimals}E` and trims trailing zeros; the decimal point stays (`1.E+05`).
 fn exponential(out: &mut Vec<u8>, value: f64, decimals: usize) {
     let text = format!("{value:.decimals$e}");
     let (mantissa, exponent) = text.split_once('e').expect("`e` format has an exponent");
@@ -130,7 +131,7 @@ fn exponential(out: &mut Vec<u8>, value: f64, decimals: usize) {
     write!(out, "E{sign}{:02}", exponent.abs()).expect("writing to memory does not fail");
 }
 
-/// `%.17G` with an exponent of at least three digits, as C libraries of Windows printed it before 2015.
+/// Prints `%.17G` with an exponent of at least three digits, like the Windows C libraries before 2015, and trims trailing zeros.
 fn seventeen_digits(out: &mut Vec<u8>, value: f64) {
     let text = format!("{value:.16e}");
     let (mantissa, exponent) = text.split_once('e').expect("`e` format has an exponent");
@@ -160,7 +161,7 @@ mod tests {
 
     #[test]
     fn numbers_are_spelled_as_in_real_files() {
-        // Spellings of guide/formats.md 6.1 and 12.
+        // Spellings from guide/formats.md 6.1 and 12.
         let since_2017 = |value| print(value, NumberStyle::default());
         assert_eq!(since_2017(0.0), "0");
         assert_eq!(since_2017(-0.0), "0");

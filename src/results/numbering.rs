@@ -3,14 +3,14 @@ use admire_syntax::units::{Dimension, Units};
 use super::entity_kind::Shape;
 use super::{Catalogue, Component, Entity, EntityKind};
 
-/// What of the motion of bodies is stored (RESULTS/NODISPLACEMENTS, NOVELOCITIES, NOACCELERATIONS).
+/// Which parts of the motion of bodies are stored (RESULTS/NODISPLACEMENTS, NOVELOCITIES, NOACCELERATIONS).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Stored {
-    /// Displacements are stored.
+    /// True if displacements are stored.
     pub displacements: bool,
-    /// Velocities are stored.
+    /// True if velocities are stored.
     pub velocities: bool,
-    /// Accelerations are stored.
+    /// True if accelerations are stored.
     pub accelerations: bool,
 }
 
@@ -24,11 +24,10 @@ impl Default for Stored {
     }
 }
 
-/// Names and numbers the columns of a run as ADAMS does (guide/formats.md 6.1, 12).
+/// Builder of the catalogue of a run; it names and numbers the columns as ADAMS does (guide/formats.md 6.1, 12).
 ///
-/// TIME is 1; then come the displacements of all bodies, then all velocities, then all accelerations; then the other objects
-/// by kind in the order of [`EntityKind`], inside a kind in the order they were added. Values go into a step in the same
-/// order.
+/// TIME has id 1. The displacements of all bodies follow, then all velocities, then all accelerations. The other objects come next, by kind
+/// in the order of [`EntityKind`], and within a kind in the order of addition. The values of a step have the same order.
 #[derive(Clone, Debug)]
 pub struct Numbering {
     units: Units,
@@ -48,7 +47,7 @@ const ANGULAR: [[&str; 3]; 3] = [
 ];
 
 impl Numbering {
-    /// An empty numbering in the units of a dataset.
+    /// Creates an empty numbering with the units of a dataset.
     pub fn new(units: Units, stored: Stored) -> Self {
         Self {
             units,
@@ -57,8 +56,10 @@ impl Numbering {
         }
     }
 
-    /// Adds an object with the columns of its kind. `view_name` is the full name (`.model.testrig.arm`), without one the kind
-    /// and id name it. `channels` counts the variables of PINPUT and POUTPUT; other kinds do not look at it.
+    /// Adds an object with the columns of its kind.
+    ///
+    /// `view_name` is the full name (`.model.testrig.arm`); without it, the name is built from kind and id. `channels` is the number of
+    /// variables of a PINPUT or POUTPUT; other kinds ignore it.
     pub fn object(&mut self, kind: EntityKind, view_name: Option<&str>, id: i64, channels: usize) {
         let components = match kind.shape() {
             Shape::Pose | Shape::Position | Shape::Named => Vec::new(),
@@ -77,7 +78,7 @@ impl Numbering {
         self.add(kind, view_name, id, None, components);
     }
 
-    /// Adds a request, or another object whose columns the statement names, with a unit for each column where it has one.
+    /// Adds a request, or another object whose statement names the columns, with an optional unit for each column.
     pub fn named(
         &mut self,
         kind: EntityKind,
@@ -119,7 +120,7 @@ impl Numbering {
         self.objects.push((kind, entity));
     }
 
-    /// The catalogue with every id.
+    /// Assigns the ids of all columns and returns the catalogue.
     pub fn finish(mut self) -> Catalogue {
         let mut next = 1;
         let mut number = |components: &mut [Component]| {
@@ -160,7 +161,7 @@ impl Numbering {
         Some(self.units.name(dimension)).filter(|name| !name.is_empty())
     }
 
-    /// Displacements (order 0), velocities (1) or accelerations (2).
+    /// Returns the columns of the displacements (order 0), velocities (1) or accelerations (2).
     fn kinematic(&self, order: usize, angles: bool) -> Vec<Component> {
         let time = -(order as i8);
         let linear = Dimension {
@@ -204,7 +205,8 @@ fn component(name: impl Into<String>, units: Option<String>) -> Component {
     }
 }
 
-/// `.model.testrig.arm` gives `testrig.arm`; a name without a leading dot has no model in front.
+/// Removes the model name: `.model.testrig.arm` gives `testrig.arm`. A name without a leading dot contains no model name and is returned
+/// unchanged.
 pub(super) fn without_model(view_name: &str) -> String {
     match view_name.strip_prefix('.') {
         Some(full) => full.split_once('.').map_or(full, |(_, object)| object),

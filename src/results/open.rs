@@ -10,18 +10,19 @@ use super::{
     RequestFile, ResultsError, ResultsReader, ResultsTable, StepKind, XrfReader,
 };
 
-/// Files with more bytes are not read whole: their values take several times as much.
+/// Largest file, in bytes, that is read into memory as a whole; its parsed values take several times this size.
 const LARGEST_WHOLE: u64 = 512 << 20;
 
-/// A results file of any kind that can be read.
+/// Reader of a results file of any supported kind.
 pub type AnyResults = Box<dyn ResultsReader>;
 
-/// Opens a results file by what is in it: XRF is read from the disk step by step; request, graphics and formatted results files,
-/// which are small, are read whole into a table. The complaints are those of the whole files; the reader
-/// has its own.
+/// Opens a results file of the kind recognised from its content.
+///
+/// XRF files are read from disk step by step. Request, graphics and formatted results files are small and are read as a whole into a table.
+/// The returned diagnostics concern files read as a whole; the reader collects its own.
 ///
 /// # Errors
-/// When the file cannot be read or is none of these, or is to be read whole and larger than 512 MiB.
+/// Returns an error if the file cannot be read, is of none of these kinds, or is to be read as a whole and exceeds 512 MiB.
 pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     let name = path.display().to_string();
     let mut file = open_to_read(path)?;
@@ -55,7 +56,7 @@ pub fn open_any(path: &Path) -> Result<Checked<AnyResults>, ResultsError> {
     })
 }
 
-/// Adds an entity behind the others, its columns numbered on. Units of these files are not known by name.
+/// Appends an entity with columns numbered after the existing ones. The columns get no units because these files do not name them.
 fn add(
     catalogue: &mut Catalogue,
     class: &str,
@@ -81,7 +82,7 @@ fn add(
     });
 }
 
-/// Text without control characters, as results files hold it.
+/// Replaces control characters by blanks; results files contain none.
 fn plain(text: &str) -> String {
     text.replace(char::is_control, " ")
 }
@@ -108,7 +109,7 @@ fn request_table(file: &RequestFile) -> std::io::Result<ResultsTable> {
         } else {
             request.name.clone()
         };
-        // The file does not tell what a request measures; its columns 2, 3, 4, 6, 7, 8 are a vector and a rotation.
+        // The file does not state which quantity a request measures; its columns 2, 3, 4, 6, 7, 8 are a vector and a rotation.
         let columns = ["X", "Y", "Z", "R1", "R2", "R3"];
         add(
             &mut catalogue,

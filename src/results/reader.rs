@@ -2,20 +2,20 @@ use admire_syntax::diagnostic::Diagnostic;
 
 use super::{Catalogue, Header, ResultsError, Step};
 
-/// A results file of any format, read step by step.
+/// A reader of a results file of any format, step by step.
 pub trait ResultsReader {
-    /// What the file says of itself.
+    /// Returns the header of the file.
     fn header(&self) -> &Header;
 
-    /// The names of the columns.
+    /// Returns the catalogue, which names the columns.
     fn catalogue(&self) -> &Catalogue;
 
-    /// The next whole step, or `None` at the end.
+    /// Returns the next complete step, or `None` at the end.
     ///
     /// # Errors
-    /// When the input cannot be read, or the file is broken from here on; steps read before are good.
+    /// Returns an error if the input cannot be read, or if the file is malformed from here on; the steps read before remain valid.
     fn next_step(&mut self) -> Result<Option<Step<'_>>, ResultsError>;
 
-    /// Complaints so far.
+    /// Returns the diagnostics collected so far.
     fn diagnostics(&self) -> &[Diagnostic];
 }

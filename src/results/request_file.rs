@@ -7,22 +7,22 @@ use admire_syntax::units::Units;
 use super::Timestamp;
 use super::fortran::{exponential, line_of, title_line, unit_code};
 
-/// A request as the head of a `.req` file lists it.
+/// A request, as listed in the head of a `.req` file.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct RequestEntry {
-    /// Id of the statement.
+    /// Id of the REQUEST statement.
     pub id: i64,
-    /// Its comment or name; at most 80 characters are written.
+    /// Comment or name of the request; at most 80 characters are written.
     pub name: String,
-    /// What it measures and between which markers, as the file has it behind the id.
+    /// Numbers after the id in the file: the measured quantity and its markers.
     pub numbers: Vec<i64>,
 }
 
-/// Writes a `.req` file (guide/formats.md 6.3) output time by output time, each flushed.
+/// Writer of a `.req` file (guide/formats.md 6.3). Each output time is flushed as soon as it is written.
 ///
-/// The three lines of the head and the times are those of real files. How real files list the requests is not known; here
-/// each has a line with its name and a line of whole numbers that begins with its id, which is what a reader in the wild
-/// looks for. A name that looks like such a line gets a mark in front.
+/// The three lines of the head and the output times have the layout of real files. The layout of the list of requests in real files is
+/// unknown. Here each request has a line with its name and a line of integers that starts with its id, as existing readers expect. A name
+/// that consists of integers gets the prefix `REQUEST`.
 #[derive(Debug)]
 pub struct RequestWriter<W: Write> {
     output: W,
@@ -30,10 +30,10 @@ pub struct RequestWriter<W: Write> {
 }
 
 impl<W: Write> RequestWriter<W> {
-    /// Writes the head.
+    /// Writes the head of the file.
     ///
     /// # Errors
-    /// When the output cannot be written.
+    /// Returns an error if the output cannot be written.
     pub fn create(
         mut output: W,
         title: &str,
@@ -58,7 +58,7 @@ impl<W: Write> RequestWriter<W> {
             exponential(1.0 / units.length.si, 21, 15)
         )?;
         for request in requests {
-            // As the line will be: it has blanks in place of control characters, and an end.
+            // The check uses the name as it will be written, with blanks in place of control characters and cut to its length.
             let mut name = title_line(request.name.trim());
             if whole_numbers(name.as_bytes()).is_some() {
                 name = title_line(&format!("REQUEST {}", name.trim()));
@@ -66,7 +66,7 @@ impl<W: Write> RequestWriter<W> {
             text.extend_from_slice(name.as_bytes());
             write!(text, "{:>10}", request.id)?;
             for number in &request.numbers {
-                // Ten columns, or more: two numbers never become one.
+                // A number fills at least ten columns; longer numbers stay separated by a blank.
                 write!(text, " {number:>9}")?;
             }
             text.push(b'\n');
@@ -79,10 +79,11 @@ impl<W: Write> RequestWriter<W> {
         })
     }
 
-    /// Writes one output time: for each request, in the order of the head, its columns 2, 3, 4, 6, 7 and 8.
+    /// Writes one output time: columns 2, 3, 4, 6, 7 and 8 of each request, in the order of the head.
     ///
     /// # Errors
-    /// `InvalidInput` when there are not as many as requests; otherwise when the output cannot be written.
+    /// Returns `InvalidInput` if the number of values differs from the number of requests; otherwise an error if the output cannot be
+    /// written.
     pub fn step(&mut self, time: f64, values: &[[f64; 6]]) -> io::Result<()> {
         if values.len() != self.requests {
             let message = format!("{} values for {} requests", values.len(), self.requests);
@@ -96,32 +97,34 @@ impl<W: Write> RequestWriter<W> {
         self.output.flush()
     }
 
-    /// Gives the output back.
+    /// Returns the output.
     pub fn finish(self) -> W {
         self.output
     }
 }
 
-/// What a `.req` file holds.
+/// Content of a `.req` file.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct RequestFile {
-    /// When the run was made.
+    /// Date and time of the run.
     pub date: String,
     /// Title of the model.
     pub title: String,
-    /// The 12 letters of the units.
+    /// The 12-letter code of the units.
     pub unit_code: String,
     /// Requests in the order of their values.
     pub requests: Vec<RequestEntry>,
-    /// Output times.
+    /// Output times in the order of the file.
     pub times: Vec<f64>,
-    /// For each time and request: columns 2, 3, 4, 6, 7, 8.
+    /// Columns 2, 3, 4, 6, 7 and 8 of each request, for each output time.
     pub values: Vec<Vec<[f64; 6]>>,
 }
 
 impl RequestFile {
-    /// Reads a `.req` file. Names of requests may stand before or behind their line of numbers; values may be broken into
-    /// lines in any way. A file that ends inside an output time is read up to the last whole one, with a warning.
+    /// Reads a `.req` file.
+    ///
+    /// The name of a request may come before or after its line of numbers. Values may be broken into lines in any way. If the file ends
+    /// inside an output time, the complete ones before it are returned with a warning.
     pub fn parse(source: &Source) -> Checked<Self> {
         let mut file = Checked::clean(Self::default());
         let mut lines = Lines::new(source.bytes());
@@ -158,7 +161,7 @@ impl RequestFile {
             });
         }
         self.date = text(first.get(4..).unwrap_or_default().trim_ascii().get(..19));
-        // A model may have no title; then its line is blank.
+        // A model may have no title; its title line is then blank.
         let has_count = |line: &[u8]| {
             words(line)
                 .next()
@@ -190,7 +193,7 @@ impl RequestFile {
                 None => name = line.to_vec(),
             }
         }
-        // Names that stand behind their numbers: the last of them is still to come.
+        // If the names come after their numbers, the last name is still unread.
         let behind = lines.peek().is_some_and(|line| numbers(line).is_none());
         if behind && count > 0 {
             let last = text(Some(lines.needed()?.1));
@@ -205,10 +208,10 @@ impl RequestFile {
     fn data(&mut self, lines: &mut Lines<'_>) -> Result<Option<RequestFault>, RequestFault> {
         let wanted = 1 + 6 * self.requests.len();
         let mut values: Vec<f64> = Vec::new();
-        // How long the lines of this output time and of the one before are.
+        // Lengths of the lines of this output time and of the one before.
         let (mut lengths, mut before) = (Vec::new(), Vec::new());
         while let Some((span, line)) = lines.next() {
-            // Without its line end a line may lack digits too: `1.0` of `1.00000E-02` is a number as well.
+            // A last line without a line end may also lack digits: `1.0`, cut from `1.00000E-02`, is still a number.
             if lines.open && before.get(lengths.len()) != Some(&line.len()) {
                 return Ok(Some(lines.cut_off(self.times.len())));
             }
@@ -250,11 +253,11 @@ fn malformed(message: &str, span: Span) -> RequestFault {
     }
 }
 
-/// Lines that are not blank, with their places.
+/// Iterator over the lines that are not blank, with their spans.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// True if the last line had no line end.
+    /// True if the last line read had no line end.
     open: bool,
 }
 
@@ -276,7 +279,7 @@ impl<'a> Lines<'a> {
         ahead.next().map(|(_, line)| line)
     }
 
-    /// True if the next line is blank.
+    /// Returns true if the next line is blank.
     fn is_at_blank(&self) -> bool {
         let rest = &self.bytes[self.at.min(self.bytes.len())..];
         let line = rest.split(|byte| *byte == b'\n').next();
@@ -397,7 +400,7 @@ mod tests {
                 assert_eq!(read.value.times, whole.times[..count], "cut at {cut}");
                 assert_eq!(read.value.values, whole.values[..count], "cut at {cut}");
                 assert!(count >= steps, "cut at {cut}");
-                // Inside of a line it is plain that something is missing.
+                // A cut inside a line must be reported as truncation.
                 let line = bytes[..cut].rsplit(|byte| *byte == b'\n').next().unwrap();
                 let inside = !line.trim_ascii().is_empty() && bytes[cut] != b'\n';
                 let seen = read

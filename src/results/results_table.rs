@@ -2,26 +2,26 @@ use std::io;
 
 use super::{Catalogue, Header, NumberStyle, StepKind};
 
-/// The results of a run in memory: what an XRF file holds, a row of values for each step.
+/// Results of a run in memory: the content of an XRF file, with one row of values per step.
 #[derive(Clone, PartialEq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ResultsTable {
-    /// What the file would say of itself.
+    /// Header of the XRF file when the table is written.
     pub header: Header,
-    /// Names of the columns; the component with id k is value k - 1 of each row.
+    /// Names of the columns; the value of the component with id k has index k - 1 in each row.
     pub catalogue: Catalogue,
-    /// How numbers are spelled when the table is written.
+    /// Format of the numbers when the table is written.
     pub numbers: NumberStyle,
-    /// Status of the run: `Successful` or `Failed`; empty while it goes on.
+    /// Status of the run: `Successful` or `Failed`; empty while the run is in progress.
     pub status: String,
     /// Kind of each step.
     pub kinds: Vec<StepKind>,
-    /// All values, step by step. Not among what is serialised: JSON would take several times their room.
+    /// All values, step by step. They are not serialised, because JSON would take several times their memory.
     #[serde(skip)]
     pub values: Vec<f64>,
 }
 
 impl ResultsTable {
-    /// A table without steps.
+    /// Creates a table without steps.
     pub fn new(header: Header, catalogue: Catalogue, numbers: NumberStyle) -> Self {
         Self {
             header,
@@ -33,10 +33,11 @@ impl ResultsTable {
         }
     }
 
-    /// Adds a step.
+    /// Appends a step.
     ///
     /// # Errors
-    /// `InvalidInput` when there is not a value for each column or one is not finite: a table holds what a file can.
+    /// Returns `InvalidInput` if the number of values differs from the number of columns, or if a value is not finite. A table thus holds
+    /// only values that a file can hold.
     pub(crate) fn push(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         let columns = self.catalogue.len();
         if values.len() != columns {

@@ -10,34 +10,34 @@ use super::{Groups, NumberStyle, ResultsError, Step, XrfReader, write_number};
 pub struct Change {
     /// Position of the step among all steps of the file, from 0.
     pub step: usize,
-    /// Id of the column.
+    /// Id of the column, from 1.
     pub id: usize,
-    /// The new value, finite.
+    /// New value; must be finite.
     pub value: f64,
 }
 
-/// What a rewrite did.
+/// Report of a rewrite.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Rewritten {
-    /// Steps whose text came out the same when printed anew from its numbers.
+    /// Number of steps whose text was reproduced exactly from their numbers.
     pub reprinted: usize,
-    /// Steps of another spelling; their text was kept as it was.
+    /// Number of steps with another spelling, whose original text was kept.
     pub kept: usize,
-    /// Values that were changed.
+    /// Number of applied changes.
     pub changed: usize,
-    /// Complaints of the reader.
+    /// Diagnostics of the reader.
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// Copies an XRF file, every step printed anew from its numbers, with `changes` made. `verbatim` is a second reading of
-/// the same bytes, for what is not a number.
+/// Copies an XRF file, printing every step again from its numbers and applying `changes`.
 ///
-/// Without changes the output is the input, byte for byte. A change replaces the spelling of its number and nothing else; a
-/// line may grow past its usual width. Needs memory for one step.
+/// `verbatim` is a second reader of the same bytes; it supplies everything that is not a number. Without changes the output equals the
+/// input byte for byte. A change replaces only the spelling of its number, so a line may exceed its usual width. Memory is needed for one
+/// step only.
 ///
 /// # Errors
-/// When a file cannot be read or written, or the input is broken; the output is incomplete then. When a change is for a
-/// step or column that is not there.
+/// Returns an error if a file cannot be read or written or the input is malformed; the output is then incomplete. Also returns an error for
+/// a change whose step or column does not exist or whose value is not finite.
 pub fn rewrite<R: Read, V: Read, W: Write>(
     file: &str,
     input: R,
@@ -83,7 +83,9 @@ pub fn rewrite<R: Read, V: Read, W: Write>(
     Ok(report)
 }
 
-/// Prints a step in the style that gives its own text; the style that fits goes to the front of the list.
+/// Prints a step in the style that reproduces its text, and moves that style to the front of the list.
+///
+/// Returns `None` if no style reproduces the text.
 fn reprint(
     step: &Step<'_>,
     groups: &Groups,
@@ -92,7 +94,7 @@ fn reprint(
     line_end: &[u8],
     text: &mut Vec<u8>,
 ) -> Option<NumberStyle> {
-    // Infinities and NaN of a diverged run have no spelling of ours.
+    // Infinities and NaN of a diverged run have no spelling in these styles.
     if values.iter().any(|value| !value.is_finite()) {
         return None;
     }
@@ -113,7 +115,7 @@ fn reprint(
     None
 }
 
-/// The number of decimals of the number that has most: RESULTS/DECIMALPLACES, unless all numbers have fewer.
+/// Returns the largest number of decimals in the text, at most 30. It equals RESULTS/DECIMALPLACES unless every number has fewer decimals.
 fn most_decimals(text: &[u8]) -> u8 {
     tokens(text)
         .map(|token| {

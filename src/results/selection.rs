@@ -2,35 +2,35 @@ use std::io::Write;
 
 use super::{Catalogue, Column, EntityKind, ResultsError, ResultsReader, StepFilter, StepKind};
 
-/// Columns picked by name, in the order of their ids.
+/// Selected columns, in the order of their ids.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct Selection {
-    /// The columns.
+    /// The selected columns.
     pub columns: Vec<SelectedColumn>,
 }
 
-/// A picked column.
+/// A selected column.
 #[derive(Clone, PartialEq, Eq, Debug, serde::Serialize)]
 pub struct SelectedColumn {
-    /// Full name, `testrig.arm_XFORM.X`; columns that share a name have `#2`, `#3`, ... behind it.
+    /// Full name, such as `testrig.arm_XFORM.X`; further columns with the same name get the suffix `#2`, `#3`, ...
     pub path: String,
-    /// Unit, if the file tells one.
+    /// Unit; `None` if the file states none.
     pub units: Option<String>,
-    /// Position in a step, from 1.
+    /// Position of the value in a step, from 1.
     pub id: usize,
 }
 
 impl Selection {
-    /// Every named column.
+    /// Selects all columns that have a name.
     pub fn all(catalogue: &Catalogue) -> Self {
         Self::new(catalogue, |_| true)
     }
 
-    /// The columns that match any of the patterns; a pattern that matches nothing is given back.
+    /// Selects the columns that match any of the patterns; also returns the patterns that match no column.
     ///
-    /// A pattern is `ENTITY.COMPONENT`, upper and lower case alike; `*` stands for any text and `?` for one character. The
-    /// entity is its result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`) or its object (`testrig.arm`, or `arm` alone).
-    /// An entity may also be named by its statement (`BUSHING/1`). A pattern for an entity alone takes all its components.
+    /// A pattern is `ENTITY.COMPONENT`; case is ignored, `*` matches any text and `?` matches one character. The entity is given by its
+    /// result set (`arm_XFORM`), its full name (`testrig.arm_XFORM`), its object (`testrig.arm`, or just `arm`) or its statement
+    /// (`BUSHING/1`). A pattern for an entity alone selects all its components.
     pub fn matching<'p>(catalogue: &Catalogue, patterns: &[&'p str]) -> (Self, Vec<&'p str>) {
         let mut used = vec![false; patterns.len()];
         let selection = Self::new(catalogue, |column| {
@@ -69,15 +69,15 @@ impl Selection {
         Self { columns }
     }
 
-    /// The ids, increasing.
+    /// Returns the column ids in increasing order.
     pub fn ids(&self) -> Vec<usize> {
         self.columns.iter().map(|column| column.id).collect()
     }
 
-    /// Hands out the steps of a reader that a filter takes: kind, block and the values of the columns. Gives their number.
+    /// Calls `row` for each step accepted by the filter, with kind, block and values of the selected columns; returns the number of steps.
     ///
     /// # Errors
-    /// When reading fails, or `row` does.
+    /// Returns an error if reading or `row` fails.
     pub fn rows(
         &self,
         reader: &mut dyn ResultsReader,
@@ -116,10 +116,10 @@ impl Selection {
         Ok(steps)
     }
 
-    /// The values of the columns in the steps that a filter takes, a row per step.
+    /// Returns the values of the selected columns in the steps accepted by the filter, one row per step.
     ///
     /// # Errors
-    /// When reading fails.
+    /// Returns an error if reading fails.
     pub fn values_of(
         &self,
         reader: &mut dyn ResultsReader,
@@ -133,11 +133,13 @@ impl Selection {
         Ok(rows)
     }
 
-    /// Writes the remaining steps of a reader as CSV: a line of names with units (`arm_XFORM.X [mm]`), then a line per step
-    /// with its kind and values in their shortest spelling.
+    /// Writes the remaining steps of a reader as CSV and returns their number.
+    ///
+    /// The first line holds the names with units (`arm_XFORM.X [mm]`). One line per step follows, with its kind and its values in their
+    /// shortest spelling.
     ///
     /// # Errors
-    /// When reading or writing fails; the steps before are written.
+    /// Returns an error if reading or writing fails; the steps before it have then been written.
     pub fn write_csv(
         &self,
         reader: &mut dyn ResultsReader,
@@ -146,11 +148,12 @@ impl Selection {
         self.write_csv_of(reader, output, &StepFilter::default(), false)
     }
 
-    /// The same of the steps a filter takes; `plain` leaves the units out of the names and the kinds out of the rows, so that every
-    /// reader of tables takes all for numbers.
+    /// Writes the steps accepted by the filter as CSV and returns their number.
+    ///
+    /// With `plain`, names have no units and rows have no step kind, so that other programs read every field below the names as a number.
     ///
     /// # Errors
-    /// When reading or writing fails; the steps before are written.
+    /// Returns an error if reading or writing fails; the steps before it have then been written.
     pub fn write_csv_of(
         &self,
         reader: &mut dyn ResultsReader,
@@ -163,7 +166,7 @@ impl Selection {
             Some(units) if !plain => format!("{} [{units}]", column.path),
             _ => column.path.clone(),
         });
-        // A reader that goes away is told from a file that cannot be written.
+        // I/O errors are passed on unchanged, so that callers can recognise a closed pipe.
         let io = |error: csv::Error| match error.into_kind() {
             csv::ErrorKind::Io(error) => error,
             other => std::io::Error::other(format!("{other:?}")),
@@ -184,11 +187,12 @@ impl Selection {
         Ok(steps)
     }
 
-    /// Writes the remaining steps of a reader as one JSON object: `columns` with path, units and id, and `steps` with kind,
-    /// block and values. A value that is not finite is `null`.
+    /// Writes the remaining steps of a reader as one JSON object and returns their number.
+    ///
+    /// `columns` lists path, units and id; `steps` lists kind, block and values. A value that is not finite is written as `null`.
     ///
     /// # Errors
-    /// When reading or writing fails; the output is incomplete then.
+    /// Returns an error if reading or writing fails; the output is then incomplete.
     pub fn write_json(
         &self,
         reader: &mut dyn ResultsReader,
@@ -197,10 +201,10 @@ impl Selection {
         self.write_json_of(reader, output, &StepFilter::default())
     }
 
-    /// The same of the steps a filter takes.
+    /// Writes the steps accepted by the filter as one JSON object and returns their number.
     ///
     /// # Errors
-    /// When reading or writing fails; the output is incomplete then.
+    /// Returns an error if reading or writing fails; the output is then incomplete.
     pub fn write_json_of(
         &self,
         reader: &mut dyn ResultsReader,
@@ -241,7 +245,7 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
     let full_set = full.strip_suffix(component.as_str()).unwrap_or(&full);
     let full_set = full_set.strip_suffix('.').unwrap_or(full_set);
     let object = column.entity.entity.as_deref().unwrap_or(set);
-    // The plain name of the object, without the model it is in: `arm.X`.
+    // The name of the object without its enclosing models: `arm.X`.
     let plain = object.rsplit('.').next().unwrap_or(object);
     let statement = match (&column.entity.ent_type, column.entity.object_id) {
         (Some(class), Some(id)) => format!("{}/{id}", EntityKind::keyword(class)),
@@ -252,7 +256,9 @@ fn matches_column(pattern: &str, column: Column<'_>) -> bool {
         .any(|name| glob(pattern, name) || glob(pattern, &format!("{name}.{component}")))
 }
 
-/// `*` any text, `?` one character, letters of either case. Linear in the text for each `*`, without recursion.
+/// Matches `*` with any text, `?` with one character, and letters regardless of case.
+///
+/// The algorithm does not recurse; its time per `*` is linear in the length of the text.
 fn glob(pattern: &str, text: &str) -> bool {
     let fold = |text: &str| {
         text.chars()

@@ -4,7 +4,7 @@ use admire_syntax::diagnostic::Code;
 
 use super::{ResultsError, StepKind};
 
-/// One whole step of a results file: as many values as the file has columns.
+/// One complete step of a results file, with one value per column of the file.
 #[derive(Clone, Copy, Debug)]
 pub struct Step<'a> {
     pub(super) file: &'a str,
@@ -12,7 +12,7 @@ pub struct Step<'a> {
     pub index: usize,
     /// Kind of analysis.
     pub kind: StepKind,
-    /// Name of the Data block it stands in, for example `quasiStatic_001`.
+    /// Name of the Data block that contains the step, for example `quasiStatic_001`.
     pub block: &'a str,
     pub(super) values: Values<'a>,
 }
@@ -20,22 +20,22 @@ pub struct Step<'a> {
 /// The values of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Values<'a> {
-    /// As an XRF file spells them.
+    /// Values as text of an XRF file.
     Text {
-        /// Offset in the file.
+        /// Offset of the text in the file, in bytes.
         offset: u64,
-        /// What stands between the tags.
+        /// Text between the tags of the step.
         text: &'a [u8],
     },
-    /// In memory: element i belongs to id i + 1.
+    /// Values in memory: element i has id i + 1.
     Numbers(&'a [f64]),
 }
 
 impl<'a> Step<'a> {
-    /// All values, replacing those in `values`: element i belongs to id i + 1.
+    /// Replaces the content of `values` by all values of the step: element i has id i + 1.
     ///
     /// # Errors
-    /// When something is not a number; the error tells where.
+    /// Returns an error with the position if a token is not a number.
     pub fn values(&self, values: &mut Vec<f64>) -> Result<(), ResultsError> {
         values.clear();
         match self.values {
@@ -49,10 +49,10 @@ impl<'a> Step<'a> {
         Ok(())
     }
 
-    /// The values of `ids`, which increase, appended to `values`. Reads no further than the last of them.
+    /// Appends the values of `ids`, which must increase, to `values`. Reading stops at the last of them.
     ///
     /// # Errors
-    /// When something is not a number or an id is none of the file; the error tells where.
+    /// Returns an error with the position if a token is not a number or an id does not exist.
     pub fn pick(&self, ids: &[usize], values: &mut Vec<f64>) -> Result<(), ResultsError> {
         let missing = |id: usize| {
             let message = format!("there is no column {id}");
@@ -78,7 +78,7 @@ impl<'a> Step<'a> {
         Ok(())
     }
 
-    /// The text between the tags; empty where the values are in memory.
+    /// Returns the text between the tags, or an empty text if the values are in memory.
     pub(super) fn text(&self) -> &'a [u8] {
         match self.values {
             Values::Text { text, .. } => text,
@@ -86,7 +86,7 @@ impl<'a> Step<'a> {
         }
     }
 
-    /// Offset of the text in the file.
+    /// Returns the byte offset of the text in the file, or 0 if the values are in memory.
     pub(super) fn offset(&self) -> u64 {
         match self.values {
             Values::Text { offset, .. } => offset,
@@ -118,7 +118,7 @@ const fn is_blank(byte: u8) -> bool {
     byte <= b' '
 }
 
-/// The places of the numbers in the text of a step.
+/// Iterates over the byte ranges of the numbers in the text of a step.
 pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {
@@ -136,12 +136,12 @@ pub(super) fn tokens(text: &[u8]) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// How many numbers a text holds: places where a blank, or the beginning, is followed by something else.
+/// Counts the numbers of a text: the positions where a non-blank follows a blank or starts the text.
 pub(super) fn count_tokens(text: &[u8]) -> usize {
     let Some((&first, rest)) = text.split_first() else {
         return 0;
     };
-    // Sums of bytes in short runs let the compiler use wide registers.
+    // Summing bytes in short runs lets the compiler use wide registers.
     let mut count = usize::from(!is_blank(first));
     for (before, after) in text.chunks(255).zip(rest.chunks(255)) {
         let starts: u8 = before
@@ -154,13 +154,13 @@ pub(super) fn count_tokens(text: &[u8]) -> usize {
     count
 }
 
-/// A number as C libraries print it, infinities and NaN of a diverged run included.
+/// Parses a number as printed by C libraries, including the infinities and NaN of a diverged run.
 pub(super) fn parse_number(token: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(token).ok()?;
     match text.parse() {
         Ok(value) => Some(value),
         Err(_) if text.contains('#') => {
-            // Windows before 2015: 1.#INF, -1.#IND, 1.#QNAN.
+            // Spellings of Windows before 2015: 1.#INF, -1.#IND, 1.#QNAN.
             let negative = text.starts_with('-');
             let rest = text.trim_start_matches(['-', '+']);
             match rest.get(..5) {

@@ -1,17 +1,17 @@
 use super::StepKind;
 
-/// Which steps of a file are taken.
+/// Criteria that select steps of a file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StepFilter {
-    /// Positions from 1, first and last of each range; all if there are none.
+    /// Positions from 1, as first and last of each range; an empty list accepts all positions.
     pub ranges: Vec<(usize, usize)>,
-    /// Steps at this time or later.
+    /// Earliest accepted time.
     pub from: f64,
-    /// Steps at this time or earlier.
+    /// Latest accepted time.
     pub to: f64,
-    /// Steps of these kinds; of all if there are none.
+    /// Accepted kinds; an empty list accepts all kinds.
     pub kinds: Vec<StepKind>,
-    /// Of all these only the last one.
+    /// True if only the last accepted step is taken.
     pub last: bool,
 }
 
@@ -28,10 +28,10 @@ impl Default for StepFilter {
 }
 
 impl StepFilter {
-    /// Reads positions: `3`, `2-5`, `7-`, several with commas, `last`.
+    /// Parses positions such as `3`, `2-5`, `7-` or `last`, separated by commas, and adds them to the filter.
     ///
     /// # Errors
-    /// The word that is none of these.
+    /// Returns the first word that is not a position.
     pub fn positions(&mut self, text: &str) -> Result<(), String> {
         for word in text
             .split(',')
@@ -57,7 +57,7 @@ impl StepFilter {
         Ok(())
     }
 
-    /// True if a step at a position from 0, of a kind and at a time is taken. A step without a time is taken at any.
+    /// Returns true if the filter accepts a step, given its position (from 0), kind and time. A step without a time passes the time limits.
     pub fn takes(&self, position: usize, kind: StepKind, time: Option<f64>) -> bool {
         let place = position + 1;
         let within = |(first, last): &(usize, usize)| (*first..=*last).contains(&place);

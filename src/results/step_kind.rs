@@ -1,4 +1,4 @@
-/// What kind of analysis a step of results comes from.
+/// Kind of analysis that produced a step of results.
 #[derive(
     Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, serde::Serialize, serde::Deserialize,
 )]
@@ -8,22 +8,22 @@ pub enum StepKind {
     Input,
     /// The state at the start of a dynamic run.
     InitialConditions,
-    /// A lone static equilibrium.
+    /// A single static equilibrium.
     Static,
     /// One of a sequence of static equilibria over time.
     QuasiStatic,
-    /// An equilibrium, as some versions call a static one.
+    /// A static equilibrium, as some versions call it.
     Equilibrium,
     /// A kinematic step.
     Kinematic,
     /// A step of time integration.
     Dynamic,
-    /// A kind that is not in this list. Its name stays with the block it stands in.
+    /// A kind that is not in this list; the name of its Data block shows which.
     Unlisted,
 }
 
 impl StepKind {
-    /// Kinds with a name of their own.
+    /// All kinds except `Unlisted`.
     pub const NAMED: [Self; 7] = [
         Self::Input,
         Self::InitialConditions,
@@ -34,7 +34,7 @@ impl StepKind {
         Self::Dynamic,
     ];
 
-    /// The attribute `type` of a Step.
+    /// Returns the `type` attribute of a Step element.
     pub const fn step_type(self) -> &'static str {
         match self {
             Self::Input => "input",
@@ -48,7 +48,7 @@ impl StepKind {
         }
     }
 
-    /// The name of a Data block without its number.
+    /// Returns the name of a Data block of this kind without its number.
     pub(crate) const fn block_name(self) -> &'static str {
         match self {
             Self::Input => "modelInput",
@@ -56,7 +56,7 @@ impl StepKind {
         }
     }
 
-    /// The kind of a step from its `type`, upper and lower case alike.
+    /// Returns the kind for a `type` attribute; case is ignored.
     pub(crate) fn from_step_type(text: &str) -> Self {
         Self::NAMED
             .into_iter()
@@ -64,7 +64,7 @@ impl StepKind {
             .unwrap_or(Self::Unlisted)
     }
 
-    /// True for the kinds that hold a static equilibrium; all of them are read alike (guide/formats.md 12).
+    /// Returns true for the kinds that hold a static equilibrium; readers treat them alike (guide/formats.md 12).
     pub const fn is_equilibrium(self) -> bool {
         matches!(self, Self::Static | Self::QuasiStatic | Self::Equilibrium)
     }

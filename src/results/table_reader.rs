@@ -5,7 +5,7 @@ use admire_syntax::diagnostic::Diagnostic;
 use super::blocks::Blocks;
 use super::{Catalogue, Header, ResultsError, ResultsReader, ResultsTable, Step, Values};
 
-/// Reads a table in memory step by step, in the blocks that its XRF file would have.
+/// Reader of a table in memory, step by step, with the block names of the equivalent XRF file.
 #[derive(Debug)]
 pub(super) struct TableReader {
     file: Arc<str>,
@@ -15,7 +15,7 @@ pub(super) struct TableReader {
 }
 
 impl TableReader {
-    /// At the first step. `file` is the name to show.
+    /// Creates a reader at the first step. `file` is the name shown in messages.
     pub(super) fn new(file: impl Into<Arc<str>>, table: ResultsTable) -> Self {
         Self {
             file: file.into(),

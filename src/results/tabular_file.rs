@@ -3,37 +3,38 @@ use std::io::{self, Write};
 use super::Timestamp;
 use super::fortran::exponential;
 
-/// A request as a page of tabular output shows it.
+/// A request, as shown on a page of tabular output.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct TabularRequest {
-    /// Id of the statement.
+    /// Id of the REQUEST statement.
     pub id: i64,
-    /// Comment or name.
+    /// Comment or name of the request.
     pub name: String,
     /// Headings of the eight columns.
     pub headings: [String; 8],
 }
 
-/// How tables are spelled (OUTPUT/FIXED, TELETYPE).
+/// Layout of the tables (OUTPUT/FIXED, TELETYPE).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Tabular {
-    /// Numbers have a fixed point where they fit.
+    /// True if numbers are written in fixed point where they fit.
     pub fixed: bool,
-    /// Lines have at most 72 columns: four values beside TIME, the other four below.
+    /// True if lines have at most 72 columns, with TIME and four values on one line and the other four values below.
     pub narrow: bool,
 }
 
-/// Lines of values on one page.
+/// Maximum number of output times on one page.
 const PAGE: usize = 50;
 
-/// Writes a `.out` file: for each request pages of its eight columns over time.
+/// Writes a `.out` file: for each request, pages of its eight columns over time.
 ///
-/// The layout is ours, since none of ADAMS is known (guide/formats.md 6.4): a form feed before every page but the first, two
-/// lines of title, a line with the request, a line of headings, then `TIME` and eight columns of 1PE13.5 (or F13.5), at most 50
-/// lines to a page.
+/// The layout is specific to `admire`, because no file of ADAMS is known (guide/formats.md 6.4). A form feed starts every page but the
+/// first. A page has the title, the request, a line of headings, and then `TIME` and eight columns in the format 1PE13.5 (or F13.5). It
+/// holds at most 50 output times.
 ///
 /// # Errors
-/// `InvalidInput` when a row has not as many entries as there are requests; otherwise when the output cannot be written.
+/// Returns `InvalidInput` if the number of entries of a row differs from the number of requests; otherwise an error if the output cannot be
+/// written.
 pub fn write_tabular(
     mut output: impl Write,
     title: &str,
@@ -92,10 +93,10 @@ pub fn write_tabular(
 }
 
 impl Tabular {
-    /// 13 columns.
+    /// Formats a number in 13 columns.
     fn number(self, value: f64) -> String {
         let fixed = format!("{value:>13.5}");
-        // What would touch its neighbour or lose its digits is spelled with an exponent.
+        // Numbers that would touch their neighbour or lose their digits are written with an exponent.
         if self.fixed
             && fixed.starts_with(' ')
             && fixed.len() == 13

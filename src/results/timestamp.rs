@@ -1,14 +1,16 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// A moment in UTC, as result files spell it.
+/// A moment in UTC, as spelled in results files.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Timestamp {
     seconds: i64,
 }
 
 impl Timestamp {
-    /// Now, or the moment that the environment variable `SOURCE_DATE_EPOCH` states in seconds since 1970-01-01 00:00:00 UTC
-    /// (<https://reproducible-builds.org/specs/source-date-epoch/>): two runs then write the same bytes.
+    /// Returns the current time, or the time given by the environment variable `SOURCE_DATE_EPOCH` in seconds since 1970-01-01 00:00:00 UTC
+    /// (<https://reproducible-builds.org/specs/source-date-epoch/>).
+    ///
+    /// With the variable set, two runs write the same bytes.
     pub fn now() -> Self {
         if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH")
             .ok()
@@ -24,12 +26,12 @@ impl Timestamp {
         Self { seconds }
     }
 
-    /// A moment from seconds since 1970-01-01 00:00:00 UTC.
+    /// Creates a moment from seconds since 1970-01-01 00:00:00 UTC.
     pub const fn from_unix(seconds: i64) -> Self {
         Self { seconds }
     }
 
-    /// `YYYY-MM-DD HH:MM:SS`.
+    /// Formats the moment as `YYYY-MM-DD HH:MM:SS`.
     pub fn date_time(self) -> String {
         let (year, month, day) = civil(self.seconds.div_euclid(86_400));
         let of_day = self.seconds.rem_euclid(86_400);
@@ -41,13 +43,15 @@ impl Timestamp {
         )
     }
 
-    /// `YYYY-MM-DD HH:MM:SS+00:00`.
+    /// Formats the moment as `YYYY-MM-DD HH:MM:SS+00:00`.
     pub(crate) fn with_offset(self) -> String {
         format!("{}+00:00", self.date_time())
     }
 }
 
-/// Year, month and day in the Gregorian calendar from days since 1970-01-01 (era arithmetic, years begin in March).
+/// Converts days since 1970-01-01 to year, month and day of the Gregorian calendar.
+///
+/// The era arithmetic counts years from March.
 fn civil(days: i64) -> (i64, i64, i64) {
     let shifted = days + 719_468;
     let era = shifted.div_euclid(146_097);
@@ -71,7 +75,7 @@ mod tests {
 
     #[test]
     fn dates_follow_the_calendar() {
-        // Known moments: `date -u -d @N`.
+        // Known moments, from `date -u -d @N`.
         assert_eq!(Timestamp::from_unix(0).date_time(), "1970-01-01 00:00:00");
         assert_eq!(
             Timestamp::from_unix(951_827_696).with_offset(),

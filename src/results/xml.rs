@@ -1,16 +1,16 @@
-//! The little XML that result files use, in constant memory.
+//! Parser of the XML subset used by results files, in constant memory.
 //!
-//! Knows tags, attributes, comments and the five predefined entities. Document types, declared entities and CDATA are
-//! refused: no results file has them, and they are how XML attacks its readers.
+//! It supports tags, attributes, comments and the five predefined entities. Document types, declared entities and CDATA are rejected: no
+//! results file contains them, and attacks on XML readers use them.
 
 use std::io::{self, Read};
 use std::ops::Range;
 
-/// Longest tag, comment, or text of a header.
+/// Maximum length, in bytes, of a tag, a comment, or a text of the header.
 pub(super) const LIMIT: usize = 1 << 20;
 const CHUNK: usize = 1 << 16;
 
-/// Why XML is refused.
+/// Reason for rejecting XML input.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub(super) enum Refusal {
     #[error("a document type or entity declaration; no results file has one")]
@@ -25,16 +25,16 @@ pub(super) enum Refusal {
     Tag,
 }
 
-/// What stands at a place.
+/// A tag of the stream; ranges refer to the window of the [`Scanner`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) enum Tag {
-    /// `<name attributes>` or `<name attributes />`.
+    /// An opening tag: `<name attributes>` or `<name attributes />`.
     Open {
         name: Range<usize>,
         attributes: Range<usize>,
         empty: bool,
     },
-    /// `</name>`.
+    /// A closing tag: `</name>`.
     Close { name: Range<usize> },
 }
 
@@ -45,7 +45,7 @@ pub(super) enum Found<T> {
     Refused(Refusal),
 }
 
-/// A window on a stream. Ranges it gives are valid until the next call that may read.
+/// A buffered window on a stream. Returned ranges stay valid until the next call that may read.
 #[derive(Debug)]
 pub(super) struct Scanner<R> {
     input: R,
@@ -70,17 +70,17 @@ impl<R: Read> Scanner<R> {
         &self.buffer[range]
     }
 
-    /// Offset in the stream of an index of the window.
+    /// Returns the stream offset of an index of the window.
     pub(super) fn offset_of(&self, index: usize) -> u64 {
         self.base + index as u64
     }
 
-    /// Offset in the stream of what comes next.
+    /// Returns the stream offset of the next unread byte.
     pub(super) fn offset(&self) -> u64 {
         self.offset_of(self.start)
     }
 
-    /// The unread bytes in the window, after trying to have at least `wanted`.
+    /// Returns the unread bytes of the window, after reading until there are at least `wanted` or the stream ends.
     pub(super) fn peek(&mut self, wanted: usize) -> io::Result<&[u8]> {
         while self.end - self.start < wanted && self.fill()? {}
         Ok(&self.buffer[self.start..self.end])
@@ -90,7 +90,7 @@ impl<R: Read> Scanner<R> {
         self.start = (self.start + count).min(self.end);
     }
 
-    /// Reads more; false at the end of the stream.
+    /// Reads more bytes into the window; returns false at the end of the stream.
     fn fill(&mut self) -> io::Result<bool> {
         if self.start > 0 && (self.start == self.end || self.buffer.len() - self.end < CHUNK) {
             self.buffer.copy_within(self.start..self.end, 0);
@@ -115,7 +115,10 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Index of the first byte that `search` finds from `from` bytes behind the start on.
+    /// Returns the window index of the first byte that `search` finds, starting `from` bytes after the first unread byte.
+    ///
+    /// The result is a refusal if nothing is found in more than `limit` bytes. `overlap` is the number of bytes searched again after each
+    /// read.
     fn find(
         &mut self,
         from: usize,
@@ -141,7 +144,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// The text up to the next `<`, which comes next then.
+    /// Returns the text up to the next `<`, and moves to that `<`.
     pub(super) fn text(&mut self, limit: usize) -> io::Result<Found<Range<usize>>> {
         Ok(
             match self.find(0, limit, |bytes| memchr::memchr(b'<', bytes), 0)? {
@@ -156,7 +159,7 @@ impl<R: Read> Scanner<R> {
         )
     }
 
-    /// Skips whatever text there is up to the next `<`, in constant memory.
+    /// Skips the text up to the next `<` in constant memory.
     pub(super) fn skip_text(&mut self) -> io::Result<Found<()>> {
         loop {
             let window = &self.buffer[self.start..self.end];
@@ -171,8 +174,7 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// The tag that comes next, at its `<`. Comments and processing instructions in front of it, with the text between, are
-    /// skipped.
+    /// Reads the tag at the next `<`. Comments and processing instructions before the tag are skipped, with the text between them.
     pub(super) fn tag(&mut self) -> io::Result<Found<Tag>> {
         loop {
             let head = self.peek(9)?;
@@ -210,14 +212,13 @@ impl<R: Read> Scanner<R> {
         }
     }
 
-    /// Consumes the closing tag `</name>` that must come next, behind `text`, and gives the place of `text` after it. Refused
-    /// when another tag comes next.
+    /// Consumes the closing tag `</name>` that must follow `text`, and returns the new range of `text`. Any other tag is refused.
     pub(super) fn closing(
         &mut self,
         text: Range<usize>,
         name: &[u8],
     ) -> io::Result<Found<Range<usize>>> {
-        // The text is behind the start: going back to it keeps it in the window while more is read.
+        // Returning to the start of the text keeps it in the window while more bytes are read.
         let lead = text.len();
         self.start = text.start;
         let end = match self.find(lead, lead + LIMIT, |bytes| memchr::memchr(b'>', bytes), 0)? {
@@ -308,7 +309,7 @@ fn is_name(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b':' | b'.') || byte >= 0x80
 }
 
-/// Reads `name="value"` pairs, references resolved. Bytes that are not UTF-8 are read as Latin-1.
+/// Parses `name="value"` pairs and resolves character references. Bytes that are not UTF-8 are read as Latin-1.
 pub(super) fn attributes(mut text: &[u8]) -> Result<Vec<(String, String)>, Refusal> {
     let mut all = Vec::new();
     loop {
@@ -335,7 +336,7 @@ pub(super) fn attributes(mut text: &[u8]) -> Result<Vec<(String, String)>, Refus
     }
 }
 
-/// Text with its references resolved.
+/// Converts bytes to text and resolves character references.
 pub(super) fn decode(bytes: &[u8]) -> Result<String, Refusal> {
     let text = match std::str::from_utf8(bytes) {
         Ok(text) => text.to_string(),

@@ -11,18 +11,18 @@ use super::{
     Values,
 };
 
-/// Deepest nesting of elements; real files have five levels.
+/// Maximum nesting depth of elements; real files have five levels.
 const DEEPEST: usize = 16;
-/// Most columns a file may have.
+/// Maximum number of columns of a file.
 const MOST_COLUMNS: usize = 1 << 22;
-/// Room for one value with its blank; real ones need 27 bytes at most.
+/// Maximum number of bytes per value, including the blank; real files need at most 27.
 const BYTES_PER_VALUE: usize = 64;
 
-/// Reads an XRF file step by step in memory that depends on the number of columns, never on the number of steps.
+/// Reader of an XRF file, step by step. Its memory depends on the number of columns but not on the number of steps.
 ///
-/// Every step is checked against the file's own map of columns: a step with more or fewer values ends the reading with an
-/// error, so that a value is never taken for that of another column. A file cut off by a killed run is read up to its last
-/// whole step, and a warning says so.
+/// Every step is checked against the file's own map of columns. A step with more or fewer values is an error that ends the reading, so no
+/// value is ever assigned to the wrong column. If a killed run left an incomplete file, all complete steps are returned and a warning is
+/// issued.
 #[derive(Debug)]
 pub struct XrfReader<R> {
     scanner: Scanner<R>,
@@ -37,11 +37,11 @@ pub struct XrfReader<R> {
     status: Option<String>,
     done: bool,
     diagnostics: Vec<Diagnostic>,
-    /// The Data tag that ended the header.
+    /// The tag that ended the header and is still to be processed.
     pending: Option<Event>,
 }
 
-/// A tag with its attributes read.
+/// A tag with its parsed attributes.
 #[derive(Debug)]
 enum Event {
     Open {
@@ -54,10 +54,10 @@ enum Event {
 }
 
 impl<R: Read> XrfReader<R> {
-    /// Reads the header and the map of columns. `file` is the name to show.
+    /// Reads the header and the map of columns. `file` is the name shown in messages.
     ///
     /// # Errors
-    /// When the input cannot be read, is no XRF file, or ends before its first step could begin.
+    /// Returns an error if the input cannot be read, is not an XRF file, or ends before the first step.
     pub fn open(file: impl Into<Arc<str>>, input: R) -> Result<Self, ResultsError> {
         let mut reader = Self {
             scanner: Scanner::new(input),
@@ -80,40 +80,40 @@ impl<R: Read> XrfReader<R> {
         Ok(reader)
     }
 
-    /// What the file says of itself.
+    /// Returns the header of the file.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// The names of the columns.
+    /// Returns the catalogue, which names the columns.
     pub fn catalogue(&self) -> &Catalogue {
         &self.catalogue
     }
 
-    /// Number of values in every step.
+    /// Returns the number of values in every step.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The line end of the first line.
+    /// Returns the line end of the first line of the file.
     pub fn line_end(&self) -> LineEnd {
         self.line_end
     }
 
-    /// The status of the run, once the end of the file was read: `Successful`.
+    /// Returns the status of the run (such as `Successful`) once the end of the file has been read.
     pub fn run_status(&self) -> Option<&str> {
         self.status.as_deref()
     }
 
-    /// Complaints so far.
+    /// Returns the diagnostics collected so far.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
-    /// The next whole step, or `None` at the end.
+    /// Returns the next complete step, or `None` at the end.
     ///
     /// # Errors
-    /// When the input cannot be read, or the file is broken from here on; steps read before are good.
+    /// Returns an error if the input cannot be read, or if the file is malformed from here on; the steps read before remain valid.
     pub fn next_step(&mut self) -> Result<Option<Step<'_>>, ResultsError> {
         while !self.done {
             let event = match self.pending.take() {
@@ -205,9 +205,9 @@ impl<R: Read> XrfReader<R> {
         kind
     }
 
-    /// The text of a step up to and over its closing tag; `None` if the file ends before.
+    /// Reads a step through its closing tag and returns the offset and range of its text, or `None` if the file ends first.
     fn step_text(&mut self) -> Result<Option<(u64, std::ops::Range<usize>)>, ResultsError> {
-        // The closing tag is waited for first, so that it cannot move the text.
+        // The closing tag is read before the text is used, because reading may move the text in the window.
         let limit = self.columns * BYTES_PER_VALUE + 4096;
         let text = match self.scanner.text(limit)? {
             Found::Yes(text) => text,
@@ -246,7 +246,7 @@ impl<R: Read> XrfReader<R> {
         }
     }
 
-    /// Ends the reading with an error here.
+    /// Ends the reading and returns an error at the current position.
     fn refuse(&mut self, code: Code, message: impl Into<String>) -> ResultsError {
         self.done = true;
         let at = self.scanner.offset();
@@ -283,7 +283,7 @@ impl<R: Read> XrfReader<R> {
         Err(self.refuse(Code::UnsupportedResults, message))
     }
 
-    /// The next tag, with the text before it skipped.
+    /// Skips text and returns the next tag.
     fn event(&mut self) -> Result<Event, ResultsError> {
         if matches!(self.scanner.skip_text()?, Found::EndOfFile) {
             return Ok(Event::EndOfFile);
@@ -431,7 +431,7 @@ impl<R: Read> XrfReader<R> {
         }
     }
 
-    /// The lines of a comment, without the line end behind its opening tag.
+    /// Returns the lines of a comment, without the line end directly after its opening tag.
     fn comment(&mut self) -> Result<String, ResultsError> {
         match self.scanner.text(LIMIT)? {
             Found::Yes(text) => {
@@ -481,7 +481,7 @@ impl<R: Read> XrfReader<R> {
         Ok(())
     }
 
-    /// Every position of a step is named exactly once; a position without a name is told, two names are refused.
+    /// Checks the ids of the components: two components with the same id are an error; a position without a component gives a warning.
     fn check_columns(&mut self) -> Result<(), ResultsError> {
         self.columns = self.catalogue.len();
         let mut named = vec![false; self.columns];

@@ -3,18 +3,18 @@ use std::io::{self, Write};
 use super::blocks::Blocks;
 use super::{Catalogue, Groups, Header, NumberStyle, ResultsTable, ResultsWriter, StepKind};
 
-/// How lines end.
+/// Line end of a text file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum LineEnd {
     /// `\n`.
     #[default]
     Lf,
-    /// `\r\n`, as versions for Windows wrote before 2017.
+    /// `\r\n`, as written by Windows versions before 2017.
     CrLf,
 }
 
 impl LineEnd {
-    /// The bytes.
+    /// Returns the bytes of the line end.
     pub(crate) const fn bytes(self) -> &'static [u8] {
         match self {
             Self::Lf => b"\n",
@@ -23,21 +23,21 @@ impl LineEnd {
     }
 }
 
-/// How an XRF file is spelled.
+/// Spelling of an XRF file.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Style {
-    /// Spelling of numbers.
+    /// Format of the numbers.
     pub numbers: NumberStyle,
-    /// Line ends.
+    /// Line end.
     pub line_end: LineEnd,
-    /// The last line has no line end.
+    /// True if the last line has no line end.
     pub open_end: bool,
 }
 
-/// Writes an XRF file step by step; every step is flushed, so that a killed run leaves whole steps behind.
+/// Writer of an XRF file, step by step. Every step is flushed, so that a killed run leaves only complete steps.
 ///
-/// One tag per line, attributes in the order ADAMS writes them, ` />` at the end of an empty element: readers in the wild
-/// go line by line (guide/formats.md 12).
+/// Each tag has its own line, attributes have the order used by ADAMS, and an empty element ends with ` />`. Existing readers parse the
+/// file line by line (guide/formats.md 12).
 #[derive(Debug)]
 pub struct XrfWriter<W: Write> {
     output: W,
@@ -51,7 +51,7 @@ impl<W: Write> XrfWriter<W> {
     /// Writes the header and the map of columns.
     ///
     /// # Errors
-    /// When the output cannot be written.
+    /// Returns an error if the output cannot be written.
     pub fn create(
         output: W,
         header: &Header,
@@ -71,12 +71,11 @@ impl<W: Write> XrfWriter<W> {
         Ok(writer)
     }
 
-    /// Writes one step. A step of the same kind as the one before goes into the same Data block, another kind begins a
-    /// new block.
+    /// Writes one step. A step of another kind than the step before starts a new Data block.
     ///
     /// # Errors
-    /// `InvalidInput` when the number of values is not that of the columns or a value is not finite; nothing is written
-    /// then. Otherwise when the output cannot be written.
+    /// Returns `InvalidInput` if the number of values differs from the number of columns or a value is not finite; nothing is written in
+    /// this case. Returns another error if the output cannot be written.
     pub fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         if values.len() != self.groups.len() {
             let message = format!("{} values for {} columns", values.len(), self.groups.len());
@@ -103,10 +102,10 @@ impl<W: Write> XrfWriter<W> {
         self.flush()
     }
 
-    /// Closes the file with the status of the run (`Successful`) and gives the output back.
+    /// Ends the file with the status of the run (such as `Successful`) and returns the output.
     ///
     /// # Errors
-    /// When the output cannot be written.
+    /// Returns an error if the output cannot be written.
     pub fn finish(mut self, run_status: &str) -> io::Result<W> {
         if self.blocks.count() > 0 {
             self.line("</Data>");
@@ -130,11 +129,11 @@ impl<W: Write> XrfWriter<W> {
         self.text.extend_from_slice(self.style.line_end.bytes());
     }
 
-    /// Lines of a comment, which bring their own ends.
+    /// Writes a Comment element. `lines` holds the lines with their line ends.
     fn comment(&mut self, lines: &str) {
         self.line("<Comment>");
         for line in lines.lines() {
-            // Quotation marks mean nothing outside of attributes and stay as they are.
+            // Quotation marks need no escape outside of attributes and stay unchanged.
             self.line(&escape(line).replace("&quot;", "\""));
         }
         self.line("</Comment>");
@@ -171,7 +170,7 @@ impl<W: Write> XrfWriter<W> {
         self.comment(&h.comment);
         self.line("</Revision>");
         self.line("</Bibliography>");
-        // Two blanks before `script`, as in every real file.
+        // Two blanks precede `script`, as in every real file.
         self.line(&format!(
             "<Analysis name=\"{}\" executionDate=\"{}\" Solver=\"{}\"  script=\"{}\">",
             escape(&h.analysis),
@@ -262,7 +261,6 @@ fn attributes(all: &[(&str, &str)]) -> String {
     })
 }
 
-/// Text as XML: the characters with a meaning as references, control characters (which XML cannot hold) as blanks.
 impl<W: Write> ResultsWriter for XrfWriter<W> {
     fn step(&mut self, kind: StepKind, values: &[f64]) -> io::Result<()> {
         self.step(kind, values)
@@ -274,10 +272,10 @@ impl<W: Write> ResultsWriter for XrfWriter<W> {
 }
 
 impl ResultsTable {
-    /// Writes the table as an XRF file under a header: but for that, the bytes that a run with files would have written.
+    /// Writes the table as an XRF file with the given header. Apart from the header, the bytes equal the file of a run that writes files.
     ///
     /// # Errors
-    /// When the output cannot be written.
+    /// Returns an error if the output cannot be written.
     pub fn write_as(&self, header: &Header, output: impl Write) -> io::Result<()> {
         let style = Style {
             numbers: self.numbers,
@@ -293,6 +291,7 @@ impl ResultsTable {
     }
 }
 
+/// Escapes text for XML: special characters become references, and control characters, which XML cannot hold, become blanks.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,12 +1,20 @@
 //! The multibody solver: from a dataset to equations, equilibria and motions.
 //!
-//! From the bottom up: [`mechanics`] has poses, rotations and relative motion; [`linear`] sparse matrices and their LU factors; [`model`] the
-//! typed, named objects of a dataset; [`function`] compiled FUNCTION expressions; [`element`] the force laws, one file each; [`constraint`] the
-//! joints and primitives, one file each. [`system::System`] is the frozen structure of a model, [`system::Parameters`] every number that may
-//! change between runs, [`system::State`] what a solution changes. [`statics::Solver`] finds equilibria with exact sensitivities, [`motion`]
-//! integrates over time. Knows no commands, no results files and no measurements.
+//! The modules build on each other in this order:
+//! - [`mechanics`]: poses, rotations and relative motion.
+//! - [`linear`]: sparse matrices and their LU factors.
+//! - [`model`]: the typed, named objects of a dataset.
+//! - [`function`]: compiled FUNCTION expressions.
+//! - [`element`]: the force laws, one file each.
+//! - [`constraint`]: the joints and primitives, one file each.
+//! - [`system`]: [`system::System`] is the fixed structure of a model, [`system::Parameters`] holds every number that may change between
+//!   runs, and [`system::State`] holds everything that a solution changes.
+//! - [`statics`]: [`statics::Solver`] finds equilibria and their exact sensitivities.
+//! - [`motion`]: integration over time.
+//!
+//! Independent of commands, results files and measurements.
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

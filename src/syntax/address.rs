@@ -9,17 +9,18 @@ use crate::grammar::{
 use crate::text::Span;
 use crate::units::Dimension;
 
-/// The address of an object or of one of its numbers: `BUSHING/12.K.2`, `MARKER/7.QP.1`, `SFORCE/3`, `SFORCE/3.FUNCTION.2` (the
-/// second number of that function's text). Indices are 1-based. The kind is the whole keyword in capitals.
+/// Address of an object or of one of its numbers: `BUSHING/12.K.2`, `MARKER/7.QP.1`, `SFORCE/3`, `SFORCE/3.FUNCTION.2`.
+///
+/// An index is 1-based; in a function it counts the numbers of the expression text. The kind is the full keyword in capitals.
 #[derive(Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
 pub struct Address {
-    /// Whole keyword in capitals; for singletons too (`EQUILIBRIUM`).
+    /// Full keyword in capitals, for objects and for statements without id (`EQUILIBRIUM`).
     pub kind: String,
-    /// Id; absent for singletons.
+    /// Id; `None` for statements without id.
     pub id: Option<u32>,
-    /// Argument, whole keyword in capitals.
+    /// Full keyword of the argument in capitals.
     pub argument: Option<String>,
-    /// Which of its values, from 1.
+    /// Position among the values of the argument, from 1.
     pub index: Option<usize>,
 }
 
@@ -40,14 +41,14 @@ impl fmt::Display for Address {
 }
 
 impl Address {
-    /// The argument as the grammar has it.
+    /// Returns the grammar definition of the argument.
     pub fn definition(&self) -> Option<&'static ArgumentDef> {
         let def = STATEMENTS.iter().find(|def| def.name == self.kind)?;
         let name = self.argument.as_deref()?;
         def.arguments.iter().find(|argument| argument.name == name)
     }
 
-    /// The dimension of its number; none for numbers inside of functions.
+    /// Returns the dimension of the addressed number; dimensionless for numbers inside functions.
     pub fn dimension(&self) -> Dimension {
         match self.definition() {
             Some(def) if def.kind == ValueKind::Real => {
@@ -57,7 +58,7 @@ impl Address {
         }
     }
 
-    /// The address of a whole statement; `None` if the grammar does not know it.
+    /// Returns the address of a whole statement, or `None` if its keyword is not in the grammar.
     pub fn of(statement: &Statement) -> Option<Self> {
         Some(Self {
             kind: statement.kind()?.to_string(),
@@ -67,10 +68,12 @@ impl Address {
         })
     }
 
-    /// The address of a statement or command of a kind, and behind it `K.2`, `K` or nothing; `text` is the whole for messages.
+    /// Builds the address of a statement or command from its definition, its id, and `rest`: `K.2`, `K` or nothing.
+    ///
+    /// `text` is the whole address, for messages.
     ///
     /// # Errors
-    /// `unknown-argument`, `ambiguous-keyword` or `bad-number`, placed in a file named `address`.
+    /// Returns `unknown-argument`, `ambiguous-keyword` or `bad-number`, located in a file named `address`.
     pub fn of_kind(
         def: &'static StatementDef,
         id: Option<u32>,
@@ -80,12 +83,16 @@ impl Address {
         argument(def, id, rest, text)
     }
 
-    /// Reads an address: by keyword and id (`BUSHING/12.K.2`, keywords may be abbreviated), by view name
-    /// (`front_arm_bushing.K.2`), or by the name of an unnamed object (`BUSHING_12.K.2`). Case does not matter. The object must be
-    /// in the dataset, the argument in the grammar; whether the argument is written is not asked.
+    /// Parses an address given in one of three forms; case is ignored.
+    ///
+    /// - Keyword and id: `BUSHING/12.K.2`; keywords may be abbreviated.
+    /// - View name: `front_arm_bushing.K.2`.
+    /// - Default name of an object without a view name: `BUSHING_12.K.2`.
+    ///
+    /// The object must be in the dataset and the argument in the grammar, but the statement need not contain the argument.
     ///
     /// # Errors
-    /// `undefined-id`, `unknown-statement`, `unknown-argument`, `bad-number` or `ambiguous-keyword`, placed in a file named
+    /// Returns `undefined-id`, `unknown-statement`, `unknown-argument`, `bad-number` or `ambiguous-keyword`, located in a file named
     /// `address`.
     pub fn parse(text: &str, dataset: &Dataset) -> Result<Self, Diagnostic> {
         let text = text.trim();
@@ -133,7 +140,7 @@ impl Address {
     }
 }
 
-/// `12.K.2` after the slash.
+/// Parses the part after the slash: `12.K.2`.
 fn with_id(
     def: &'static StatementDef,
     rest: &str,
@@ -175,7 +182,7 @@ fn with_id(
     argument(def, Some(id), rest, text)
 }
 
-/// The longest view name that `text` begins with, and what follows it.
+/// Resolves an address that begins with a view name; longer names take precedence. Returns `None` if no view name matches.
 fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic> {
     let ends = std::iter::once(text.len()).chain(text.rmatch_indices('.').map(|(at, _)| at));
     for end in ends.take(8) {
@@ -192,7 +199,7 @@ fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic>
                 Err(diagnostic) => refused = Some(diagnostic),
             }
         }
-        // Of several objects with one name, those that have the argument are meant.
+        // If several objects share the name, the one that contains the argument is chosen.
         if found.len() > 1 {
             let written: Vec<Address> = found
                 .iter()
@@ -227,7 +234,7 @@ fn by_name(text: &str, dataset: &Dataset) -> Result<Option<Address>, Diagnostic>
     Ok(None)
 }
 
-/// `K.2`, `K` or nothing.
+/// Parses the argument part of an address: `K.2`, `K` or nothing.
 pub(super) fn argument(
     def: &'static StatementDef,
     id: Option<u32>,

@@ -1,4 +1,4 @@
-//! Where the objects and names of a file in pieces are defined, and which pieces refer to them.
+//! Index of a file in pieces: where its objects are defined, and which pieces refer to them.
 
 use std::collections::BTreeSet;
 
@@ -6,16 +6,16 @@ use super::hash::QuickMap;
 use super::pieces::Piece;
 use super::{Argument, ObjectId, Reference, Statement};
 
-/// A statement: the key of its piece and its place among the statements there.
+/// Location of a statement: the key of its piece and its position in that piece.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub struct Place {
-    /// The key of the piece.
+    /// Key of the piece.
     pub piece: u32,
-    /// Its place among the statements of the piece.
+    /// Index among the statements of the piece.
     pub at: usize,
 }
 
-/// Objects by the pieces that hold them. Knows no order of pieces.
+/// Index from objects to the pieces that define them or refer to them; independent of the order of the pieces.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Catalogue {
     defined: QuickMap<ObjectId, Vec<Place>>,
@@ -23,7 +23,7 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Takes up a piece.
+    /// Adds the objects and references of a piece.
     pub fn add(&mut self, piece: &Piece) {
         let key = piece.key();
         for (at, statement) in piece.statements().iter().enumerate() {
@@ -38,7 +38,7 @@ impl Catalogue {
         }
     }
 
-    /// Forgets a piece that was taken up.
+    /// Removes the objects and references of a piece that was added before.
     pub fn remove(&mut self, piece: &Piece) {
         let key = piece.key();
         for statement in piece.statements() {
@@ -75,7 +75,7 @@ impl Catalogue {
     }
 }
 
-/// Every reference of a statement, those in functions included.
+/// Returns all references of a statement, including those inside functions.
 pub fn references(statement: &Statement) -> impl Iterator<Item = Reference> + '_ {
     statement.arguments.iter().flat_map(Argument::references)
 }

@@ -8,7 +8,7 @@ use crate::diagnostic::Checked;
 use crate::grammar::{Lookup, Role, find_statement};
 use crate::text::{Source, Span};
 
-/// An ADAMS/Solver command file (.acf), losslessly.
+/// An ADAMS/Solver command file (.acf), kept without loss.
 #[derive(Clone, Debug)]
 pub struct CommandFile {
     source: Source,
@@ -17,26 +17,27 @@ pub struct CommandFile {
     lines: Vec<CommandLine>,
 }
 
-/// The two prompt-style first lines: which dataset, and the prefix of the output files (guide/formats.md 5.1).
+/// The two prompt-style first lines: the name of the dataset and the prefix of the output files (guide/formats.md 5.1).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Head {
-    /// The name of the dataset as typed.
+    /// Name of the dataset, as typed.
     pub model: Span,
-    /// The prefix as typed; if absent it is the model's name.
+    /// Prefix of the output files, as typed; `None` means that the name of the model is the prefix.
     pub prefix: Option<Span>,
 }
 
-/// One physical line after the head: what `.msg` echoes, and what it makes happen.
+/// One physical line after the head, with the commands that it completes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct CommandLine {
-    /// The line as typed, without its line end; blank and comment lines are echoed too.
+    /// The line as typed, without its line end; blank and comment lines are included because `.msg` echoes them.
     pub echo: Span,
-    /// Indices of the commands that are complete with this line.
+    /// Indices of the commands completed by this line.
     pub commands: Range<usize>,
 }
 
 impl CommandFile {
-    /// Reads any bytes. Complaints are those of [`Dataset::parse`](super::Dataset::parse), with commands for statements.
+    /// Reads a command file from any bytes. The diagnostics are as in [`Dataset::parse`](super::Dataset::parse), for commands instead of
+    /// statements.
     pub fn parse(source: Source) -> Checked<Self> {
         let bytes = source.bytes();
         let bom = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
@@ -44,7 +45,7 @@ impl CommandFile {
         Self::read(source, head, body)
     }
 
-    /// Reads commands alone: a first line that is no command is not taken for the name of a dataset.
+    /// Reads a file that has no head: the first line is a command even if it looks like the name of a dataset.
     pub fn parse_commands(source: Source) -> Checked<Self> {
         Self::read(source, None, 0)
     }
@@ -84,36 +85,36 @@ impl CommandFile {
         }
     }
 
-    /// The file.
+    /// Returns the source file.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// All bytes, exactly as they were read.
+    /// Returns all bytes, exactly as they were read.
     pub fn bytes(&self) -> &[u8] {
         self.source.bytes()
     }
 
-    /// The prompt-style first lines, if the file begins with them.
+    /// Returns the two prompt-style first lines, if the file begins with them.
     pub fn head(&self) -> Option<Head> {
         self.head
     }
 
-    /// Every command in order.
+    /// Returns all commands in order.
     pub fn commands(&self) -> &[Statement] {
         &self.commands
     }
 
-    /// Every physical line after the head.
+    /// Returns all physical lines after the head.
     pub fn lines(&self) -> &[CommandLine] {
         &self.lines
     }
 
-    /// Every token, from the first byte to the last.
+    /// Iterates over all tokens, from the first byte to the last.
     pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
         let bytes = self.bytes();
         let bom = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
-        // The head's two lines are texts; line ends and blanks between them are lexed as such.
+        // The two lines of the head are text tokens; line ends and blanks between them are lexed as usual.
         let mut head = Vec::new();
         let mut at = bom;
         for text in self
@@ -132,7 +133,7 @@ impl CommandFile {
     }
 }
 
-/// The head, if there is one, and where the commands begin.
+/// Returns the head, if the file has one, and the offset at which the commands begin.
 fn head(bytes: &[u8], bom: usize) -> (Option<Head>, usize) {
     let first = physical_line(bytes, bom);
     let model = trimmed(bytes, first.span);
@@ -153,7 +154,7 @@ fn head(bytes: &[u8], bom: usize) -> (Option<Head>, usize) {
     (Some(head), second.next)
 }
 
-/// `SIMULATE/...`: a word that is a command, and a slash.
+/// Returns true if the text begins with a command keyword and a slash: `SIMULATE/...`.
 fn begins_with_command(text: &[u8]) -> bool {
     let word = text
         .iter()

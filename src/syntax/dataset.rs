@@ -10,29 +10,31 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::Role;
 use crate::text::{Edit, EditConflict, Source, Span, apply_edits};
 
-/// An ADAMS/Solver dataset (.adm), losslessly: its bytes and where the statements stand in them. Cheap to clone.
+/// An ADAMS/Solver dataset (.adm), kept without loss: its bytes and the positions of its statements. It is cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Dataset {
     source: Source,
     /// The first line, without its line end.
     title: Span,
     statements: Arc<Vec<Statement>>,
-    /// What stands after END.
+    /// The bytes after END.
     after_end: Span,
     index: Arc<Index>,
 }
 
-/// Where statements are, made when somebody asks. A large deck has millions of them.
+/// Lookup tables of statements, built on first use because a large deck has millions of statements.
 #[derive(Debug, Default)]
 struct Index {
-    /// By kind: ids with the places of their first statements, the smallest id first.
+    /// Ids and indices of the statements of each kind, in increasing order of id. Only the first statement with an id is listed.
     by_id: OnceLock<HashMap<&'static str, Vec<(u32, u32)>>>,
-    /// By view name in lower case.
+    /// Indices of the statements of each view name, in lower case.
     by_name: OnceLock<HashMap<String, Vec<usize>>>,
 }
 
 impl Dataset {
-    /// Reads any bytes. Complaints: unknown, ambiguous and malformed keywords, values that cannot be read, a missing END.
+    /// Reads a dataset from any bytes.
+    ///
+    /// Diagnostics report unknown, ambiguous and malformed keywords, unreadable values, and a missing END.
     pub fn parse(source: Source) -> Checked<Self> {
         let bytes = source.bytes();
         let title = physical_line(bytes, 0);
@@ -44,7 +46,7 @@ impl Dataset {
             statements.truncate(last + 1);
             let start = statements[last].span.end();
             after_end = Span::new(start, bytes.len());
-            // Statements behind an END on the same line were read and are not part of the dataset.
+            // Statements after END on the same line were parsed too, but they are not part of the dataset.
             if end.is_none_or(|end| end > start) {
                 diagnostics.retain(|diagnostic| {
                     diagnostic
@@ -68,7 +70,7 @@ impl Dataset {
         }
     }
 
-    /// The commands of a file as if they were statements: for rules that look at each by itself.
+    /// Wraps the commands of a file as the statements of a dataset, for rules that check each statement separately.
     pub(super) fn of_commands(file: &CommandFile) -> Self {
         Self {
             source: file.source().clone(),
@@ -79,7 +81,8 @@ impl Dataset {
         }
     }
 
-    /// One command of a file as if it were the only statement of a dataset: what reads and edits statements does it there, too.
+    /// Wraps one command of a file as the only statement of a dataset, so that code for reading and editing statements also works on
+    /// commands.
     pub fn of_command(file: &CommandFile, at: usize) -> Self {
         Self {
             statements: Arc::new(file.commands().get(at).cloned().into_iter().collect()),
@@ -87,17 +90,17 @@ impl Dataset {
         }
     }
 
-    /// The file.
+    /// Returns the source file.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// All bytes, exactly as they were read.
+    /// Returns all bytes, exactly as they were read.
     pub fn bytes(&self) -> &[u8] {
         self.source.bytes()
     }
 
-    /// The first line, without blanks around it.
+    /// Returns the first line, without surrounding blanks.
     pub fn title(&self) -> Cow<'_, str> {
         let line = self.source.slice(self.title);
         let bom = if line.starts_with(BOM) { BOM.len() } else { 0 };
@@ -110,17 +113,17 @@ impl Dataset {
         }
     }
 
-    /// The first line, without its line end.
+    /// Returns the span of the first line, without its line end.
     pub fn title_span(&self) -> Span {
         self.title
     }
 
-    /// Every statement in order of appearance, END included.
+    /// Returns all statements in order of appearance, including END.
     pub fn statements(&self) -> &[Statement] {
         &self.statements
     }
 
-    /// Every token, from the first byte to the last.
+    /// Iterates over all tokens, from the first byte to the last.
     pub fn tokens(&self) -> impl Iterator<Item = Token> + '_ {
         let body = Span::new(self.title.end(), self.after_end.start());
         one(TokenKind::Title, self.title)
@@ -128,7 +131,7 @@ impl Dataset {
             .chain(one(TokenKind::AfterEnd, self.after_end))
     }
 
-    /// The tokens of one statement of this dataset, trivia between them included.
+    /// Iterates over the tokens of one statement, including the blanks, comments and line ends between them.
     pub fn statement_tokens(&self, statement: &Statement) -> impl Iterator<Item = Token> + '_ {
         Lexer::new(
             self.bytes(),
@@ -137,12 +140,12 @@ impl Dataset {
         )
     }
 
-    /// The statement of this kind (whole keyword in capitals) with this id; the first one if there are several.
+    /// Returns the first statement of this kind (full keyword in capitals) with this id.
     pub fn statement(&self, kind: &str, id: Option<u32>) -> Option<&Statement> {
         self.position(kind, id).map(|at| &self.statements[at])
     }
 
-    /// Where the statement of this kind with this id stands among the statements. Singletons have no id.
+    /// Returns the index of the first statement of this kind with this id. Without an id, any statement of the kind matches.
     pub fn position(&self, kind: &str, id: Option<u32>) -> Option<usize> {
         match id {
             None => self
@@ -160,21 +163,21 @@ impl Dataset {
         }
     }
 
-    /// Statements with this view name, whatever the case of its letters.
+    /// Returns the indices of the statements with this view name; case is ignored.
     pub(crate) fn named(&self, name: &str) -> &[usize] {
         self.names()
             .get(&name.to_lowercase())
             .map_or(&[], Vec::as_slice)
     }
 
-    /// Every view name with the statement it names, in order of appearance.
+    /// Iterates over all view names and their statements, in order of appearance.
     pub(crate) fn view_names(&self) -> impl Iterator<Item = (Cow<'_, str>, &Statement)> {
         self.statements
             .iter()
             .filter_map(|statement| Some((self.source.text(statement.view_name?), statement)))
     }
 
-    /// The name of a statement: its view name, or kind and id (`PART_2`) where the file gives none.
+    /// Returns the name of a statement: its view name, or kind and id (`PART_2`) if it has none.
     pub fn name<'s>(&'s self, statement: &Statement) -> Cow<'s, str> {
         if let Some(span) = statement.view_name {
             return self.source.text(span);
@@ -189,25 +192,27 @@ impl Dataset {
         })
     }
 
-    /// The dataset after edits, read anew.
+    /// Applies edits and reads the resulting dataset.
     ///
     /// # Errors
-    /// When two edits overlap or one lies outside of the file.
+    /// Returns an error if two edits overlap or an edit lies outside of the file.
     pub fn edited(&self, edits: &[Edit]) -> Result<Checked<Self>, EditConflict> {
         Ok(Self::parse(self.text_after(edits)?))
     }
 
-    /// The text after edits, unread.
+    /// Applies edits and returns the resulting text without parsing it.
     ///
     /// # Errors
-    /// When two edits overlap or one lies outside of the file.
+    /// Returns an error if two edits overlap or an edit lies outside of the file.
     pub fn text_after(&self, edits: &[Edit]) -> Result<Source, EditConflict> {
         let bytes = apply_edits(self.bytes(), edits)?;
         Ok(Source::new(self.source.name(), bytes))
     }
 
-    /// Reads another text in the place of this one, with the complaints of [`parse`](Self::parse). The statements of the old text go
-    /// first, unless somebody else holds them: those of a large deck take several times the room of its text.
+    /// Replaces this dataset by another text and returns the diagnostics of [`parse`](Self::parse).
+    ///
+    /// The old statements are released before the new text is parsed, because the statements of a large deck take several times the memory
+    /// of its text.
     pub fn reread(&mut self, text: Source) -> Vec<Diagnostic> {
         self.statements = Arc::default();
         self.index = Arc::default();
@@ -221,7 +226,7 @@ impl Dataset {
             let mut by_id: HashMap<&'static str, Vec<(u32, u32)>> = HashMap::new();
             for (at, statement) in self.statements.iter().enumerate() {
                 if let (Some(kind), Some(id)) = (statement.kind(), statement.number()) {
-                    // A statement has a byte at least, and places of bytes have 32 bits.
+                    // Every statement has at least one byte, and byte offsets have 32 bits, so the index fits.
                     by_id.entry(kind).or_default().push((id, at as u32));
                 }
             }
@@ -247,7 +252,7 @@ impl Dataset {
     }
 }
 
-/// What to say of a dataset of so many bytes without END.
+/// Returns the warning for a dataset without END; `size` is its length in bytes.
 pub fn missing_end(file: &str, size: usize) -> Diagnostic {
     Diagnostic::warning(Code::MissingEnd, "the dataset has no END statement")
         .label(file, Span::at(size), "END belongs here")

@@ -1,4 +1,4 @@
-//! What the grammar says of statements, arguments and functions, as text for people.
+//! Descriptions of statements, arguments and functions as plain text, from the grammar.
 
 use std::fmt::Write as _;
 
@@ -13,13 +13,13 @@ fn line(out: &mut String, text: &str) {
     out.push('\n');
 }
 
-/// The letters that must be typed as capitals, the others small: `BUshing`.
+/// Formats a keyword with its must-type letters in capitals and the other letters in lower case: `BUshing`.
 pub fn minimal(name: &str, minimum: usize) -> String {
     let cut = minimum.min(name.len());
     format!("{}{}", &name[..cut], name[cut..].to_ascii_lowercase())
 }
 
-/// The page of a statement or command.
+/// Returns the description of a statement or command.
 pub fn statement(def: &StatementDef) -> String {
     let mut text = String::new();
     let out = &mut text;
@@ -71,7 +71,7 @@ pub fn statement(def: &StatementDef) -> String {
     text
 }
 
-/// The page of a function.
+/// Returns the description of a function.
 pub fn function(def: &FunctionDef) -> String {
     let mut text = String::new();
     let out = &mut text;
@@ -87,7 +87,7 @@ pub fn function(def: &FunctionDef) -> String {
     text
 }
 
-/// Who solves it.
+/// Returns a sentence about which solver handles the statement or function.
 pub fn solved(solved: Solved) -> String {
     match solved {
         Solved::Native(what) => format!("Solved by the built-in solver ({what})."),
@@ -96,7 +96,7 @@ pub fn solved(solved: Solved) -> String {
     }
 }
 
-/// What stands behind an argument: ` = real[3]`; nothing behind a flag.
+/// Formats the value of an argument, for example ` = real[3]`; empty for a flag.
 pub fn value(argument: &ArgumentDef) -> String {
     let kind = match argument.kind {
         ValueKind::Flag => return String::new(),
@@ -131,7 +131,7 @@ pub fn value(argument: &ArgumentDef) -> String {
     format!(" = {kind}{count}")
 }
 
-/// What else there is to know of an argument: whether it is required, its default, its dimension, its bounds.
+/// Returns further facts about an argument: whether it is required, its default, dimension and bounds.
 pub fn details(argument: &ArgumentDef) -> Vec<String> {
     let mut all = Vec::new();
     if argument.required {
@@ -142,7 +142,7 @@ pub fn details(argument: &ArgumentDef) -> Vec<String> {
             .default
             .iter()
             .map(|value| match argument.dimension {
-                // As people write angles.
+                // Angles are shown in degrees.
                 Dimension::ANGLE if *value != 0.0 => spell_like(*value, b"1D"),
                 _ => value.to_string(),
             })
@@ -166,7 +166,7 @@ pub fn details(argument: &ArgumentDef) -> Vec<String> {
     all
 }
 
-/// `force/length`, `mass length^2`; empty for a pure number.
+/// Formats a dimension in words, such as `force/length` or `mass length^2`; empty for a dimensionless number.
 pub(crate) fn dimension_words(dimension: Dimension) -> String {
     let all = [
         ("force", dimension.force),

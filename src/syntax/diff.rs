@@ -1,4 +1,4 @@
-//! What changed between two datasets, per object, whatever their layout.
+//! Differences between two datasets, object by object and independent of layout.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,48 +9,48 @@ use super::number::parse_number;
 use super::{Address, Argument, Dataset, Expression, Number, Statement, TokenKind, Value};
 use crate::text::{Source, Span};
 
-/// Numbers that differ by no more than this are the same.
+/// Tolerance within which two numbers count as equal: |a - b| <= absolute + relative max(|a|, |b|).
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct DiffTolerance {
     /// Largest difference, in the unit of the number.
     pub absolute: f64,
-    /// Largest difference as a share of the larger magnitude.
+    /// Relative tolerance, as a fraction of the larger magnitude.
     pub relative: f64,
 }
 
 /// One difference of one object.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Difference {
-    /// The object or number: `BUSHING/12.K.2`.
+    /// Address of the object or number: `BUSHING/12.K.2`.
     pub address: String,
-    /// The view name of the object, if it has one.
+    /// View name of the object, if it has one.
     pub name: Option<String>,
     /// What is different.
     pub change: DiffKind,
 }
 
-/// What is different.
+/// Kind of a difference.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DiffKind {
     /// Only the second dataset has it.
     Added,
-    /// Only the first dataset has it.
+    /// The object is only in the first dataset.
     Removed,
-    /// A number.
+    /// A number differs.
     Number {
-        /// In the first dataset, radians for angles.
+        /// Value in the first dataset; angles in radians.
         before: f64,
-        /// In the second dataset.
+        /// Value in the second dataset; angles in radians.
         after: f64,
-        /// As both are written; a default that is not written as its value.
+        /// Spelling in the first and second dataset; for a default that is not written, its value.
         written: [String; 2],
     },
-    /// A text, a function, a word, or how many values there are; absent where it is not written.
+    /// A text, a function, a word or the number of values differs; `None` if the argument is not written.
     Text {
-        /// In the first dataset.
+        /// Text in the first dataset.
         before: Option<String>,
-        /// In the second dataset.
+        /// Text in the second dataset.
         after: Option<String>,
     },
 }
@@ -103,8 +103,9 @@ pub fn diff(before: &Dataset, after: &Dataset, tolerance: DiffTolerance) -> Vec<
     found
 }
 
-/// Statements with a key that says which object they are: the address; the text for what the grammar does not know. What
-/// stands several times is numbered.
+/// Returns all statements with a key that identifies their object.
+///
+/// The key is the address, or the text of a statement that is not in the grammar. Repeated keys are numbered.
 fn objects(dataset: &Dataset) -> Vec<(String, &Statement)> {
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     let mut all = Vec::new();
@@ -135,7 +136,7 @@ fn view_name(dataset: &Dataset, statement: &Statement) -> Option<String> {
     Some(dataset.source().text(statement.view_name?).into_owned())
 }
 
-/// One object in both datasets.
+/// The two versions of one object.
 struct Pair<'a> {
     before: (&'a Dataset, &'a Statement),
     after: (&'a Dataset, &'a Statement),
@@ -230,7 +231,7 @@ impl Pair<'_> {
         }
     }
 
-    /// The values of an argument; its defaults if it is not written and has some.
+    /// Returns the values of an argument, or its defaults if it is not written; `None` if it has neither, or a value is not a number.
     fn numbers(statement: &Statement, name: &str, default: &[f64]) -> Option<Vec<Number>> {
         let mut arguments = statement.all(name).peekable();
         if arguments.peek().is_none() {
@@ -261,7 +262,7 @@ impl Pair<'_> {
                 .all(|(a, b)| self.tolerance.same(a.value, b.value))
     }
 
-    /// Calls of user subroutines whose numbers are the same, however they are spelled and laid out.
+    /// Returns true if two calls of user subroutines are equal up to layout and the spelling of numbers, within the tolerance.
     fn same_call(&self, old: &str, new: &str) -> bool {
         let numbers = |text: &str| -> Vec<f64> {
             Lexer::new(text.as_bytes(), Span::new(0, text.len()), false)
@@ -284,7 +285,7 @@ impl Pair<'_> {
     }
 }
 
-/// A number as it is written.
+/// Returns the spelling of a number in the file, or its value if it is not written.
 fn written(dataset: &Dataset, number: &Number) -> String {
     if number.span.is_empty() {
         return number.value.to_string();
@@ -292,7 +293,9 @@ fn written(dataset: &Dataset, number: &Number) -> String {
     dataset.source().text(number.span).into_owned()
 }
 
-/// The bytes of a function's text without blanks, in capitals, with a mark for each number. Tokens may end inside of a character.
+/// Returns the bytes of a function text in capitals, without blanks and with a mark for each number.
+///
+/// The result is bytes because a token may end inside a multi-byte character.
 fn shape(text: &str) -> Vec<u8> {
     let mut shape = Vec::with_capacity(text.len());
     for token in Lexer::new(text.as_bytes(), Span::new(0, text.len()), false) {
@@ -307,7 +310,7 @@ fn shape(text: &str) -> Vec<u8> {
     shape
 }
 
-/// An argument's value as one line: words whole and in capitals.
+/// Formats the value of an argument in one line, with words in full and in capitals.
 fn text(source: &Source, argument: &Argument) -> String {
     match &argument.value {
         Value::Flag => String::new(),
@@ -323,7 +326,7 @@ fn text(source: &Source, argument: &Argument) -> String {
     }
 }
 
-/// A piece of a file with runs of blanks and line ends as one blank.
+/// Returns a part of a file with each run of blanks and line ends replaced by one blank.
 fn one_line(source: &Source, span: Span) -> String {
     source
         .text(span)

@@ -1,4 +1,4 @@
-//! Changes of a dataset as edits of its text: only the bytes of what changes.
+//! Changes of a dataset as text edits that touch only the bytes that change.
 
 use std::collections::BTreeSet;
 
@@ -13,14 +13,15 @@ use crate::grammar::{ArgumentDef, ValueKind};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// The statement an address stands for.
+    /// Returns the statement that an address refers to.
     pub fn find(&self, address: &Address) -> Option<&Statement> {
         self.statement(&address.kind, address.id)
     }
 
-    /// The number an address stands for, as it is written: value number `index` of an argument, number `index` of a function's
-    /// text, or the whole function (argument FUNCTION if none is named) where that is a single number. An index may be left
-    /// out where there is one value only.
+    /// Returns the number that an address refers to, if it is written in the file.
+    ///
+    /// This is value `index` of an argument, number `index` of a function's text, or a whole function that is a single number. Without an
+    /// argument name, FUNCTION is used. The index may be omitted if there is only one value.
     pub fn number_at(&self, address: &Address) -> Option<Number> {
         let statement = self.find(address)?;
         let name = address.argument.as_deref().unwrap_or("FUNCTION");
@@ -40,7 +41,7 @@ impl Dataset {
         }
     }
 
-    /// The value an address stands for; the grammar's default where nothing is written.
+    /// Returns the value that an address refers to, or the default of the grammar if the argument is not written.
     pub fn value_at(&self, address: &Address) -> Option<f64> {
         if let Some(number) = self.number_at(address) {
             return Some(number.value);
@@ -57,21 +58,23 @@ impl Dataset {
         }
     }
 
-    /// Edits that give a number a new value (model units: angles in radians). Nothing for the value it has. Only the number's
-    /// own bytes change, and its style is kept; an argument that is not written is added in the style of the file. A marker is moved
-    /// without being turned: its points ZP and XP move along with QP.
+    /// Returns the edits that set a number to a new value in model units (angles in radians); none if the value is unchanged.
+    ///
+    /// Only the bytes of the number change, and its style is kept. An argument that is not written is added in the style of the file. A
+    /// marker is moved without rotation: its points ZP and XP move along with QP.
     ///
     /// # Errors
-    /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a number, `out-of-range` for a value
-    /// that cannot be written there.
+    /// Returns `undefined-id` if the object does not exist, `wrong-type` if the address does not refer to a number, and `out-of-range` for
+    /// a value that cannot be written there.
     pub fn set(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
         self.set_beside(address, value, &BTreeSet::new())
     }
 
-    /// The same beside other assignments: those of `beside` have values of their own.
+    /// Returns the edits of [`Dataset::set`] as part of several assignments; the points of a marker in `beside` get values of their own and
+    /// do not move.
     ///
     /// # Errors
-    /// Those of [`Dataset::set`].
+    /// Returns the errors of [`Dataset::set`].
     pub fn set_beside(
         &self,
         address: &Address,
@@ -83,19 +86,21 @@ impl Dataset {
         Ok(edits)
     }
 
-    /// The same for this number alone, whatever it means for others.
+    /// Returns the edits that set this number only; the points of a marker do not move along.
     ///
     /// # Errors
-    /// Those of [`Dataset::set`].
+    /// Returns the errors of [`Dataset::set`].
     pub(crate) fn set_alone(&self, address: &Address, value: f64) -> Result<Vec<Edit>, Diagnostic> {
         self.set_spelled(address, value, |old| spell_like(value, old))
     }
 
-    /// The same with what a person typed for the whole value at the address: the spelling of a number is kept wherever it means the
-    /// same there.
+    /// Returns the edits that set the whole value at an address to a text typed by a user.
+    ///
+    /// A typed number keeps its spelling, with one exception: if only the old number has the degree suffix or an exponent, the new number
+    /// gets it too. The points of a marker move as in [`Dataset::set_beside`].
     ///
     /// # Errors
-    /// Those of [`Dataset::set`] and [`Dataset::set_text`].
+    /// Returns the errors of [`Dataset::set`] and [`Dataset::set_text`].
     pub fn set_typed(
         &self,
         address: &Address,
@@ -112,7 +117,7 @@ impl Dataset {
             return Ok(edits);
         };
         let mut edits = self.set_spelled(address, value, |old| {
-            // Radians in place of degrees are turned into degrees, and an exponent stays one: the text has its unit and style.
+            // Radians that replace degrees are converted to degrees, and an exponent is kept, so that the text keeps its unit and style.
             let in_degrees = !degrees && matches!(old, [.., b'D' | b'd']);
             let has_power = |text: &[u8]| text.iter().any(|byte| matches!(byte, b'E' | b'e'));
             if in_degrees || has_power(old) && !has_power(typed.as_bytes()) {
@@ -125,7 +130,7 @@ impl Dataset {
         Ok(edits)
     }
 
-    /// Edits that give a number a new value; `spell` spells it in place of an old spelling.
+    /// Returns the edits that set a number to a new value; `spell` formats the value in place of an old spelling.
     fn set_spelled(
         &self,
         address: &Address,
@@ -171,7 +176,7 @@ impl Dataset {
                     number.span,
                 ));
             }
-            // Two operators never stand side by side: a negative number has parentheses around it.
+            // A negative number is enclosed in parentheses so that two operators are never adjacent.
             return Ok(vec![if value < 0.0 && !old.starts_with(b"-") {
                 Edit::new(number.span, format!("({spelled})"))
             } else {
@@ -200,12 +205,13 @@ impl Dataset {
         }
     }
 
-    /// Edits that replace the whole value of an argument (FUNCTION if the address names none) by a text: a function, a word, a
-    /// list. An argument that is not written is added.
+    /// Returns the edits that replace the whole value of an argument by a text: a function, a word or a list.
+    ///
+    /// Without an argument name, FUNCTION is used. An argument that is not written is added.
     ///
     /// # Errors
-    /// `undefined-id` if the object is not there, `bad-expression` for a function that cannot be read, `wrong-type` for a flag or
-    /// an address with an index.
+    /// Returns `undefined-id` if the object does not exist, `bad-expression` for a function that cannot be parsed, `syntax-error` for a
+    /// text with a line end, `;` or `!`, and `wrong-type` for a flag or an address with an index.
     pub fn set_text(&self, address: &Address, text: &str) -> Result<Vec<Edit>, Diagnostic> {
         if address.kind == "TITLE" {
             return self.set_title(text);
@@ -247,10 +253,10 @@ impl Dataset {
         }
     }
 
-    /// Edits that write a flag, or take it away with what separates it from its neighbours.
+    /// Returns the edits that add a flag, or remove it together with its separator.
     ///
     /// # Errors
-    /// `undefined-id` if the object is not there, `wrong-type` if the address is none of a flag.
+    /// Returns `undefined-id` if the object does not exist, and `wrong-type` if the address does not refer to a flag.
     pub fn set_flag(&self, address: &Address, on: bool) -> Result<Vec<Edit>, Diagnostic> {
         let statement = self.find(address).ok_or_else(|| self.absent(address))?;
         let def = argument_def(statement, address)
@@ -272,7 +278,7 @@ impl Dataset {
         })
     }
 
-    /// A text in the encoding of the file: that of Latin-1 decks has one byte for each of its characters.
+    /// Encodes a text in the encoding of the file: one byte per character for a Latin-1 deck, UTF-8 otherwise.
     pub(super) fn encoded(&self, text: &str) -> Vec<u8> {
         let latin1: Option<Vec<u8>> = text.chars().map(|c| u8::try_from(c).ok()).collect();
         match latin1 {
@@ -281,8 +287,9 @@ impl Dataset {
         }
     }
 
-    /// Edits that add a statement after the last one of its kind, or before END, in the style of the file. A body comes behind
-    /// all markers that are on the body before them without naming it.
+    /// Returns the edits that add a statement in the style of the file: after the last statement of its kind, or else before END.
+    ///
+    /// A body is inserted after all markers that belong to the preceding body without naming it.
     pub fn add(&self, statement: &NewStatement) -> Vec<Edit> {
         let style = Style::of(self);
         let text = style.statement(statement);
@@ -303,13 +310,13 @@ impl Dataset {
         vec![Edit::new(Span::at(at), self.encoded(&text))]
     }
 
-    /// A statement as this dataset would write it, without the line end behind it.
+    /// Returns a statement in the style of this dataset, without a final line end.
     pub fn written(&self, statement: &NewStatement) -> Vec<u8> {
         let text = Style::of(self).statement(statement);
         self.encoded(text.trim_end())
     }
 
-    /// The END statement, if the dataset has one.
+    /// Returns the END statement, if the dataset has one.
     pub fn end(&self) -> Option<&Statement> {
         self.statements().last().filter(|last| {
             self.source()
@@ -318,7 +325,7 @@ impl Dataset {
         })
     }
 
-    /// A list grows to the place of the value; what stands between gets its default.
+    /// Returns the edits that extend a list of numbers up to the addressed position; positions in between get their defaults.
     fn extend(
         &self,
         statement: &Statement,
@@ -363,7 +370,7 @@ impl Dataset {
         }])
     }
 
-    /// The edit that adds `NAME = text`, or a flag, at the end of a statement.
+    /// Returns the edit that adds `NAME = text`, or a flag, at the end of a statement.
     pub(super) fn new_argument(
         &self,
         statement: &Statement,
@@ -385,7 +392,7 @@ impl Dataset {
                         .is_some_and(|def| def.kind == ValueKind::Function))
         });
         if is_function {
-            // A function must end with a backslash before the next argument; it may have one already.
+            // A function before another argument must end with a backslash, which may already be present.
             let rest = &self.bytes()[at..statement.span.end()];
             match rest.iter().position(|byte| !byte.is_ascii_whitespace()) {
                 Some(mark) if rest[mark] == b'\\' => at += mark + 1,
@@ -398,7 +405,7 @@ impl Dataset {
         )
     }
 
-    /// After `KEYWORD/id`.
+    /// Returns the offset after `KEYWORD/id`.
     pub(super) fn after_header(&self, statement: &Statement) -> usize {
         if let Some((_, span)) = statement.id {
             return span.end();
@@ -431,12 +438,12 @@ impl Dataset {
         memchr::memrchr2(b'\n', b'\r', &self.bytes()[..at]).map_or(0, |end| end + 1)
     }
 
-    /// After the line end of the line that holds `at`.
+    /// Returns the offset after the line end of the line that contains `at`.
     pub(super) fn line_end(&self, at: usize) -> usize {
         super::lines::physical_line(self.bytes(), at).next
     }
 
-    /// Where a text goes that follows the line of `at`, with a line end in front if that line has none.
+    /// Returns the position and text that insert `text` after the line of `at`; a line end is prepended if that line has none.
     fn after_line(&self, at: usize, text: &str, style: &Style) -> (usize, String) {
         let next = self.line_end(at);
         let open = !matches!(self.bytes()[..next].last(), None | Some(b'\n' | b'\r'));
@@ -457,7 +464,7 @@ fn argument_def(statement: &Statement, address: &Address) -> Option<&'static Arg
         .find(|argument| argument.name == name)
 }
 
-/// True if the address is that of an id inside of a function.
+/// Returns true if the address refers to an id inside a function.
 fn is_id(statement: &Statement, address: &Address) -> bool {
     let name = address.argument.as_deref().unwrap_or("FUNCTION");
     let (Some(argument), Some(index)) = (statement.argument(name), address.index) else {
@@ -476,7 +483,7 @@ const fn is_whole(def: &'static ArgumentDef) -> bool {
     matches!(def.kind, ValueKind::Integer | ValueKind::Reference(_))
 }
 
-/// The number a function is, if it is a single one with or without a minus sign.
+/// Returns the value of a function that consists of a single number, with or without a minus sign.
 fn constant(expression: &Expression) -> Option<Number> {
     let (literal, sign) = match &expression.root {
         Node::Literal(literal) => (literal, 1.0),

@@ -1,49 +1,49 @@
-//! What is wrong with one statement by the grammar alone, as data: what it must have, how many values, what its ids name.
+//! Faults of a single statement against the grammar, as data: missing arguments, wrong counts, undefined ids.
 //!
-//! Who asks says how bad each is.
+//! The caller decides how severe each fault is.
 
 use super::{Argument, Number, Statement, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, Presence, Solved, StatementDef, ValueKind};
 use crate::text::{Source, Span};
 
-/// What can be wrong.
+/// Kind of a fault.
 #[derive(Clone, Copy, Debug)]
 pub enum Wrong {
-    /// An argument it must have is not there.
+    /// A required argument is missing.
     Missing(&'static ArgumentDef),
-    /// None of the arguments is there, and it must have one of them.
+    /// All of the arguments are missing, although one is required.
     NoneOf(&'static [&'static str]),
-    /// Some of the arguments are there, and it must have all of them or none.
+    /// Only some of the arguments are present, although all or none are required.
     Partly(&'static [&'static str]),
-    /// The first argument is there without the second, which it needs.
+    /// The first argument is present without the second, which it requires.
     Without(&'static str, &'static str),
-    /// Two arguments are there that cannot stand together.
+    /// Two arguments are present that exclude each other.
     Both(&'static str, &'static str),
-    /// An argument has so many values, more or fewer than it takes.
+    /// An argument has a wrong number of values, which is given.
     Count(&'static ArgumentDef, usize),
-    /// Nothing of this id space has this id.
+    /// No object of this id space has this id.
     Undefined(&'static str, u32),
-    /// An argument has 0 where it must name an object of this id space.
+    /// An argument is 0 where it must name an object of this id space.
     Nothing(&'static ArgumentDef, &'static str),
-    /// A number is no id where one is needed.
+    /// A number is not an id where an id is required.
     NoId(&'static ArgumentDef),
-    /// A number has a fraction or is an angle where a whole number is needed.
+    /// A number has a fraction or is an angle where an integer is required.
     NotWhole(&'static ArgumentDef),
 }
 
-/// One fault of a statement.
+/// A fault of a statement.
 #[derive(Clone, Copy, Debug)]
 pub struct Fault<'s> {
-    /// The statement.
+    /// The faulty statement.
     pub statement: &'s Statement,
-    /// What is wrong with it.
+    /// Kind of the fault.
     pub wrong: Wrong,
     place: Span,
 }
 
 impl Statement {
-    /// Finds its faults. `defines` says whether an object of an id space has an id.
+    /// Passes all faults of the statement to `found`. `defines` tells whether an id space contains an id.
     pub fn faults<'s>(
         &'s self,
         defines: impl Fn(&'static str, u32) -> bool,
@@ -90,7 +90,7 @@ impl Statement {
         }
     }
 
-    /// Finds which arguments are missing, and which cannot stand together.
+    /// Passes the faults of presence to `found`: missing arguments, and arguments that exclude each other.
     pub fn presence_faults<'s>(&'s self, mut found: impl FnMut(Fault<'s>)) {
         let Some(def) = self.def else { return };
         let mut tell = |wrong, place| found(self.fault(wrong, place));
@@ -112,7 +112,7 @@ impl Statement {
         }
     }
 
-    /// What is wrong by one rule on which arguments stand together, and where.
+    /// Reports violations of one presence rule, with their locations.
     fn breaches(&self, rule: &Presence, mut tell: impl FnMut(Wrong, Span)) {
         let place = |name| self.argument(name).map_or(self.keyword, |a| a.name);
         match *rule {
@@ -147,7 +147,7 @@ impl Statement {
         names.iter().copied().filter(|name| self.has(name))
     }
 
-    /// How it is called in a message: `BUSHING/3`, with its view name where it has one.
+    /// Returns the name used in messages: `BUSHING/3`, followed by the view name if there is one.
     pub fn title(&self, source: &Source) -> String {
         let kind = self.kind().unwrap_or("statement");
         let title = match self.number() {
@@ -160,7 +160,7 @@ impl Statement {
         }
     }
 
-    /// Where it says who it is: keyword and id.
+    /// Returns the span of keyword and id.
     pub(crate) fn head(&self) -> Span {
         match self.id {
             Some((_, id)) => self.keyword.join(id),
@@ -169,7 +169,7 @@ impl Statement {
     }
 }
 
-/// How many values an argument has, if that is wrong. The reader has complained of flags with values and of values it cannot read.
+/// Returns the number of values of an argument if it is wrong. Flags with values and unreadable values were already reported by the reader.
 fn wrong_count(argument: &Argument, def: &ArgumentDef) -> Option<usize> {
     let given = match &argument.value {
         _ if def.kind == ValueKind::Flag => return None,
@@ -181,7 +181,7 @@ fn wrong_count(argument: &Argument, def: &ArgumentDef) -> Option<usize> {
     (!fits).then_some(given)
 }
 
-/// True if an argument cannot do with 0, which stands for ground or for nothing in others (RM, and J of a REQUEST).
+/// Returns true if an argument must not be 0. In other arguments (RM, and J of a REQUEST) 0 means ground or no object.
 fn needs_object(def: &StatementDef, argument: &ArgumentDef) -> bool {
     let acts = !matches!(def.solved, Solved::NoEffect(_)) && def.name != "REQUEST";
     let attached = ["I", "J", "IFLOAT", "JFLOAT", "JOINT", "JOINTS"];
@@ -202,7 +202,7 @@ fn wrong_id(
 }
 
 impl Fault<'_> {
-    /// The code of its complaint.
+    /// Returns the code of the diagnostic.
     pub(crate) fn code(&self) -> Code {
         match self.wrong {
             Wrong::Missing(_) | Wrong::NoneOf(_) | Wrong::Partly(_) | Wrong::Without(..) => {
@@ -215,7 +215,8 @@ impl Fault<'_> {
         }
     }
 
-    /// It as a complaint. `source` is the file of the statement; `dataset` says how to call the dataset its ids are of.
+    /// Converts the fault into a diagnostic. `source` is the file of the statement; `dataset` is the name that the message uses for the
+    /// dataset of the ids.
     pub fn diagnostic(&self, source: &Source, dataset: &str) -> Diagnostic {
         let title = self.statement.title(source);
         let written = source.text(self.place);

@@ -1,4 +1,4 @@
-//! Which other files a dataset names, and those of them that were read.
+//! Files named by a dataset, and the contents of the files that were read.
 
 use std::collections::BTreeMap;
 
@@ -6,22 +6,23 @@ use super::{Dataset, Value};
 use crate::grammar::ValueKind;
 use crate::text::{Source, Span};
 
-/// A place where a dataset names another file.
+/// An occurrence of a file name in a dataset.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct FileReference {
-    /// The name as written, quotes not included.
+    /// File name as written, without quotes.
     pub name: String,
-    /// Where it stands.
+    /// Location of the name.
     pub span: Span,
-    /// True if the statement cannot be understood without the file: a FILE argument. The text of a STRING may be anything.
+    /// True if the statement is incomplete without the file, as for a FILE argument. The text of a STRING only looks like a file name.
     pub needed: bool,
 }
 
-/// Endings of Adams/Car property files and of road and tyre files: texts of STRING that end like this name a file.
+/// File name extensions of Adams/Car property files and of road and tyre files; a STRING text with such an extension names a file.
 const ENDINGS: [&str; 8] = ["bus", "spr", "bum", "reb", "dpr", "tir", "rdf", "xml"];
 
-/// Every other file a dataset names: FILE arguments of all kinds, and texts of STRING statements that end like a property file, as
-/// Adams/Car hands them to its subroutines.
+/// Returns all files that a dataset names: FILE arguments, and STRING texts with the extension of a property file.
+///
+/// Adams/Car passes such STRING texts to its subroutines.
 pub fn references(dataset: &Dataset) -> Vec<FileReference> {
     let mut found = Vec::new();
     for statement in dataset.statements() {
@@ -54,22 +55,22 @@ pub fn references(dataset: &Dataset) -> Vec<FileReference> {
     found
 }
 
-/// Files that were read, by the name a dataset writes.
+/// Contents of files, by the name written in a dataset.
 #[derive(Clone, Debug, Default)]
 pub struct Files(BTreeMap<String, Source>);
 
 impl Files {
-    /// Adds a file under the name a dataset writes.
+    /// Adds a file under the name written in a dataset.
     pub fn add(&mut self, name: impl Into<String>, source: Source) {
         self.0.insert(name.into(), source);
     }
 
-    /// The file a dataset writes so.
+    /// Returns the file with this name.
     pub fn get(&self, name: &str) -> Option<&Source> {
         self.0.get(name.trim())
     }
 
-    /// Every file.
+    /// Iterates over all files.
     pub fn sources(&self) -> impl Iterator<Item = &Source> {
         self.0.values()
     }

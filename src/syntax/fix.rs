@@ -3,18 +3,19 @@ use std::collections::BTreeMap;
 use crate::diagnostic::{Applicability, Diagnostic};
 use crate::text::{Edit, Span};
 
-/// The edits of all fixes that keep the meaning of a file, for `file` as named by its source. Of fixes that meet at one place
-/// the first one is taken; the others can be had when the file is read again.
+/// Returns the edits of all fixes for `file` that keep its meaning; `file` is the name of its source.
+///
+/// If fixes overlap, only the first is taken; the others are found again after the edits.
 pub fn safe_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
     fixes(diagnostics, file, |how| how == Applicability::Safe)
 }
 
-/// The edits of all fixes, those too that may change the meaning: misspelt words become the only ones that come near.
+/// Returns the edits of all fixes, including those that may change the meaning, such as the correction of a misspelt word.
 pub fn all_fixes(diagnostics: &[Diagnostic], file: &str) -> Vec<Edit> {
     fixes(diagnostics, file, |_| true)
 }
 
-/// Asks whether one of the nearest words was meant, and proposes it where there is only one.
+/// Adds a "did you mean" help with the nearest words, and a fix if there is exactly one.
 pub(super) fn did_you_mean(diagnostic: Diagnostic, span: Span, near: &[&str]) -> Diagnostic {
     let asked = diagnostic.help(format!("did you mean {}?", near.join(" or ")));
     match near {
@@ -47,7 +48,7 @@ fn fixes(
     taken.into_values().collect()
 }
 
-/// True if a span meets none that is taken: only its neighbours can be in its way.
+/// Returns true if a span overlaps none of the taken spans; because these are sorted, only the neighbours are checked.
 fn fits(taken: &BTreeMap<Span, Edit>, span: Span) -> bool {
     let apart = |a: Span, b: Span| a.end() < b.start() || (a.end() == b.start() && !a.is_empty());
     let before = taken.range(..=span).next_back();

@@ -1,18 +1,18 @@
-//! Floating markers where a fixed one is needed, and fixed ones where the solver must move it.
+//! Checks for floating markers where a fixed one is required, and for fixed markers where a floating one is required.
 
 use super::{Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::ValueKind;
 use crate::text::Source;
 
-/// Complaints about the markers that a statement of a file names in a dataset.
+/// Returns errors about the markers that a statement refers to; `source` is the file of the statement, `dataset` contains the markers.
 pub fn floating_faults(
     statement: &Statement,
     source: &Source,
     dataset: &Dataset,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    // A request may measure floating markers; graphics and markers themselves have their own uses of them.
+    // A request may measure floating markers; graphics, tyres and markers use them in their own ways.
     if matches!(
         statement.kind(),
         Some("REQUEST" | "GRAPHICS" | "MARKER" | "TIRE" | "FEMDATA")

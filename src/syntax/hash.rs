@@ -1,8 +1,8 @@
-//! A quick hash for the short keys of a deck: ids and keywords.
+//! A fast hash for the short keys of a deck: ids and keywords.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 
-/// Makes hashers that begin with a random number of this table: no deck can be written so that its ids collide.
+/// Factory of hashers with a random seed per table, so that no deck can be crafted to make its ids collide.
 #[derive(Clone, Copy, Debug)]
 pub struct QuickState(u64);
 
@@ -23,7 +23,7 @@ impl BuildHasher for QuickState {
     }
 }
 
-/// Multiplies to 128 bits and folds the halves.
+/// Hasher that multiplies to 128 bits and combines the two halves by exclusive or.
 #[derive(Clone, Copy, Debug)]
 pub struct QuickHasher {
     state: u64,
@@ -69,7 +69,7 @@ impl Hasher for QuickHasher {
     }
 }
 
-/// A map with the quick hash.
+/// A hash map with the fast hash.
 pub type QuickMap<K, V> = std::collections::HashMap<K, V, QuickState>;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! A dataset as JSON, and a changed JSON back as edits of the original text.
+//! Conversion of a dataset to JSON, and of a modified JSON back to edits of the original text.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -11,9 +11,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::grammar::{ArgumentDef, STATEMENTS, ValueKind, nearest};
 use crate::text::Edit;
 
-/// The dataset as JSON: `title`, and `statements` with `kind`, `id`, `name` (the view name) and `arguments`. Numbers are in
-/// model units (radians), flags `true`, functions texts; an argument that is written several times is a list of its values.
-/// Statements the grammar does not know are left out.
+/// Exports a dataset as JSON: `title`, and `statements` with `kind`, `id`, `name` (the view name) and `arguments`.
+///
+/// Numbers are in model units (radians), flags are `true`, functions are texts. A repeated argument is a list of its values. Statements
+/// that are not in the grammar are left out.
 pub fn export(dataset: &Dataset) -> Json {
     let statements: Vec<Json> = dataset
         .statements()
@@ -73,7 +74,7 @@ fn value(dataset: &Dataset, argument: &Argument) -> Json {
     }
 }
 
-/// Whole numbers as such: ids are not written as 12.0.
+/// Converts a number to JSON, integers without a decimal point: ids are not written as 12.0.
 fn number_json(value: f64) -> Json {
     if value.fract() == 0.0 && value.abs() < 9e15 {
         json!(value as i64)
@@ -82,11 +83,12 @@ fn number_json(value: f64) -> Json {
     }
 }
 
-/// The edits that bring the dataset to what the JSON says: changed, new and removed values and statements. An exported JSON
-/// that was not changed gives no edits. Statements of unknown kinds stay.
+/// Returns the edits that make the dataset equal to the JSON: changed, new and removed values and statements.
+///
+/// An exported JSON that was not changed gives no edits. Statements that are not in the grammar stay.
 ///
 /// # Errors
-/// One diagnostic for each thing that cannot be done: a statement without a kind, a value of the wrong type.
+/// Returns one diagnostic for each impossible change, such as a statement without a kind or a value of the wrong type.
 pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnostic>> {
     let mut edits = Vec::new();
     let mut diagnostics = Vec::new();
@@ -103,7 +105,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
             "the JSON has no list named statements".into(),
         )]);
     };
-    // What stands several times is matched in its order.
+    // Repeated statements are matched in their order.
     let mut places: BTreeMap<(&str, Option<u32>), VecDeque<usize>> = BTreeMap::new();
     for (at, statement) in dataset.statements().iter().enumerate() {
         if let Some(kind) = statement.kind().filter(|kind| *kind != "END") {
@@ -142,7 +144,7 @@ pub fn import(dataset: &Dataset, json: &Json) -> Result<Vec<Edit>, Vec<Diagnosti
     }
 }
 
-/// What of a JSON a dataset does not say, in words; nothing after a successful import.
+/// Lists the objects and arguments that differ between a dataset and a JSON; empty after a successful import.
 pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
     let is = export(dataset);
     let list = |json: &Json| -> Vec<Json> {
@@ -198,8 +200,9 @@ pub fn disagreements(dataset: &Dataset, json: &Json) -> Vec<String> {
     differ
 }
 
-/// True if a value of a file is the one that was asked for, however that was spelled: one number or a list of one, a text of
-/// numbers, a shortened word.
+/// Returns true if a value of the dataset equals the wanted value up to spelling.
+///
+/// Examples of equal values: a number and a list of one, a text of numbers and the numbers, an abbreviated word and the full word.
 fn agree(wanted: &Json, is: &Json) -> bool {
     match (wanted, is) {
         (Json::Array(a), Json::Array(b)) if a.len() == b.len() => {
@@ -228,7 +231,7 @@ fn agree(wanted: &Json, is: &Json) -> bool {
     }
 }
 
-/// Which object a JSON statement is about.
+/// Returns the keyword and address of the object of a JSON statement.
 fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
     let kind = object.get("kind").and_then(Json::as_str);
     let Some(kind) = kind.filter(|kind| !kind.is_empty()) else {
@@ -267,7 +270,7 @@ fn address_of(object: &Json) -> Result<(&'static str, Address), Diagnostic> {
     Ok((def.name, address))
 }
 
-/// The definition of an argument of an object.
+/// Returns the grammar definition of an argument of an object.
 fn definition(object: &Address, name: &str) -> Result<&'static ArgumentDef, Diagnostic> {
     let all = STATEMENTS
         .iter()
@@ -282,7 +285,7 @@ fn definition(object: &Address, name: &str) -> Result<&'static ArgumentDef, Diag
     })
 }
 
-/// Edits of one statement.
+/// Returns the edits for one statement.
 fn change(
     dataset: &Dataset,
     statement: &Statement,
@@ -328,7 +331,7 @@ fn change(
     Ok(edits)
 }
 
-/// Equal, with numbers to the last digits a JSON reader may lose.
+/// Returns true if two values are equal, with numbers compared up to the last digits that a JSON reader may lose.
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
         (Json::Number(a), Json::Number(b)) => match (a.as_f64(), b.as_f64()) {
@@ -373,7 +376,7 @@ fn change_value(
                     index: Some(k + 1),
                     ..address.clone()
                 };
-                // The document has its own value for every point of a marker.
+                // The points ZP and XP of a marker do not move along, because the JSON contains their own values.
                 edits.extend(dataset.set_alone(&address, *new)?);
             }
         }
@@ -391,7 +394,7 @@ fn change_value(
         matches!(argument.value, Value::Texts(_)) && start > 0 && dataset.bytes()[start - 1] == b'"'
     });
     let text = match new {
-        // The quotes around the whole list stay where they are.
+        // The quotes around the whole list stay in place.
         Json::Array(items) if quoted && items.iter().all(Json::is_string) => {
             let texts: Vec<&str> = items.iter().filter_map(Json::as_str).collect();
             Some(texts.join("\", \""))
@@ -455,7 +458,7 @@ fn new_statement(object: &Json, address: &Address) -> Result<NewStatement, Diagn
     })
 }
 
-/// The text of a value that is not written yet; texts that could be taken for something else stand in quotes.
+/// Formats a value that is not yet in the dataset; ambiguous texts are quoted.
 fn new_text(def: &ArgumentDef, json: &Json) -> Option<String> {
     let text = written(json)?;
     if text.contains(['\n', '\r']) {
@@ -479,7 +482,7 @@ fn new_text(def: &ArgumentDef, json: &Json) -> Option<String> {
     })
 }
 
-/// A JSON value as the dataset language writes it.
+/// Formats a JSON value in the dataset language.
 fn written(json: &Json) -> Option<String> {
     match json {
         Json::String(text) => Some(text.clone()),

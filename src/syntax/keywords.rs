@@ -4,17 +4,17 @@ use crate::grammar::{
     ArgumentDef, Lookup, Role, STATEMENTS, StatementDef, all_nearest, find_argument, find_statement,
 };
 
-/// A keyword that was not found: what it could be, for the message.
+/// A keyword that was not found, with similar keywords for the message.
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Missed {
-    /// Several keywords begin like this.
+    /// Several keywords match.
     Ambiguous(Vec<&'static str>),
-    /// None does; the nearest ones.
+    /// No keyword matches; holds the nearest ones.
     Unknown(Vec<&'static str>),
 }
 
 impl Missed {
-    /// How bad it is at most: a keyword nothing comes near to may be one that this program lacks.
+    /// Returns the highest severity to report: only a warning if no keyword is similar, because this program may lack that keyword.
     pub(crate) fn severity(&self) -> Severity {
         match self {
             Self::Unknown(near) if near.is_empty() => Severity::Warning,
@@ -25,23 +25,23 @@ impl Missed {
 
 type Found<T> = Result<&'static T, Missed>;
 
-/// Keywords looked up so far: decks spell the same few again and again.
+/// Cache of keyword lookups, because decks repeat the same few spellings.
 #[derive(Debug)]
 pub(super) struct Keywords {
     role: Role,
-    /// The arguments that were found, each at a place that follows from statement and spelling: the latest one stays.
+    /// Cache of found arguments, indexed by a hash of statement and spelling; a new entry replaces the old one at its index.
     recent: Vec<Recent>,
     statements: QuickMap<Vec<u8>, Found<StatementDef>>,
     arguments: QuickMap<&'static str, QuickMap<Vec<u8>, Found<ArgumentDef>>>,
 }
 
-/// An argument that was found: its statement, how it was spelled, what it is.
+/// A found argument: its statement, its packed spelling and its definition.
 type Recent = Option<(&'static StatementDef, u128, &'static ArgumentDef)>;
 
-/// How many places there are for those; a power of two.
+/// Number of entries of the cache of found arguments; a power of two.
 const PLACES: usize = 256;
 
-/// A word of up to 16 letters, digits and underscores as one number, the same in capitals and small letters.
+/// Packs a word of up to 16 letters, digits and underscores into one number that ignores case.
 fn packed(word: &[u8]) -> Option<u128> {
     const CAPITALS: u128 = u128::from_le_bytes([0xdf; 16]);
     let mut bytes = [0; 16];
@@ -49,15 +49,15 @@ fn packed(word: &[u8]) -> Option<u128> {
     Some(u128::from_le_bytes(bytes) & CAPITALS)
 }
 
-/// Where a spelling has its place among those of a statement.
+/// Returns the cache index for a spelling of an argument of a statement.
 fn place(statement: &'static StatementDef, spelling: u128) -> usize {
     let mixed = (spelling ^ (spelling >> 64)) as u64 ^ std::ptr::from_ref(statement).addr() as u64;
     (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as usize % PLACES
 }
 
-/// Longer words are never keywords worth remembering, or worth a suggestion.
+/// Maximum length of a word that is cached or for which similar keywords are suggested.
 const LONGEST: usize = 32;
-/// A file of nonsense shall not fill the memory.
+/// Maximum number of cached spellings, so that a file of nonsense cannot fill the memory.
 const MOST: usize = 4096;
 
 impl Keywords {

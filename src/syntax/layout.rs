@@ -1,10 +1,10 @@
-//! Statements in the layout of their file: where lines break, and the blanks between words. Nothing else changes.
+//! Uniform layout of the statements of a file: line breaks and blanks between words. Nothing else changes.
 
 use super::style::Style;
 use super::{Argument, CommandFile, Dataset, Statement, Token, TokenKind};
 use crate::text::{Edit, Source, Span};
 
-/// Edits that give the statements of a dataset that meet a span the layout most statements have.
+/// Returns the edits that give the statements touching a span the prevailing layout of the dataset.
 pub fn layout(dataset: &Dataset, span: Span) -> Vec<Edit> {
     let style = Style::of(dataset);
     let meets = |statement: &&Statement| {
@@ -16,14 +16,15 @@ pub fn layout(dataset: &Dataset, span: Span) -> Vec<Edit> {
         .collect()
 }
 
-/// The same for the commands of a file.
+/// Returns the edits that give the commands touching a span the prevailing layout of the command file.
 pub fn layout_of_commands(file: &CommandFile, span: Span) -> Vec<Edit> {
     layout(&Dataset::of_commands(file), span)
 }
 
-/// The edit of one statement; `None` if it has its layout, or something that layout cannot keep: comments within it.
+/// Returns the edit of one statement; `None` if its layout is already right or a new layout would lose something, such as a comment inside
+/// it.
 fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edit> {
-    // Blanks may belong to the text: ADAMS/View writes `STRING =text`, and ` = ` everywhere else.
+    // In a STRING, blanks may belong to the text: ADAMS/View writes `STRING =text` but ` = ` everywhere else.
     if statement.kind() == Some("STRING") {
         return None;
     }
@@ -61,7 +62,7 @@ fn relaid(dataset: &Dataset, statement: &Statement, style: &Style) -> Option<Edi
     Some(Edit::new(statement.span, text))
 }
 
-/// Keyword, slash and id, and where they end.
+/// Returns the keyword, slash and id as text, and the offset at which they end.
 fn head(source: &Source, statement: &Statement) -> Option<(String, usize)> {
     statement.def?;
     let keyword = source.text(statement.keyword);
@@ -81,7 +82,8 @@ fn head(source: &Source, statement: &Statement) -> Option<(String, usize)> {
     Some((text, end))
 }
 
-/// True if a backslash stands in what separates two arguments; `None` if more than layout does.
+/// Returns whether the separator between two arguments contains a backslash; `None` if it contains anything but blanks, line ends and
+/// marks.
 fn separation(between: &[u8]) -> Option<bool> {
     let mut backslash = false;
     for byte in between {
@@ -94,7 +96,7 @@ fn separation(between: &[u8]) -> Option<bool> {
     Some(backslash)
 }
 
-/// Where an argument ends, the quote behind its text included.
+/// Returns the offset at which an argument ends, including the closing quote of its text.
 fn end_of(source: &Source, argument: &Argument) -> usize {
     let end = argument.span.end();
     let quoted = source.bytes().get(end) == Some(&b'"');
@@ -105,17 +107,17 @@ fn opens_quote(text: &[u8]) -> bool {
     text.iter().filter(|byte| **byte == b'"').count() % 2 == 1
 }
 
-/// What stands behind the name of an argument.
+/// Text after the name of an argument.
 enum Written {
-    /// Nothing: a flag.
+    /// No text: the argument is a flag.
     Nothing,
     /// A value.
     Value(String),
-    /// What layout cannot keep.
+    /// Text that a new layout cannot preserve.
     Other,
 }
 
-/// What stands behind the name of an argument. Several lines stay as they are; on one line runs of blanks become one.
+/// Returns the value of an argument. Multi-line and quoted values stay unchanged; in others, each run of blanks becomes one blank.
 fn value(source: &Source, argument: &Argument) -> Written {
     let written = source.text(Span::new(argument.name.end(), end_of(source, argument)));
     let Some(value) = written.trim_start().strip_prefix('=') else {
@@ -135,7 +137,7 @@ fn value(source: &Source, argument: &Argument) -> Written {
     }
     let words: Vec<&str> = value.split_ascii_whitespace().collect();
     let mut text = words.join(" ");
-    // `1 ,2` and `1,2` are `1, 2` in a list of numbers.
+    // In a list of numbers, `1 ,2` and `1,2` become `1, 2`.
     if !argument.numbers().is_empty() && !text.contains('(') {
         let numbers: Vec<&str> = text.split(',').map(str::trim).collect();
         text = numbers.join(", ");
@@ -143,7 +145,7 @@ fn value(source: &Source, argument: &Argument) -> Written {
     Written::Value(text)
 }
 
-/// True if a text reads as the statement does, word by word.
+/// Returns true if the text parses to the same statement, word by word.
 fn means_the_same(dataset: &Dataset, statement: &Statement, text: &str) -> bool {
     let source = dataset.source();
     let alone = Source::new(source.name(), format!("t\n{text}\nEND\n"));
@@ -186,7 +188,7 @@ fn words(source: &Source, span: Span) -> Vec<String> {
         .collect()
 }
 
-/// The words and marks of a statement but for those that only separate.
+/// Returns the words and marks of a statement, without separators.
 fn spoken(source: &Source, tokens: impl Iterator<Item = Token>) -> Vec<String> {
     tokens
         .filter(|token| {
@@ -208,7 +210,7 @@ mod tests {
         let dataset = Dataset::parse(Source::new("a", text.as_bytes())).value;
         let all = Span::new(0, text.len());
         let edited = dataset.edited(&layout(&dataset, all)).expect("apart").value;
-        // What has its layout keeps it.
+        // A second run of the layout must change nothing.
         assert_eq!(layout(&edited, Span::new(0, edited.bytes().len())), []);
         String::from_utf8(edited.bytes().to_vec()).expect("text")
     }

@@ -6,20 +6,20 @@ use super::number::number_length;
 use super::{Token, TokenKind};
 use crate::text::Span;
 
-/// Reads bytes into tokens, one after the other, without storing them. Knows lines and marks, not statements.
+/// Iterator over the tokens of a text, which are not stored. It recognises lines and marks but not statements.
 ///
-/// Time is linear for any bytes: nothing is read twice but the blanks between `&` and its line end.
+/// The run time is linear for any bytes: only the blanks between `&` and its line end are read twice.
 #[derive(Clone, Debug)]
 pub(super) struct Lexer<'a> {
     bytes: &'a [u8],
     at: usize,
     end: usize,
-    /// True while only blanks were read of the line.
+    /// True while only blanks of the line have been read.
     line_start: bool,
 }
 
 impl<'a> Lexer<'a> {
-    /// Reads `span` of `bytes`. `line_start` says that nothing but blanks stands before it on its line.
+    /// Creates a lexer for `span` of `bytes`. `line_start` is true if only blanks precede the span on its line.
     pub(crate) fn new(bytes: &'a [u8], span: Span, line_start: bool) -> Self {
         Self {
             bytes,
@@ -31,11 +31,11 @@ impl<'a> Lexer<'a> {
 }
 
 impl Lexer<'_> {
-    /// Reads all tokens but blanks to the end of a list.
+    /// Appends all remaining tokens except blanks to a list.
     #[inline]
     pub(crate) fn read_into(mut self, tokens: &mut Vec<Token>) {
         loop {
-            // Half of the pieces of a deck are single blanks.
+            // Single blanks are half of the tokens of a deck, so they are skipped quickly.
             while self.at < self.end && is_blank(self.bytes[self.at]) {
                 self.at += 1;
             }
@@ -49,7 +49,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// Passes one token; there is one.
+    /// Moves past the next token and returns its kind; must not be called at the end.
     #[inline]
     fn advance(&mut self) -> TokenKind {
         let (length, kind) = token(&self.bytes[self.at..self.end], self.line_start);
@@ -77,7 +77,7 @@ impl Iterator for Lexer<'_> {
     }
 }
 
-/// Blanks: also NUL, vertical tab, form feed and the end-of-file mark ^Z.
+/// Returns true for a blank: space, tab, NUL, vertical tab, form feed or the end-of-file mark ^Z.
 pub(super) const fn is_blank(byte: u8) -> bool {
     CLASSES[byte as usize] & BLANK != 0
 }
@@ -93,7 +93,7 @@ const fn is_word(byte: u8) -> bool {
 const BLANK: u8 = 1;
 const WORD: u8 = 2;
 
-/// What each byte can be: one look instead of several comparisons for each byte of a file.
+/// Class of each byte; one table lookup replaces several comparisons per byte.
 static CLASSES: [u8; 256] = {
     let mut classes = [0; 256];
     let mut byte = 0u8;
@@ -110,7 +110,7 @@ static CLASSES: [u8; 256] = {
     }
 };
 
-/// One token from the front of bytes that are not empty: how many of them, at least one, and what they are.
+/// Returns the length (at least one) and kind of the first token of a non-empty input.
 #[inline]
 fn token(input: &[u8], line_start: bool) -> (usize, TokenKind) {
     match input[0] {
@@ -140,7 +140,7 @@ const fn punctuation(input: &[u8]) -> (usize, TokenKind) {
     (1, TokenKind::Punctuation(input[0]))
 }
 
-/// How many bytes a rule takes from the front; one if it takes none.
+/// Returns the number of bytes that a rule consumes from the front, or one if it consumes none.
 #[inline]
 fn length<'a, R>(mut rule: R, input: &'a [u8]) -> usize
 where
@@ -149,7 +149,7 @@ where
     rule.parse(input).map_or(1, |(_, taken)| taken.len().max(1))
 }
 
-/// From a quote to the next one, or to the end of the line.
+/// Parses from a quote to the next quote or to the end of the line.
 fn quoted(input: &[u8]) -> IResult<&[u8], &[u8], ()> {
     recognize((
         take(1usize),
@@ -159,7 +159,7 @@ fn quoted(input: &[u8]) -> IResult<&[u8], &[u8], ()> {
     .parse(input)
 }
 
-/// True if nothing but blanks and a comment stands before the line end.
+/// Returns true if only blanks and a comment precede the line end.
 fn ends_line(rest: &[u8]) -> bool {
     match rest.iter().find(|byte| !is_blank(**byte)) {
         None => true,

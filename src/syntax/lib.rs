@@ -1,9 +1,10 @@
-//! The text of ADAMS datasets (`.adm`) and command files (`.acf`), without losing a byte.
+//! The text of ADAMS datasets (`.adm`) and command files (`.acf`), without loss of a byte.
 //!
-//! [`Dataset`] and [`CommandFile`] hold a file as tokens, statements and their places. A change is a list of [`Edit`](text::Edit)s, which
-//! touch only the bytes of what changes. An [`Address`] such as `BUSHING/12.K.2` names one value. [`lint`] checks a dataset, and every
-//! complaint is a [`Diagnostic`](diagnostic::Diagnostic) with its place. [`grammar`] has the statements, commands and functions as tables,
-//! [`units`] the units of a dataset. References stay numbers here: what a model means is resolved by `admire-solver`.
+//! [`Dataset`] and [`CommandFile`] hold a file as tokens and statements with their locations. A change is a list of [`Edit`](text::Edit)s
+//! that touch only the bytes of the changed values. An [`Address`] such as `BUSHING/12.K.2` names one value. [`lint`] checks a dataset, and
+//! every problem found is a [`Diagnostic`](diagnostic::Diagnostic) with its location. [`grammar`] contains tables of statements, commands
+//! and functions, and [`units`] the units of a dataset. References between objects are kept as ids; `admire-solver` resolves them into a
+//! model.
 //!
 //! ```
 //! use admire_syntax::text::Source;
@@ -22,7 +23,7 @@
 //! assert_eq!(changed.bytes(), deck.replace("2.5", "3.0").as_bytes());
 //! ```
 #![warn(unreachable_pub)]
-// Modules that are private link to what is private with them.
+// Private modules link to private items.
 #![allow(rustdoc::private_intra_doc_links)]
 #![allow(non_snake_case)] // Rotation matrices keep their capital letters: R_ji.
 

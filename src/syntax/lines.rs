@@ -3,25 +3,25 @@ use memchr::memchr2;
 use super::lexer::is_blank;
 use crate::text::Span;
 
-/// Physical lines joined by their continuation marks: one statement, or several separated by semicolons.
+/// Physical lines joined by continuation marks: one statement, or several separated by semicolons.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct LogicalLine {
-    /// From the first byte that is not blank to the end of the last physical line, without its line end.
+    /// Span from the first non-blank byte to the end of the last physical line, without its line end.
     pub span: Span,
-    /// The name in the last `adams_view_name` comment before it.
+    /// Name in the last `adams_view_name` comment before the line.
     pub view_name: Option<Span>,
 }
 
 /// One physical line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PhysicalLine {
-    /// Without its line end.
+    /// Span of the line without its line end.
     pub span: Span,
-    /// Offset after its line end.
+    /// Offset after the line end.
     pub next: usize,
 }
 
-/// The physical line that starts at `start`. Lines end at LF, CR LF or a lone CR.
+/// Returns the physical line that starts at `start`. A line ends at LF, CR LF or a single CR.
 pub(super) fn physical_line(bytes: &[u8], start: usize) -> PhysicalLine {
     let end = memchr2(b'\n', b'\r', &bytes[start..]).map_or(bytes.len(), |at| start + at);
     let mark = match &bytes[end..] {
@@ -35,11 +35,11 @@ pub(super) fn physical_line(bytes: &[u8], start: usize) -> PhysicalLine {
     }
 }
 
-/// The logical lines of the bytes from `start` on, and where an END line ends (if `ends`: a dataset).
+/// Returns the logical lines from `start` on. If `ends` is true (a dataset), reading stops at an END line, whose end is returned too.
 ///
-/// The rules are those of guide/formats.md 1.3: a line continues the one before if it begins with a comma, or if the line before
-/// ends with `&`; blank and comment lines may stand between. A line that ends with a comma is continued too, unless the next
-/// one begins like a statement.
+/// The rules follow guide/formats.md 1.3. A line that begins with a comma, or that follows a line ending with `&`, is a continuation;
+/// blank and comment lines may lie between. After a line that ends with a comma, the next line is also a continuation unless it begins like
+/// a statement.
 pub(super) fn logical_lines(
     bytes: &[u8],
     start: usize,
@@ -83,7 +83,7 @@ pub(super) fn logical_lines(
     (lines, None)
 }
 
-/// How a line leaves the next one.
+/// How a line may be continued by the next one.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Open {
     No,
@@ -104,7 +104,7 @@ impl Open {
         }
     }
 
-    /// True if a line, from its first byte that is not blank, continues the one that left this.
+    /// Returns true if a line, given from its first non-blank byte, continues a line with this ending.
     fn reaches(self, content: &[u8]) -> bool {
         match self {
             Self::No => content[0] == b',',
@@ -114,7 +114,7 @@ impl Open {
     }
 }
 
-/// True if the first line of `next` that says something continues the line that ends at the end of `before`.
+/// Returns true if the first line of `next` that is neither blank nor a comment continues the last line of `before`.
 pub(super) fn continues(before: &[u8], next: &[u8]) -> bool {
     let start = memchr::memrchr2(b'\n', b'\r', before).map_or(0, |end| end + 1);
     let content = |line: &[u8]| line.iter().position(|byte| !is_blank(*byte));
@@ -131,7 +131,7 @@ pub(super) fn continues(before: &[u8], next: &[u8]) -> bool {
     false
 }
 
-/// Where the comment of a line begins; quotes may hold exclamation points.
+/// Returns the offset of the comment of a line; an exclamation point inside quotes does not start a comment.
 pub(super) fn comment_start(content: &[u8]) -> usize {
     let mut quoted = false;
     content
@@ -143,7 +143,7 @@ pub(super) fn comment_start(content: &[u8]) -> usize {
         .unwrap_or(content.len())
 }
 
-/// True for `END`, alone or with something after it that does not belong to the word.
+/// Returns true for an END line: `END` alone, or followed by a blank, `!`, `;` or `/`.
 pub(super) fn is_end(content: &[u8]) -> bool {
     content.len() >= 3
         && content[..3].eq_ignore_ascii_case(b"END")
@@ -156,7 +156,7 @@ pub(super) fn is_end(content: &[u8]) -> bool {
             .is_none_or(|byte| is_blank(*byte) || matches!(byte, b'!' | b';' | b'/'))
 }
 
-/// True if a line begins with a word and a slash, or is END: what no argument after a comma looks like.
+/// Returns true if a line begins with a word and a slash, or is END; no argument after a comma looks like this.
 fn begins_statement(content: &[u8]) -> bool {
     let word = content
         .iter()
@@ -166,7 +166,7 @@ fn begins_statement(content: &[u8]) -> bool {
     (word > 0 && content[0].is_ascii_alphabetic() && after == Some(&b'/')) || is_end(content)
 }
 
-/// The place of NAME in `adams_view_name='NAME'`.
+/// Returns the span of NAME in `adams_view_name='NAME'`.
 fn name_in_comment(comment: &[u8]) -> Option<Span> {
     const KEY: &[u8] = b"adams_view_name='";
     let quote = memchr::memchr(b'\'', comment)?;

@@ -1,4 +1,4 @@
-//! The points that give a marker's axes, when the marker moves.
+//! Update of the points that define a marker's axes when the marker moves.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,15 +6,17 @@ use super::{Address, Dataset, Statement};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::Edit;
 
-/// Points on the z axis and in the x-z plane of a MARKER, in the frame that its QP is given in (`state_marker`).
+/// Arguments with the points on the z axis and in the x-z plane of a MARKER, in the same frame as QP (`state_marker`).
 const POINTS: [&str; 2] = ["ZP", "XP"];
 
 impl Dataset {
-    /// Edits that move ZP and XP of a marker by what its QP changes, so that it does not turn: `values` are those of QP from the index of
-    /// the address on. Points that `beside` gives values of their own stay. Nothing for any other address.
+    /// Returns the edits that shift ZP and XP of a marker by the change of its QP, so that the marker keeps its orientation.
+    ///
+    /// `values` are the new values of QP from the index of the address on. Points that get their own values in `beside` stay. For any other
+    /// address there are no edits.
     ///
     /// # Errors
-    /// Those of [`Dataset::set`].
+    /// Returns the errors of [`Dataset::set`].
     pub(super) fn move_points(
         &self,
         address: &Address,
@@ -53,14 +55,14 @@ impl Dataset {
     }
 }
 
-/// Origin and points of the markers of a deck whose axes are given by points, by id.
+/// Origins and axis points (QP, ZP, XP) of the markers of a deck whose axes are given by points, by marker id.
 #[derive(Clone, Debug)]
 pub struct MarkerPoints(BTreeMap<u32, [Option<Point>; 3]>);
 
 type Point = [f64; 3];
 
 impl MarkerPoints {
-    /// Those of a deck.
+    /// Collects the marker points of a deck.
     pub fn of(dataset: &Dataset) -> Self {
         let place = |marker: &Statement, name: &str| match marker.numbers(name) {
             [x, y, z] => Some([x.value, y.value, z.value]),
@@ -77,8 +79,8 @@ impl MarkerPoints {
         Self(markers.filter_map(each).collect())
     }
 
-    /// What a change of the deck did to its markers: a note for those whose points moved along with them, a warning for those that turn
-    /// because some did not.
+    /// Compares the marker points with the changed deck: a note for each marker whose points moved along, a warning for each marker that
+    /// rotates.
     pub fn moved(&self, after: &Dataset) -> Vec<Diagnostic> {
         let mut found = Vec::new();
         for (id, [origin, points @ ..]) in Self::of(after).0 {
@@ -112,7 +114,7 @@ impl MarkerPoints {
     }
 }
 
-/// Relative error of sums of decimal numbers with fifteen digits.
+/// Relative rounding error of sums of decimal numbers with fifteen digits.
 const ROUND_OFF: f64 = 1e-14;
 
 fn difference(a: &Point, b: &Point) -> Point {
@@ -123,12 +125,12 @@ fn largest(point: &Point) -> f64 {
     point.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// True for the origin of a marker.
+/// Returns true if the address is the origin (QP) of a marker.
 fn moves_marker(address: &Address) -> bool {
     address.kind == "MARKER" && address.argument.as_deref() == Some("QP")
 }
 
-/// Sums of decimal numbers are not exact in binary.
+/// Rounds to fifteen digits, because sums of decimal numbers are not exact in binary.
 fn fifteen_digits(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }

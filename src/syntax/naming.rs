@@ -1,4 +1,4 @@
-//! New titles and view names as edits of a dataset.
+//! Changes of titles and view names as edits of a dataset.
 
 use super::statements::BOM;
 use super::style::Style;
@@ -7,7 +7,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// Edits that give the dataset a new title: its first line, whatever blanks stand around it.
+    /// Returns the edits that replace the title, which is the first line without surrounding blanks.
     pub(super) fn set_title(&self, text: &str) -> Result<Vec<Edit>, Diagnostic> {
         let line = self.title_span();
         if text.contains(['\n', '\r']) {
@@ -28,11 +28,10 @@ impl Dataset {
         Ok(vec![Edit::new(Span::new(start, end), self.encoded(text))])
     }
 
-    /// The edit that gives a statement another view name, takes its name away, or writes the comment with its first one; `None`
-    /// if it has that name.
+    /// Returns the edit that changes, removes or adds the view name of a statement; `None` if it already has that name.
     ///
     /// # Errors
-    /// `syntax-error` for a name that cannot stand in the comment.
+    /// Returns `syntax-error` for a name that the comment cannot hold.
     pub(super) fn rename(
         &self,
         statement: &Statement,
@@ -52,7 +51,7 @@ impl Dataset {
             (Some(old), None) => {
                 let line = Span::new(self.line_start(old.start()), self.line_end(old.end()));
                 let comment = self.source().slice(line).trim_ascii();
-                // What else the line says stays.
+                // Other text on the line is kept.
                 Some(if comment.starts_with(b"!") && comment.ends_with(b"'") {
                     Edit::new(line, "")
                 } else {

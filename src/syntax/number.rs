@@ -1,8 +1,8 @@
-//! Reading numbers as the dataset language spells them (guide/formats.md 1.6).
+//! Parsing of numbers in the spelling of the dataset language (guide/formats.md 1.6).
 
-/// A number literal: its value, and whether it carries the degree suffix `D`. A value in degrees is returned in radians.
+/// Parses a number literal; returns its value, and whether it has the degree suffix `D`. A value in degrees is converted to radians.
 ///
-/// Accepts an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, an optional `D`. `D` is
+/// The form is: an optional sign, digits with an optional point, an optional exponent `E` with an optional sign, an optional `D`. `D` is
 /// never an exponent. Returns `None` for anything else, and for numbers too large for a double.
 pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     let (digits, degrees) = match text.split_last() {
@@ -13,7 +13,7 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
         let value = if degrees { value.to_radians() } else { value };
         return Some((value, degrees));
     }
-    // The standard parser takes words (inf, nan) too; numbers of the language hold these bytes only.
+    // The standard parser also accepts words (inf, nan); numbers of the dataset language contain only these bytes.
     if !digits
         .iter()
         .all(|byte| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b'E' | b'e'))
@@ -25,14 +25,15 @@ pub fn parse_number(text: &[u8]) -> Option<(f64, bool)> {
     value.is_finite().then_some((value, degrees))
 }
 
-/// An unsigned number whose digits make a whole number up to 2^53, times or over a power of ten that is exact too, so that one
-/// operation rounds correctly (Clinger 1990).
+/// Parses an unsigned number exactly, if its digits form an integer up to 2^53 and its power of ten is at most 10^22.
+///
+/// Both are exact doubles, so a single multiplication or division rounds correctly (Clinger 1990). Returns `None` for other texts.
 fn plain(text: &[u8]) -> Option<f64> {
     const POWERS: [f64; 23] = [
         1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
         1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
     ];
-    // 18 digits and a point, `E+005`: more does not fit the numbers below.
+    // 18 digits, a point and `E+005`; longer texts would overflow the integers below.
     if text.len() > 24 {
         return None;
     }
@@ -64,7 +65,7 @@ fn plain(text: &[u8]) -> Option<f64> {
     })
 }
 
-/// The value of `E+05`; zero of nothing.
+/// Parses an exponent such as `E+05`; an empty text gives zero.
 fn exponent(text: &[u8]) -> Option<i32> {
     let Some((_, rest)) = text.split_first() else {
         return Some(0);
@@ -83,7 +84,7 @@ fn exponent(text: &[u8]) -> Option<i32> {
     Some(if negative { -value } else { value })
 }
 
-/// Length of the unsigned number at the start of `text`, degree suffix included; 0 if none stands there.
+/// Returns the length of the unsigned number at the start of `text`, including the degree suffix; 0 if there is no number.
 #[inline]
 pub(crate) fn number_length(text: &[u8]) -> usize {
     let after_digits = |mut at: usize| {
@@ -123,7 +124,7 @@ mod tests {
 
     #[test]
     fn spellings_of_real_decks_are_read() {
-        // guide/formats.md 1.6: three-digit exponents, bare points, signs, the degree suffix.
+        // guide/formats.md 1.6: three-digit exponents, leading and trailing points, signs, the degree suffix.
         for (text, value) in [
             ("1", 1.0),
             ("1.", 1.0),

@@ -1,4 +1,4 @@
-//! Statements that later ones change: an argument that is named again replaces the old one, all others stay.
+//! Redefinition of statements by later ones: arguments given again replace the old ones, and all others stay.
 
 use std::borrow::Cow;
 
@@ -6,26 +6,26 @@ use super::{Argument, Number, Shared, Statement, Value};
 use crate::grammar::{Presence, StatementDef};
 use crate::text::{Source, Span};
 
-/// Arguments of commands that are no data of the statement.
+/// Arguments of commands that are not data of the statement.
 const COMMAND_WORDS: [&str; 2] = ["DEFAULT", "LIST"];
 
-/// A statement and the text it was read from.
+/// A statement and the text from which it was parsed.
 #[derive(Clone, Debug)]
 struct Layer {
     statement: Statement,
     source: Source,
 }
 
-/// A statement with what was put over it. Each argument stands in one layer only.
+/// A statement with its later redefinitions, as layers. Each argument is in one layer only.
 #[derive(Clone, Debug)]
 pub struct Overlay {
     first: Layer,
-    /// The earliest first.
+    /// Layers of redefinitions, the earliest first.
     above: Vec<Layer>,
 }
 
 impl Overlay {
-    /// A statement as it was read.
+    /// Creates an overlay of a statement without redefinitions.
     pub fn of(statement: &Statement, source: &Source) -> Self {
         Self {
             first: Layer {
@@ -36,8 +36,10 @@ impl Overlay {
         }
     }
 
-    /// Puts the arguments of a later statement or command over it. They replace those of the same name, and those they exclude; with one
-    /// of these go all that stand together with it. DEFAULT drops everything before it.
+    /// Adds a later statement or command as a layer.
+    ///
+    /// Its arguments replace earlier arguments of the same name, earlier arguments that they exclude, and all arguments that must appear
+    /// together with a replaced one. DEFAULT removes all earlier arguments.
     pub fn put(&mut self, later: &Statement, source: &Source) {
         let all = later.has("DEFAULT");
         let gone = |old: &Argument| {
@@ -61,8 +63,9 @@ impl Overlay {
         }
     }
 
-    /// All its arguments in one statement, with keyword and id of the command that was put over it last. Of its arguments only what they
-    /// are means anything: they were read from several texts.
+    /// Returns one statement with all current arguments and with the keyword and id of `command`, the latest redefinition.
+    ///
+    /// Only the definitions and values of its arguments may be used, because their spans refer to several texts.
     pub fn under(&self, command: &Statement) -> Statement {
         let arguments = self.stated().arguments();
         Statement {
@@ -71,7 +74,7 @@ impl Overlay {
         }
     }
 
-    /// The statement as it stands now.
+    /// Returns the current state of the statement.
     pub fn stated(&self) -> Stated<'_> {
         Stated {
             statement: &self.first.statement,
@@ -115,7 +118,7 @@ fn replaces(def: Option<&StatementDef>, new: &Argument, old: &Argument) -> bool 
         })
 }
 
-/// True if two arguments cannot stand in one statement.
+/// Returns true if two arguments exclude each other in a statement.
 pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
     a != b
         && def.presence.iter().any(|presence| match presence {
@@ -126,7 +129,7 @@ pub fn excludes(def: &StatementDef, a: &str, b: &str) -> bool {
         })
 }
 
-/// A statement as it stands: as it was read, or with what was put over it.
+/// A read-only view of a statement in its current state, with or without redefinitions.
 #[derive(Clone, Copy)]
 pub struct Stated<'a> {
     statement: &'a Statement,
@@ -135,7 +138,7 @@ pub struct Stated<'a> {
 }
 
 impl<'a> Stated<'a> {
-    /// A statement that nothing was put over.
+    /// Returns a view of a statement without redefinitions.
     pub fn plain(statement: &'a Statement, source: &'a Source) -> Self {
         Self {
             statement,
@@ -144,29 +147,29 @@ impl<'a> Stated<'a> {
         }
     }
 
-    /// The id, if it has one.
+    /// Returns the id of the statement, if it has one.
     pub fn number(&self) -> Option<u32> {
         self.statement.number()
     }
 
-    /// Its name, if the file gives one.
+    /// Returns the view name of the statement, if the file gives one.
     pub fn view_name(&self) -> Option<Cow<'a, str>> {
         Some(self.source.text(self.statement.view_name?))
     }
 
-    /// Where its keyword stands.
+    /// Returns the location of the statement's keyword.
     pub fn keyword(&self) -> (&'a Source, Span) {
         (self.source, self.statement.keyword)
     }
 
-    /// Where the keyword of what was put over it last stands.
+    /// Returns the location of the keyword of the latest redefinition, or of the statement itself if there is none.
     pub fn latest_keyword(&self) -> (&'a Source, Span) {
         self.above.last().map_or(self.keyword(), |layer| {
             (&layer.source, layer.statement.keyword)
         })
     }
 
-    /// The latest first.
+    /// Iterates over the layers, the latest first.
     fn layers(&self) -> impl Iterator<Item = (&'a Statement, &'a Source)> + use<'a> {
         let above = self.above.iter().rev();
         above
@@ -174,7 +177,7 @@ impl<'a> Stated<'a> {
             .chain(std::iter::once((self.statement, self.source)))
     }
 
-    /// Every argument, those of the earliest layer first, with the text it was read from.
+    /// Iterates over all arguments and their source texts, from the earliest layer to the latest.
     pub fn arguments(&self) -> impl Iterator<Item = (&'a Argument, &'a Source)> + use<'a> {
         let above = self.above.iter();
         let above = above.map(|layer| (&layer.statement, &layer.source));
@@ -188,23 +191,23 @@ impl<'a> Stated<'a> {
             .find_map(|(statement, source)| Some((statement.argument(name)?, source)))
     }
 
-    /// The argument with this whole keyword (in capitals), if it is there.
+    /// Returns the latest argument with this full keyword (in capitals), if it exists.
     pub fn argument(&self, name: &str) -> Option<&'a Argument> {
         self.found(name).map(|(argument, _)| argument)
     }
 
-    /// Every argument with this keyword, in order: SPLINE has several Y.
+    /// Iterates over all arguments with this keyword, in order: a SPLINE has several Y.
     pub fn all<'n>(&self, name: &'n str) -> impl Iterator<Item = &'a Argument> + use<'a, 'n> {
         let arguments = self.arguments().map(|(argument, _)| argument);
         arguments.filter(move |argument| argument.kind() == Some(name))
     }
 
-    /// True if the word stands among the arguments.
+    /// Returns true if the statement has an argument with this keyword.
     pub fn has(&self, name: &str) -> bool {
         self.found(name).is_some()
     }
 
-    /// Of these words those that stand in one layer, the latest that has any.
+    /// Returns the given words that occur in the latest layer with any of them.
     pub fn latest<'n>(
         &self,
         words: &'n [&'static str],
@@ -217,41 +220,41 @@ impl<'a> Stated<'a> {
         words.iter().copied().filter(stands)
     }
 
-    /// The numbers of an argument; empty if it is absent or holds none.
+    /// Returns the numbers of an argument; empty if it is absent or has no numbers.
     pub fn numbers(&self, name: &str) -> &'a [Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
-    /// The first number of an argument.
+    /// Returns the first number of an argument.
     pub fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
-    /// The text of an argument; of a function what is written.
+    /// Returns the text of an argument; for a function, its source text.
     pub fn text(&self, name: &str) -> Option<Cow<'a, str>> {
         let (argument, source) = self.found(name)?;
         argument.text(source)
     }
 
-    /// The texts or words of an argument.
+    /// Returns the texts or words of an argument.
     pub fn texts(&self, name: &str) -> Option<Vec<Cow<'a, str>>> {
         let (argument, source) = self.found(name)?;
         Some(argument.texts(source))
     }
 
-    /// The choice words of an argument, whole and in capitals.
+    /// Returns the choices of an argument as full words in capitals.
     pub fn choices(&self, name: &str) -> Option<Vec<&'static str>> {
         let (argument, source) = self.found(name)?;
         Some(argument.choices(source))
     }
 
-    /// True for an argument whose value is `USER(...)`.
+    /// Returns true if the value of the argument is `USER(...)`.
     pub fn is_user(&self, name: &str) -> bool {
         self.argument(name)
             .is_some_and(|argument| matches!(argument.value, Value::User(_)))
     }
 
-    /// Where the value of an argument stands; the keyword of the statement if it is not written.
+    /// Returns the location of an argument's value, or of the statement's keyword if the argument is not written.
     pub fn place(&self, name: &str) -> (&'a Source, Span) {
         self.found(name)
             .map_or(self.keyword(), |(argument, source)| {
@@ -259,8 +262,9 @@ impl<'a> Stated<'a> {
             })
     }
 
-    /// True for a FRICTION whose stiction acts in statics too: nothing but INACTIVE=STATIC or EFFECT=SLIDING keeps it from that
-    /// (`state_friction`: INACTIVE has no default, EFFECT is ALL).
+    /// Returns true for a FRICTION whose stiction also acts in statics, that is, without INACTIVE and without EFFECT=SLIDING.
+    ///
+    /// The page `state_friction` gives no default for INACTIVE, and ALL for EFFECT.
     pub fn sticks_in_statics(&self) -> bool {
         let slides_only = self
             .choices("EFFECT")

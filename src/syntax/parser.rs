@@ -8,32 +8,32 @@ use crate::diagnostic::{Applicability, Code, Diagnostic, Severity};
 use crate::grammar::{ArgumentDef, Role, StatementDef, ValueKind, find_statement};
 use crate::text::{Edit, Source, Span};
 
-/// A statement full of nonsense is reported with so many complaints, not with one for each of its words.
+/// Maximum number of diagnostics per statement, so that a statement full of nonsense is not reported word by word.
 const MOST_COMPLAINTS: usize = 50;
 
-/// So many complaints are kept of the few thousand lines one parser reads: a file of nonsense shall not fill the memory.
+/// Maximum number of diagnostics kept per parser, which reads a few thousand lines, so that a file of nonsense cannot fill the memory.
 const MOST_OF_A_PARSER: usize = 500;
 
-/// Reads logical lines into statements. Knows the grammar tables; values are read in `value.rs`.
+/// Parser of logical lines into statements, based on the grammar tables; `value.rs` parses the values.
 pub(super) struct StatementParser<'a> {
     pub(super) source: &'a Source,
     pub(super) keywords: Keywords,
     pub(super) diagnostics: Vec<Diagnostic>,
-    /// Complaints that were not kept: how many, and the worst of them.
+    /// Number and highest severity of the diagnostics that were not kept.
     pub(super) dropped: (usize, Severity),
     role: Role,
     complaints: usize,
-    /// The statement before this one, whose arguments a lost comma leaves alone on a line.
+    /// Definition of the preceding statement; a line that lacks its leading comma may hold an argument of it.
     pub(super) before: Option<&'static StatementDef>,
-    /// True once a statement has told what `before` is.
+    /// True once a parsed statement has determined `before`.
     pub(super) knows_before: bool,
-    /// Memory of the line before.
+    /// Buffer for the tokens of a line, reused.
     tokens: Vec<Token>,
-    /// Memory of the list of numbers before.
+    /// Buffer for a list of numbers, reused.
     pub(super) list: Vec<Number>,
-    /// Memory of the statement before.
+    /// Buffer for the arguments of a statement, reused.
     found: Vec<Argument>,
-    /// The numbers of all statements since the last [`close`](Self::close).
+    /// Numbers of all statements since the last [`close`](Self::close).
     pub(super) all_numbers: Pool<Number>,
     all_arguments: Pool<Argument>,
 }
@@ -57,17 +57,17 @@ impl<'a> StatementParser<'a> {
         }
     }
 
-    /// Ends a group of lines: statements read before this have no arguments until then.
+    /// Ends a group of lines; the arguments of statements parsed since the previous call become visible only now.
     pub(crate) fn close(&mut self) {
         self.all_numbers.close();
         self.all_arguments.close();
     }
 
-    /// The statements of a logical line: one, or several between semicolons. A semicolon belongs to the statement before it.
+    /// Parses a logical line into one statement, or several separated by semicolons. A semicolon belongs to the statement before it.
     pub(crate) fn line(&mut self, line: LogicalLine, statements: &mut Vec<Statement>) {
         let mut tokens = std::mem::take(&mut self.tokens);
         tokens.clear();
-        // What blanks separate is told by the places of the tokens.
+        // Blanks are not needed as tokens, because spans show which tokens are separate.
         Lexer::new(self.source.bytes(), line.span, true).read_into(&mut tokens);
         if memchr::memchr(b';', self.source.slice(line.span)).is_none() {
             if let Some(start) = tokens.iter().position(|token| !token.kind.is_trivia()) {
@@ -109,7 +109,7 @@ impl<'a> StatementParser<'a> {
         self.tokens = tokens;
     }
 
-    /// One statement from its tokens; the first one is not trivia.
+    /// Parses one statement from its tokens, the first of which is not trivia.
     fn statement(&mut self, tokens: &[Token], view_name: Option<Span>) -> Statement {
         self.complaints = 0;
         let last = tokens
@@ -166,7 +166,7 @@ impl<'a> StatementParser<'a> {
         statement
     }
 
-    /// The argument of the statement before that a line begins with: `QP = 1, 2, 3` without the comma in front of it.
+    /// Returns the argument of the preceding statement with which a line begins that lacks its comma: `QP = 1, 2, 3`.
     fn lost_comma(&mut self, tokens: &[Token]) -> Option<&'static ArgumentDef> {
         let before = self.before?;
         let typed = self.source.slice(tokens[0].span);
@@ -176,7 +176,7 @@ impl<'a> StatementParser<'a> {
             .map(|token| token.kind);
         match mark {
             Some(TokenKind::Punctuation(b'=')) => self.keywords.argument(before, typed).ok(),
-            // A flag, alone or before other arguments; and END ends a dataset.
+            // A flag, alone or before other arguments. END is excluded because it ends a dataset.
             None | Some(TokenKind::Punctuation(b','))
                 if !typed.eq_ignore_ascii_case(b"END")
                     && self.keywords.statement(typed).is_err() =>
@@ -188,7 +188,7 @@ impl<'a> StatementParser<'a> {
         }
     }
 
-    /// Says that a line lacks the comma that makes it a continuation.
+    /// Reports a line that lacks the comma of a continuation line.
     fn without_comma(&mut self, argument: &'static ArgumentDef, name: Span) {
         let before = self.before.map_or("", |before| before.name);
         let diagnostic = Diagnostic::error(
@@ -236,13 +236,13 @@ impl<'a> StatementParser<'a> {
                         .is_some_and(|def| def.name == "RESULTS");
                 let assigned = self.role == Role::Dataset && is_assigned(self.source, span);
                 let diagnostic = if of_datasets {
-                    // What is written is settled when the dataset is read; nothing else is asked for.
+                    // RESULTS takes effect when the dataset is read; as a command it is ignored.
                     Diagnostic::warning(
                         Code::UnknownStatement,
                         format!("{typed} is not a {noun}; it has effect in a dataset"),
                     )
                 } else if near.is_empty() && assigned {
-                    // No statement of a dataset begins so, whatever ADAMS knows.
+                    // A word followed by an equals sign cannot begin a statement, whether or not ADAMS has such a keyword.
                     Diagnostic::error(
                         Code::UnknownStatement,
                         format!("{typed} is not a statement"),
@@ -345,7 +345,7 @@ impl<'a> StatementParser<'a> {
             value,
         };
         let end = match &argument.value {
-            // The pool still hides them; the list holds the same.
+            // The pool does not show the numbers yet; the list contains the same ones.
             Value::Numbers(_) => self.list.last().map_or(0, |number| number.span.end()),
             _ => argument.value_span().end(),
         };
@@ -393,7 +393,7 @@ impl<'a> StatementParser<'a> {
         None
     }
 
-    /// True, and counted, if a complaint of this severity is not kept any more.
+    /// Returns true if no more diagnostics are kept, and then counts one of this severity as dropped.
     fn is_full(&mut self, severity: Severity) -> bool {
         let full = self.diagnostics.len() >= MOST_OF_A_PARSER;
         if full {
@@ -402,7 +402,7 @@ impl<'a> StatementParser<'a> {
         full
     }
 
-    /// Adds a complaint with its place.
+    /// Adds a diagnostic with its location.
     pub(super) fn complain(&mut self, diagnostic: Diagnostic, span: Span, label: &str) {
         self.complaints += 1;
         if self.complaints <= MOST_COMPLAINTS && !self.is_full(diagnostic.severity) {
@@ -412,7 +412,7 @@ impl<'a> StatementParser<'a> {
     }
 }
 
-/// Walks over the tokens of one statement; blanks, comments, line ends and `&` are passed over.
+/// Cursor over the tokens of one statement; it skips blanks, comments, line ends and `&`.
 pub(super) struct Cursor<'t> {
     tokens: &'t [Token],
     at: usize,
@@ -423,7 +423,7 @@ impl<'t> Cursor<'t> {
         Self { tokens, at: 0 }
     }
 
-    /// The next token that means something, without passing it.
+    /// Returns the next significant token without consuming it.
     pub(crate) fn peek(&mut self) -> Option<Token> {
         while self
             .tokens
@@ -435,12 +435,12 @@ impl<'t> Cursor<'t> {
         self.tokens.get(self.at).copied()
     }
 
-    /// Passes the token that [`peek`](Self::peek) showed.
+    /// Consumes the token returned by [`peek`](Self::peek).
     pub(crate) fn advance(&mut self) {
         self.at += 1;
     }
 
-    /// Passes the mark if it comes next.
+    /// Consumes the mark if it is the next token.
     pub(crate) fn take_mark(&mut self, mark: u8) -> bool {
         let there = self
             .peek()
@@ -449,7 +449,7 @@ impl<'t> Cursor<'t> {
         there
     }
 
-    /// Passes continuation marks.
+    /// Skips continuation marks.
     pub(crate) fn skip_continuation(&mut self) {
         while self
             .peek()
@@ -459,7 +459,7 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Passes commas and continuation marks; true if there was one.
+    /// Skips commas and continuation marks; returns true if there were any.
     pub(crate) fn skip_commas(&mut self) -> bool {
         let from = self.at;
         while self.peek().is_some_and(|token| {
@@ -473,7 +473,7 @@ impl<'t> Cursor<'t> {
         self.at > from
     }
 
-    /// Passes what may stand between arguments: commas, continuation marks, backslashes, a second slash.
+    /// Skips the separators between arguments: commas, continuation marks, backslashes, a second slash.
     fn skip_separators(&mut self) {
         while self.peek().is_some_and(|token| {
             matches!(
@@ -485,7 +485,7 @@ impl<'t> Cursor<'t> {
         }
     }
 
-    /// Passes a value nobody can read: to a separator outside of parentheses. Its place, which may be empty.
+    /// Skips an unreadable value up to a separator outside of parentheses; returns its span, which may be empty.
     pub(crate) fn skip_value(&mut self) -> Span {
         let mut span: Option<Span> = None;
         let mut depth = 0usize;
@@ -504,7 +504,7 @@ impl<'t> Cursor<'t> {
         span.unwrap_or(Span::at(self.place(self.at)))
     }
 
-    /// Offset where the last meaningful token before a position ends.
+    /// Returns the offset at which the last significant token before a position ends.
     pub(crate) fn place(&self, position: usize) -> usize {
         self.tokens[..position.min(self.tokens.len())]
             .iter()
@@ -512,28 +512,28 @@ impl<'t> Cursor<'t> {
             .map_or(0, |token| token.span.end())
     }
 
-    /// Where the cursor stands, to come back.
+    /// Returns the position of the cursor, for [`go_back`](Self::go_back).
     pub(crate) const fn position(&self) -> usize {
         self.at
     }
 
-    /// Goes back to a position.
+    /// Moves the cursor back to a position.
     pub(crate) const fn go_back(&mut self, position: usize) {
         self.at = position;
     }
 
-    /// The tokens from a position to here.
+    /// Returns the tokens from a position to the cursor.
     pub(crate) fn since(&self, position: usize) -> &'t [Token] {
         &self.tokens[position..self.at]
     }
 
-    /// The tokens still to come, trivia included.
+    /// Returns the remaining tokens, including trivia.
     pub(crate) fn rest(&self) -> &'t [Token] {
         &self.tokens[self.at.min(self.tokens.len())..]
     }
 }
 
-/// True if the next byte after a word and blanks is an equals sign.
+/// Returns true if the first byte after a word and blanks is an equals sign.
 fn is_assigned(source: &Source, word: Span) -> bool {
     let mut rest = source.bytes()[word.end()..].iter();
     rest.find(|byte| !matches!(byte, b' ' | b'\t')) == Some(&b'=')

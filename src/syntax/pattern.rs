@@ -1,4 +1,4 @@
-//! Addresses of many things at once: `BUSHING/*.K.1`, `front_*.KT.*`.
+//! Address patterns, which match several addresses at once: `BUSHING/*.K.1`, `front_*.KT.*`.
 
 use glob::{MatchOptions, Pattern};
 
@@ -15,24 +15,25 @@ const ANY_CASE: MatchOptions = MatchOptions {
 };
 
 impl Address {
-    /// True if a text names several things: `*` stands for any text, `?` for one character, `[1-5]` for one of several.
+    /// Returns true if a text is a pattern: `*` matches any text, `?` one character, `[1-5]` one of several characters.
     pub fn is_pattern(text: &str) -> bool {
         text.contains(['*', '?', '['])
     }
 
-    /// Every address a pattern names, in the order of the dataset: ids (`BUSHING/*`, `BUSHING/1?`) or view names (`front_*`), and
-    /// behind the argument a place or `*` for each of its values. Of names only those count whose statement has the argument.
-    /// A text that is no pattern is one address.
+    /// Returns all addresses that match a pattern, in the order of the dataset; a text that is not a pattern is a single address.
+    ///
+    /// A pattern matches ids (`BUSHING/*`, `BUSHING/1?`) or view names (`front_*`). The index after the argument may be `*` for all values.
+    /// A view name matches only if its statement contains the argument.
     ///
     /// # Errors
-    /// Those of [`Address::parse`]; `undefined-id` if nothing matches.
+    /// Returns the errors of [`Address::parse`], and `undefined-id` if nothing matches.
     pub fn matching(text: &str, dataset: &Dataset) -> Result<Vec<Self>, Diagnostic> {
         let text = text.trim();
         if !Self::is_pattern(text) {
             return Ok(vec![Self::parse(text, dataset)?]);
         }
         let (whole, places) = match text.strip_suffix(".*") {
-            // The last star stands for the values of an argument, if an argument stands before it.
+            // A final star matches the values of an argument, if an argument precedes it.
             Some(before) if before.contains('.') => (before, true),
             _ => (text, false),
         };
@@ -76,14 +77,14 @@ fn compiled(pattern: &str, text: &str) -> Result<Pattern, Diagnostic> {
     })
 }
 
-/// The addresses of a pattern without a star for values at its end.
+/// Returns the addresses that match a pattern without a final star for values.
 fn objects(text: &str, dataset: &Dataset) -> Result<Vec<Address>, Diagnostic> {
     if let Some((keyword, rest)) = text.split_once('/')
         && let Lookup::Found(def) = find_statement(keyword.trim().as_bytes(), Role::Dataset)
     {
         let (ids, rest) = rest.split_once('.').unwrap_or((rest, ""));
         let ids = compiled(ids, text)?;
-        // What is wrong with the argument is told even where no id matches.
+        // An error in the argument is reported even if no id matches.
         argument(def, None, rest, text)?;
         return dataset
             .statements()
@@ -117,7 +118,7 @@ fn objects(text: &str, dataset: &Dataset) -> Result<Vec<Address>, Diagnostic> {
     Ok(Vec::new())
 }
 
-/// The address of each value an argument has.
+/// Returns the address of each value of an argument.
 fn every_place(address: &Address, dataset: &Dataset) -> Vec<Address> {
     let name = address.argument.as_deref().unwrap_or("FUNCTION");
     let count = dataset.find(address).map_or(0, |statement| {

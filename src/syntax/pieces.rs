@@ -1,7 +1,6 @@
-//! A dataset or a command file in pieces of whole lines: an edit reads again only the pieces it touches.
+//! A dataset or a command file in pieces of whole lines; an edit parses only the pieces it touches again.
 //!
-//! Knows nothing about editors. What the pieces hold together is what [`Dataset::parse`] or [`CommandFile::parse`] reads of all
-//! bytes at once.
+//! Together, the pieces contain exactly what [`Dataset::parse`] or [`CommandFile::parse`] reads from all bytes at once.
 //!
 //! [`Dataset::parse`]: super::Dataset::parse
 
@@ -18,10 +17,10 @@ use crate::diagnostic::Diagnostic;
 use crate::grammar::{Role, StatementDef};
 use crate::text::{Source, Span};
 
-/// So many logical lines are one piece: an edit mostly reads two pieces.
+/// Number of logical lines per piece; an edit usually touches two pieces.
 const LINES: usize = 48;
 
-/// Whole lines of a file, read by themselves: places count from the first byte of the piece.
+/// Consecutive whole lines of a file, parsed separately; spans count from the first byte of the piece.
 #[derive(Debug)]
 pub struct Piece {
     key: u32,
@@ -29,7 +28,7 @@ pub struct Piece {
     statements: Vec<Statement>,
     diagnostics: Vec<Diagnostic>,
     line_ends: usize,
-    /// The statement before the piece, and the last one in it: a lost comma leaves its arguments alone on a line.
+    /// Definition of the statement before the piece; a line that lacks its leading comma may hold an argument of it.
     before: Option<&'static StatementDef>,
     after: Option<&'static StatementDef>,
     ends: bool,
@@ -37,27 +36,27 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Names the piece: no other one of the file has had this number.
+    /// Returns the key of the piece, which is unique in the history of the file.
     pub fn key(&self) -> u32 {
         self.key
     }
 
-    /// Its bytes, under the name of the file.
+    /// Returns the bytes of the piece, under the name of the file.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// Its statements or commands.
+    /// Returns the statements or commands of the piece.
     pub fn statements(&self) -> &[Statement] {
         &self.statements
     }
 
-    /// What the reader complains of in it.
+    /// Returns the parser's diagnostics of the piece.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
-    /// How many bytes it has.
+    /// Returns the size of the piece in bytes.
     pub fn size(&self) -> usize {
         self.source.bytes().len()
     }
@@ -76,7 +75,7 @@ impl Piece {
         }
     }
 
-    /// Statements of a dataset from lines that no other line continues, from an offset on.
+    /// Parses a piece of a dataset from offset `start` on; no line outside of the piece may continue its lines.
     fn body(
         name: &Arc<str>,
         bytes: Vec<u8>,
@@ -107,37 +106,37 @@ impl Piece {
     }
 }
 
-/// How many lines end in some bytes: with LF, CR LF or a lone CR.
+/// Counts the line ends in some bytes: LF, CR LF or a single CR.
 fn line_ends(bytes: &[u8]) -> usize {
     memchr::memchr2_iter(b'\n', b'\r', bytes)
         .filter(|at| bytes[*at] == b'\n' || bytes.get(at + 1) != Some(&b'\n'))
         .count()
 }
 
-/// A file in pieces.
+/// A dataset or command file in pieces.
 #[derive(Clone, Debug)]
 pub struct Pieces {
     name: Arc<str>,
     role: Role,
     all: Vec<Arc<Piece>>,
-    /// So many pieces reach to END. Those behind it are read all the same: without END they count again.
+    /// Number of pieces up to END. Later pieces are parsed too, because they count again when END is removed.
     live: usize,
-    /// Where each piece begins: bytes, and lines from 0; one entry more than pieces.
+    /// Byte offset and line number (from 0) at which each piece begins; the last entry is the end of the file.
     starts: Vec<(usize, usize)>,
     next_key: u32,
 }
 
-/// What an edit did to the pieces.
+/// Effect of an edit on the pieces.
 #[derive(Clone, Debug)]
 pub struct Change {
-    /// The pieces that are gone, which stood side by side.
+    /// Removed pieces, which were adjacent.
     pub removed: Vec<Arc<Piece>>,
-    /// Where the new ones stand.
+    /// Indices of the added pieces.
     pub added: Range<usize>,
 }
 
 impl Pieces {
-    /// Reads a dataset, or with `Role::Command` a command file.
+    /// Parses a dataset, or a command file if the role is `Role::Command`.
     pub fn parse(source: &Source, role: Role) -> Self {
         let mut pieces = Self {
             name: source.name().into(),
@@ -151,47 +150,47 @@ impl Pieces {
         pieces
     }
 
-    /// The name of the file.
+    /// Returns the name of the file.
     pub fn name(&self) -> Arc<str> {
         Arc::clone(&self.name)
     }
 
-    /// True for a command file.
+    /// Returns true for a command file.
     pub fn is_command_file(&self) -> bool {
         self.role == Role::Command
     }
 
-    /// The pieces in their order, also those behind END.
+    /// Returns all pieces in order, including those after END.
     pub fn pieces(&self) -> &[Arc<Piece>] {
         &self.all
     }
 
-    /// The pieces that belong to the dataset: up to the one with END.
+    /// Returns the pieces that belong to the dataset: those up to END.
     pub fn live(&self) -> &[Arc<Piece>] {
         &self.all[..self.live]
     }
 
-    /// Where piece `at` begins.
+    /// Returns the byte offset of piece `at`.
     pub fn start(&self, at: usize) -> usize {
         self.starts[at].0
     }
 
-    /// The line, from 0, that piece `at` begins with.
+    /// Returns the number (from 0) of the first line of piece `at`.
     pub fn first_line(&self, at: usize) -> usize {
         self.starts[at].1
     }
 
-    /// How many bytes the file has.
+    /// Returns the size of the file in bytes.
     pub fn size(&self) -> usize {
         self.start(self.all.len())
     }
 
-    /// The first lines of a command file that name its dataset.
+    /// Returns the first lines of a command file, which name its dataset.
     pub fn head(&self) -> Option<Head> {
         self.all.first()?.head
     }
 
-    /// All bytes.
+    /// Returns all bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(self.size());
         for piece in &self.all {
@@ -200,32 +199,32 @@ impl Pieces {
         bytes
     }
 
-    /// All bytes under the name of the file.
+    /// Returns all bytes as a source with the name of the file.
     pub fn source(&self) -> Source {
         Source::new(Arc::clone(&self.name), self.bytes())
     }
 
-    /// The piece that holds an offset; the last one for the end of the file. `None` for an empty file.
+    /// Returns the index of the piece that contains an offset; the last piece for the end of the file, `None` for an empty file.
     pub fn at(&self, offset: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(start, _)| *start <= offset);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
-    /// The piece that holds a line, from 0; the last one for lines beyond the end. `None` for an empty file.
+    /// Returns the index of the piece that contains a line (from 0); the last piece for lines beyond the end, `None` for an empty file.
     pub fn at_line(&self, line: usize) -> Option<usize> {
         let after = self.starts.partition_point(|(_, first)| *first <= line);
         Some(after.checked_sub(1)?.min(self.all.len().checked_sub(1)?))
     }
 
-    /// True if the dataset has its END.
+    /// Returns true if the dataset has an END statement.
     pub fn has_end(&self) -> bool {
         self.live().last().is_some_and(|piece| piece.ends)
     }
 
-    /// Replaces bytes and reads again what that touches. The span must lie in the file.
+    /// Replaces the bytes of a span, which must lie in the file, and parses the affected pieces again.
     pub fn edit(&mut self, span: Span, replacement: &[u8]) -> Change {
         let count = self.all.len();
-        // The piece before goes with it: its last line may be continued now.
+        // The piece before is parsed again too, because its last line may now be continued.
         let touched = self.starts[..count]
             .partition_point(|(start, _)| *start < span.start())
             .saturating_sub(1);
@@ -250,7 +249,7 @@ impl Pieces {
             if let Some(new) = self.read(first, &bytes, next.map(Arc::as_ref)) {
                 break new;
             }
-            // Twice as much as before: a file that falls apart is read a few times, not once for each piece.
+            // The range grows by a factor of two, so that a file whose pieces all change is parsed a few times only.
             let more = (last - first).max(1).min(count - last);
             for piece in &self.all[last..last + more] {
                 bytes.extend_from_slice(piece.source.bytes());
@@ -276,9 +275,9 @@ impl Pieces {
         Change { removed, added }
     }
 
-    /// Finds the first END again once pieces from `first` on have changed.
+    /// Finds the first END again after the pieces from `first` on have changed.
     fn renew_live(&mut self, first: usize) {
-        // END stands before them.
+        // END comes before the changed pieces.
         if self.live <= first && self.all[..self.live].last().is_some_and(|piece| piece.ends) {
             return;
         }
@@ -286,7 +285,7 @@ impl Pieces {
         self.live = end.map_or(self.all.len(), |end| first + end + 1);
     }
 
-    /// The pieces of some bytes from the beginning of piece `first` on; `next` follows them. `None` if that belongs to their last line.
+    /// Parses bytes that begin at piece `first` into pieces. Returns `None` if the piece `next` after them continues their last line.
     fn read(&self, first: usize, bytes: &[u8], next: Option<&Piece>) -> Option<Vec<Piece>> {
         let name = &self.name;
         if self.role == Role::Command {
@@ -301,9 +300,9 @@ impl Pieces {
         let mut new: Vec<Piece> = Vec::new();
         let mut lines: Vec<LogicalLine> = Vec::new();
         let mut from = 0;
-        // Lines are told apart up to END, and again behind it.
+        // Logical lines are determined up to END, and then again after it.
         while from < bytes.len() {
-            // The title stands in front of the first statements.
+            // The title precedes the first statements.
             let title = match (first, from) {
                 (0, 0) => physical_line(bytes, 0).next,
                 _ => from,
@@ -377,7 +376,7 @@ mod tests {
             "{typed:?}"
         );
         assert_eq!((counted(&pieces), pieces.has_end()), (2501, true));
-        // A key behind it changes nothing that counts.
+        // Typing after END changes nothing in the dataset.
         let behind = pieces.size() - 200;
         pieces.edit(Span::at(behind), b"PART/2\n");
         assert_eq!(counted(&pieces), 2501);

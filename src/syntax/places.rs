@@ -1,4 +1,4 @@
-//! Where the objects of a dataset are stated.
+//! Locations of objects in a dataset.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::Dataset;
 use crate::diagnostic::Diagnostic;
 
 impl Dataset {
-    /// Puts the statement of its object to every complaint that is about one and has no place.
+    /// Adds the location of its object's statement to every diagnostic that names an object but has no location.
     pub fn locate(&self, diagnostics: &mut [Diagnostic]) {
         let is_lost = |found: &Diagnostic| found.labels.is_empty() && found.object.is_some();
         if !diagnostics.iter().any(is_lost) {

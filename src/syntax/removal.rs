@@ -1,15 +1,15 @@
-//! Taking statements and arguments out of a dataset, with what belongs to them.
+//! Removal of statements and arguments from a dataset, with their comments and separators.
 
 use super::{Address, Argument, Dataset, Statement, Value};
 use crate::diagnostic::{Code, Diagnostic};
 use crate::text::{Edit, Span};
 
 impl Dataset {
-    /// Edits that remove a statement with the comments that name it, or one of its arguments.
+    /// Returns the edits that remove a statement with the comments that name it, or only one of its arguments.
     ///
     /// # Errors
-    /// `undefined-id` if it is not there, `unknown-argument` if its argument is not; `missing-argument` if markers behind it are on
-    /// it without naming it: without it they would be on another body.
+    /// Returns `undefined-id` if the statement does not exist and `unknown-argument` if the argument is not written. Returns
+    /// `missing-argument` if markers after a body belong to it without naming it; without that body they would belong to another one.
     pub fn remove(&self, address: &Address) -> Result<Vec<Edit>, Diagnostic> {
         let at = self
             .position(&address.kind, address.id)
@@ -31,7 +31,7 @@ impl Dataset {
         }
     }
 
-    /// Where the markers stand that are on the body at a place without naming it: those behind it, up to the next body.
+    /// Returns the indices of the markers that belong to a body without naming it: those after it, up to the next body.
     pub(super) fn carried(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
         let statements = self.statements();
         let behind = if statements[body].carries_markers() {
@@ -47,7 +47,7 @@ impl Dataset {
             .map(move |(k, _)| body + 1 + k)
     }
 
-    /// The complaint that a body cannot go without a marker.
+    /// Returns the error that a body cannot be removed because of a marker.
     pub(super) fn stranded(&self, body: usize, marker: usize) -> Diagnostic {
         let (body, marker) = (&self.statements()[body], &self.statements()[marker]);
         let address = Address::of(body).map_or_else(String::new, |address| address.to_string());
@@ -61,7 +61,7 @@ impl Dataset {
         )
     }
 
-    /// The edit that removes a statement with the comments that name it.
+    /// Returns the edit that removes a statement with the comments that name it.
     pub(super) fn without_statement(&self, statement: &Statement) -> Edit {
         let start = self.line_start(statement.span.start());
         let line_end = self.line_end(statement.span.end());
@@ -71,14 +71,14 @@ impl Dataset {
                 && other.span.end() > start
         });
         if shared {
-            // Others stand on its line, between semicolons.
+            // Other statements share the line, separated by semicolons.
             return Edit::new(statement.span, "");
         }
         let mut from = start;
         if let Some(name) = statement.view_name {
             let comment = self.line_start(name.start());
             from = comment;
-            // The bare comment line that ADAMS/View writes before each name goes with it.
+            // ADAMS/View writes an empty comment line before each name; it is removed as well.
             if comment > 0 {
                 let end = self.bytes()[..comment]
                     .strip_suffix(b"\n")
@@ -93,7 +93,7 @@ impl Dataset {
         Edit::new(Span::new(from, line_end), "")
     }
 
-    /// The edit that removes an argument with what separates it from its neighbours.
+    /// Returns the edit that removes an argument with its separator.
     pub(super) fn without(&self, statement: &Statement, argument: &Argument) -> Edit {
         let before = statement
             .arguments
@@ -107,7 +107,7 @@ impl Dataset {
             .position(|byte| !byte.is_ascii_whitespace())
             .filter(|at| rest[*at] == b'\\');
         match backslash {
-            // A backslash ends functions only: it goes with the function unless another one stands before.
+            // A backslash only ends a function, so it is removed with the function unless another function precedes it.
             Some(at) if !after_function => {
                 let start = argument.span.start();
                 Edit::new(Span::new(start, argument.span.end() + at + 1), "")

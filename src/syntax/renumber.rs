@@ -1,4 +1,4 @@
-//! New ids for objects: every reference follows, in arguments, in functions and in commands.
+//! Renumbering of objects, including all references in arguments, functions and commands.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -8,19 +8,19 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::text::{Edit, Source, Span};
 
-/// New ids by id space (`marker`, `part`, `bushing`) and old id. What is not in it keeps its id.
+/// New ids by id space (`marker`, `part`, `bushing`) and old id; objects without an entry keep their ids.
 pub type Renumbering = BTreeMap<(&'static str, u32), u32>;
 
-/// The edits of a renumbering.
+/// Edits of a renumbering.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct RenumberingEdits {
-    /// Of the dataset.
+    /// Edits of the dataset.
     pub dataset: Vec<Edit>,
-    /// Of each command file, in the order given.
+    /// Edits of each command file, in the given order.
     pub commands: Vec<Vec<Edit>>,
 }
 
-/// Ids `first`, `first + step`, ... for all statements of a kind (whole keyword in capitals) in order of appearance.
+/// Assigns the ids `first`, `first + step`, ... to all statements of a kind (full keyword in capitals) in order of appearance.
 pub fn in_order(dataset: &Dataset, kind: &str, first: u32, step: u32) -> Renumbering {
     let mut renumbering = Renumbering::new();
     let mut next = first;
@@ -39,11 +39,12 @@ pub fn in_order(dataset: &Dataset, kind: &str, first: u32, step: u32) -> Renumbe
     renumbering
 }
 
-/// The edits that give objects new ids. Complains about what may hold ids that cannot be known: the numbers of USER calls and
-/// of arrays that subroutines read.
+/// Returns the edits that give objects new ids.
+///
+/// Numbers in USER calls, and in arrays read by subroutines, may be ids as well; they are reported and not changed.
 ///
 /// # Errors
-/// `duplicate-id` if two objects would have one id.
+/// Returns `duplicate-id` if two objects would get the same id.
 pub fn renumber(
     dataset: &Dataset,
     commands: &[&CommandFile],
@@ -94,7 +95,7 @@ fn refuse_duplicates(dataset: &Dataset, renumbering: &Renumbering) -> Result<(),
     Ok(())
 }
 
-/// The statement's own id and the ids its arguments and functions refer to.
+/// Adds the edits of the statement's own id and of the ids in its arguments and functions.
 fn references(
     source: &Source,
     statement: &Statement,
@@ -136,7 +137,7 @@ fn references(
     }
 }
 
-/// ID and RANGE of ACTIVATE and DEACTIVATE: their id space is that of the kind that stands beside them.
+/// Adds the edits of ID and RANGE in ACTIVATE and DEACTIVATE, whose id space is given by the object kind in the same command.
 fn activation(
     dataset: &Dataset,
     command: &Statement,
@@ -186,7 +187,7 @@ fn activation(
     }
     let text = match (ids.first(), ids.last()) {
         (Some(first), Some(last)) if !intruders => format!("RANGE={first},{last}"),
-        // The objects do not stand side by side any more.
+        // The new ids of the objects are not contiguous, so a RANGE would include others.
         _ => {
             let list: Vec<String> = ids.iter().map(u32::to_string).collect();
             format!("ID={}", list.join(","))
@@ -195,14 +196,13 @@ fn activation(
     edits.push(Edit::new(argument.span, text));
 }
 
-/// Leading zeros keep the width of an id.
+/// Formats a new id; an old id with leading zeros keeps its width.
 fn spelled(new: u32, old: &[u8]) -> String {
     let width = if old.starts_with(b"0") { old.len() } else { 0 };
     format!("{new:0width$}")
 }
 
-/// Numbers that may be ids of what is renumbered: of USER calls, and of arrays that subroutines read. Only numbers that are an id
-/// which changes are told of.
+/// Collects USER calls and arrays with numbers that may be ids; a number counts only if it is an old id that changes.
 fn unknowable(
     source: &Source,
     statement: &Statement,
@@ -233,7 +233,7 @@ fn unknowable(
     }
 }
 
-/// One complaint about all such places; the first few are shown.
+/// Returns one warning about all collected places; only the first few are shown.
 fn told(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
     const SHOWN: usize = 4;
     let Some((file, first)) = places.first() else {

@@ -2,8 +2,9 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-/// Neighbours in a list that many owners share: a deck has millions of lists of two or three values, and memory asked for each of
-/// them alone costs more time than reading it.
+/// A slice of a list that is shared by many owners.
+///
+/// A deck has millions of lists of two or three values; separate allocations would take longer than parsing them.
 pub struct Shared<T> {
     list: Option<Arc<OnceLock<Box<[T]>>>>,
     start: u32,
@@ -69,7 +70,7 @@ impl<T> FromIterator<T> for Shared<T> {
     }
 }
 
-/// A list that grows while its parts are handed out. They are empty until it is closed.
+/// A growing list whose slices are given out while it grows; they appear empty until the list is closed.
 pub(super) struct Pool<T> {
     list: Arc<OnceLock<Box<[T]>>>,
     open: Vec<T>,
@@ -83,14 +84,14 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Adds values and hands out the part that holds them.
+    /// Adds values and returns the slice that contains them.
     pub(crate) fn share(&mut self, values: impl IntoIterator<Item = T>) -> Shared<T> {
         let start = self.open.len();
         self.open.extend(values);
         if self.open.len() == start {
             return Shared::default();
         }
-        // A pool holds what a few hundred lines hold; a file of more than 2^32 values does not fit the memory.
+        // A pool holds the values of a few hundred lines; a file with more than 2^32 values does not fit into memory.
         let small = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
         Shared {
             list: Some(Arc::clone(&self.list)),
@@ -99,10 +100,10 @@ impl<T> Pool<T> {
         }
     }
 
-    /// Lets the parts handed out so far see their values.
+    /// Closes the list, so that the slices given out so far show their values.
     pub(crate) fn close(&mut self) {
         let list = std::mem::take(&mut self.list);
-        // Just created or taken: nobody else can have set it.
+        // The list was just created or taken, so it cannot already be set.
         let _ = list.set(self.open.drain(..).collect());
     }
 }

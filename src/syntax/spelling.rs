@@ -1,9 +1,10 @@
 use super::number::parse_number;
 
-/// The shortest spelling of a number that reads back as the same double, in the style of an old spelling: exponent letter, sign
-/// and width, decimal point, leading zero, plus sign, degree suffix. With the suffix the value is still in radians and its
-/// spelling in degrees. Some doubles have no number of degrees that reads back to them: these lose the suffix and are spelled in
-/// radians.
+/// Formats a number with the fewest digits that read back as the same double, in the style of an old spelling.
+///
+/// The style comprises exponent letter, sign and width, decimal point, leading zero, plus sign and degree suffix. `value` is in radians
+/// even with the suffix; the text is then in degrees. If no number of degrees reads back as the same double, the suffix is dropped and the
+/// text is in radians.
 pub fn spell_like(value: f64, old: &[u8]) -> String {
     let mut style = NumberSpelling::of(old);
     let value = if value == 0.0 { 0.0 } else { value };
@@ -38,14 +39,14 @@ pub fn spell_like(value: f64, old: &[u8]) -> String {
 /// How a number was spelled.
 struct NumberSpelling {
     plus: bool,
-    /// The mantissa has a decimal point.
+    /// True if the mantissa has a decimal point.
     point: bool,
-    /// The point ends the mantissa: `1.`
+    /// True if the mantissa ends with the point: `1.`
     bare_point: bool,
-    /// `.5`
+    /// True if the mantissa begins with the point: `.5`
     no_leading_zero: bool,
     exponent: Option<Exponent>,
-    /// `D`, `d` or nothing.
+    /// Degree suffix: `D`, `d` or empty.
     suffix: &'static str,
 }
 
@@ -93,7 +94,7 @@ impl NumberSpelling {
         }
     }
 
-    /// What stands after the digits of a whole number.
+    /// Returns the text after the digits of an integer mantissa.
     const fn end(&self) -> &'static str {
         match (self.point, self.bare_point) {
             (true, true) => ".",
@@ -117,7 +118,7 @@ impl NumberSpelling {
     }
 
     fn scientific(&self, digits: &str, exponent: i32) -> String {
-        // ADAMS/View writes two digits with a sign.
+        // ADAMS/View writes a sign and two digits.
         let (letter, plus, width) = self.exponent.as_ref().map_or(('E', true, 2), |style| {
             (style.letter, style.plus, style.width)
         });
@@ -136,7 +137,7 @@ impl NumberSpelling {
     }
 }
 
-/// Digits without point or leading zeros, and the power of ten of the first, from `1.25e-7`.
+/// Splits a number such as `1.25e-7` into its digits, without point and leading zeros, and the power of ten of the first digit.
 fn decimal(scientific: &str) -> (String, i32) {
     let (mantissa, exponent) = scientific
         .split_once('e')
@@ -154,8 +155,9 @@ fn decimal(scientific: &str) -> (String, i32) {
     )
 }
 
-/// The fewest digits of degrees that read back as this many radians. `None` if there is no such number: a step of a double of
-/// degrees may be up to two steps of its radians.
+/// Returns the fewest digits of degrees that read back as this value in radians.
+///
+/// Returns `None` if there is no such number: neighbouring doubles in degrees may be up to two doubles apart in radians.
 fn degree_digits(radians: f64) -> Option<(String, i32)> {
     let reads_back = |text: &str| {
         parse_number(format!("{text}D").as_bytes()).is_some_and(|(value, _)| value == radians)

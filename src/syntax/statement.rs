@@ -8,53 +8,53 @@ use crate::text::{Source, Span};
 /// One statement or command.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Statement {
-    /// Its definition, if the grammar knows it.
+    /// Definition of the statement; `None` if it is not in the grammar.
     pub def: Option<&'static StatementDef>,
-    /// The keyword as typed.
+    /// Keyword as typed.
     pub keyword: Span,
-    /// Id and where it stands.
+    /// Id and its location.
     pub id: Option<(u32, Span)>,
-    /// From the keyword to the last byte that belongs to it; comments and line ends after it are not part of it.
+    /// Span from the keyword to the last byte of the statement, without comments and line ends after it.
     pub span: Span,
     /// Arguments in the order they are written.
     pub arguments: Shared<Argument>,
-    /// The name in the `adams_view_name` comment before it.
+    /// Name in the `adams_view_name` comment before the statement.
     pub view_name: Option<Span>,
 }
 
 /// One argument of a statement.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Argument {
-    /// Its definition, if the grammar knows it.
+    /// Definition of the argument; `None` if it is not in the grammar.
     pub def: Option<&'static ArgumentDef>,
-    /// The keyword as typed.
+    /// Keyword as typed.
     pub name: Span,
-    /// From the keyword to the end of the value.
+    /// Span from the keyword to the end of the value.
     pub span: Span,
     /// The value.
     pub value: Value,
 }
 
-/// What stands after the equals sign of an argument.
+/// Value after the equals sign of an argument.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Value {
-    /// Nothing: a flag.
+    /// No value: the argument is a flag.
     Flag,
     /// Numbers, integers or ids.
     Numbers(Shared<Number>),
-    /// Words: one or several choices, with their spans.
+    /// One or several choices, as spans of their words.
     Words(Vec<Span>),
-    /// One or several texts (quotes not included in the spans).
+    /// One or several texts, as spans without quotes.
     Texts(Vec<Span>),
     /// A FUNCTION expression.
     Function(Arc<Expression>),
     /// `USER(...)`: the span of the whole call.
     User(Span),
-    /// Something that does not fit the grammar; a diagnostic says why.
+    /// A value that does not fit the grammar; a diagnostic gives the reason.
     Malformed(Span),
 }
 
-/// What a MARKER can be on, as its arguments name it.
+/// Arguments with which a MARKER can name its body or geometry.
 pub(super) const OWNERS: [&str; 6] = [
     "PART",
     "POINT_MASS",
@@ -64,36 +64,36 @@ pub(super) const OWNERS: [&str; 6] = [
     "SURFACE",
 ];
 
-/// Why a marker without one of them cannot be added: where it would stand is not the person's choice.
+/// Reason why a marker without any of [`OWNERS`] cannot be added: the preceding body would own it by accident.
 pub(super) const NO_OWNER: &str = "does not say what it is on: PART=id, or another body";
 
 impl Statement {
-    /// The whole keyword in capitals, if the grammar knows the statement.
+    /// Returns the full keyword in capitals; `None` if the statement is not in the grammar.
     pub fn kind(&self) -> Option<&'static str> {
         self.def.map(|def| def.name)
     }
 
-    /// True for END, behind which nothing belongs to a dataset.
+    /// Returns true for END, after which nothing belongs to the dataset.
     pub(crate) fn is_end(&self, source: &Source) -> bool {
         source.slice(self.keyword).eq_ignore_ascii_case(b"END")
     }
 
-    /// The id, if it has one.
+    /// Returns the id, if the statement has one.
     pub fn number(&self) -> Option<u32> {
         self.id.map(|(id, _)| id)
     }
 
-    /// True for a body whose markers need not name it: those behind it, up to the next body, are on it (`state_marker`).
+    /// Returns true for a body that owns the markers after it, up to the next body, if they name none (`state_marker`).
     pub fn carries_markers(&self) -> bool {
         matches!(self.kind(), Some("PART" | "POINT_MASS" | "FLEX_BODY"))
     }
 
-    /// True for a MARKER that names nothing it is on: it is on the body defined before it.
+    /// Returns true for a MARKER that names no owner; it belongs to the preceding body.
     pub fn follows_body(&self) -> bool {
         self.kind() == Some("MARKER") && !OWNERS.iter().any(|owner| self.has(owner))
     }
 
-    /// The last argument with this whole keyword (in capitals): what is written later counts.
+    /// Returns the last argument with this full keyword (in capitals), which is the one that counts.
     pub fn argument(&self, name: &str) -> Option<&Argument> {
         self.arguments
             .iter()
@@ -101,7 +101,7 @@ impl Statement {
             .find(|argument| argument.def.is_some_and(|def| def.name == name))
     }
 
-    /// The arguments with this keyword that count, in order: the last one, or all where each adds a row.
+    /// Iterates over the arguments with this keyword that count: the last one, or all of them if each adds a row.
     pub fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         let adds = self.def.is_some_and(|def| def.adds_rows(name));
         let last = self.argument(name);
@@ -109,41 +109,41 @@ impl Statement {
             .filter(move |argument| adds || last.is_some_and(|last| std::ptr::eq(last, *argument)))
     }
 
-    /// Every argument with this keyword, in order, whether it counts or not.
+    /// Iterates over all arguments with this keyword in order, whether they count or not.
     pub(super) fn every<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Argument> {
         self.arguments
             .iter()
             .filter(move |argument| argument.def.is_some_and(|def| def.name == name))
     }
 
-    /// True if the word stands among the arguments.
+    /// Returns true if the statement has an argument with this keyword.
     pub fn has(&self, name: &str) -> bool {
         self.argument(name).is_some()
     }
 
-    /// The numbers of an argument; empty if it is absent or holds none.
+    /// Returns the numbers of an argument; empty if it is absent or has no numbers.
     pub fn numbers(&self, name: &str) -> &[Number] {
         self.argument(name).map_or(&[], Argument::numbers)
     }
 
-    /// The first number of an argument.
+    /// Returns the first number of an argument.
     pub fn first(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().map(|number| number.value)
     }
 
-    /// The text of an argument, if it is there.
+    /// Returns the text of an argument, if it is present.
     pub fn text<'s>(&self, name: &str, source: &'s Source) -> Option<Cow<'s, str>> {
         self.argument(name)?.text(source)
     }
 }
 
 impl Argument {
-    /// The whole keyword in capitals, if the grammar knows the argument.
+    /// Returns the full keyword in capitals; `None` if the argument is not in the grammar.
     pub fn kind(&self) -> Option<&'static str> {
         self.def.map(|def| def.name)
     }
 
-    /// Its numbers; empty if it holds none.
+    /// Returns the numbers of the argument; empty if it has none.
     pub fn numbers(&self) -> &[Number] {
         match &self.value {
             Value::Numbers(numbers) => numbers,
@@ -151,7 +151,7 @@ impl Argument {
         }
     }
 
-    /// Where the value stands: from its first to its last byte. An empty place after the keyword for flags.
+    /// Returns the span of the value from its first to its last byte; for a flag, an empty span after the keyword.
     pub fn value_span(&self) -> Span {
         let several = |spans: &[Span]| match (spans.first(), spans.last()) {
             (Some(first), Some(last)) => first.join(*last),
@@ -169,7 +169,7 @@ impl Argument {
         }
     }
 
-    /// The texts or words it holds.
+    /// Returns the texts or words of the argument.
     pub fn texts<'s>(&self, source: &'s Source) -> Vec<Cow<'s, str>> {
         match &self.value {
             Value::Words(spans) | Value::Texts(spans) => {
@@ -179,7 +179,7 @@ impl Argument {
         }
     }
 
-    /// The first text or word; the text of a function.
+    /// Returns the first text or word, or the text of a function.
     pub fn text<'s>(&self, source: &'s Source) -> Option<Cow<'s, str>> {
         match &self.value {
             Value::Words(spans) | Value::Texts(spans) => {
@@ -191,7 +191,7 @@ impl Argument {
         }
     }
 
-    /// The choice words it holds, whole and in capitals; words the grammar does not know are left out.
+    /// Returns the choices of the argument as full words in capitals; unknown words are left out.
     pub fn choices(&self, source: &Source) -> Vec<&'static str> {
         let (Value::Words(spans), Some(known)) = (&self.value, self.choice_table()) else {
             return Vec::new();
@@ -211,7 +211,8 @@ impl Argument {
     }
 }
 
-/// A text over several lines as one line: line ends, `&` before them and commas after them become one blank.
+/// Joins a text of several lines into one line. Each line end becomes a blank, with a `&` before it and a comma after it; comment lines are
+/// dropped.
 pub(super) fn without_continuation(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for line in text.split(['\n', '\r']) {

@@ -1,4 +1,4 @@
-//! From logical lines to statements, for datasets and command files alike.
+//! Parsing of logical lines into statements, for datasets and command files.
 
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
@@ -11,17 +11,17 @@ use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{Role, StatementDef};
 use crate::text::{Source, Span};
 
-/// The byte order mark some editors put in front of a file.
+/// The byte order mark that some editors write at the start of a file.
 pub(super) const BOM: &[u8] = b"\xef\xbb\xbf";
 
-/// One token for a span that is not empty.
+/// Returns one token for a span, or none if the span is empty.
 pub(super) fn one(kind: TokenKind, span: Span) -> impl Iterator<Item = Token> {
     (!span.is_empty())
         .then_some(Token { kind, span })
         .into_iter()
 }
 
-/// True if only blanks stand before `offset` on its line.
+/// Returns true if only blanks precede `offset` on its line.
 pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
     bytes[..offset]
         .iter()
@@ -29,10 +29,10 @@ pub(super) fn starts_line(bytes: &[u8], offset: usize) -> bool {
         .is_none_or(|byte| matches!(byte, b'\n' | b'\r'))
 }
 
-/// More complaints about one file than anybody reads are counted, not kept.
+/// Maximum number of diagnostics kept per file; further ones are only counted.
 const MOST_COMPLAINTS: usize = 10_000;
 
-/// Reads logical lines, those of long files on all processors.
+/// Parses logical lines into statements; long files are parsed on all processors.
 pub(super) fn parse_lines(
     source: &Source,
     lines: &[LogicalLine],
@@ -42,7 +42,7 @@ pub(super) fn parse_lines(
     (statements, diagnostics)
 }
 
-/// The same for lines that stand behind a statement; also the last statement of them.
+/// Parses logical lines that follow the statement `before`; also returns the definition of the last statement.
 pub(super) fn parse_lines_after(
     source: &Source,
     lines: &[LogicalLine],
@@ -54,7 +54,7 @@ pub(super) fn parse_lines_after(
     Option<&'static StatementDef>,
 ) {
     const CHUNK: usize = 4096;
-    // What so many lines hold fits the cache.
+    // The values of this many lines fit into the cache.
     const GROUP: usize = 256;
     let read = |(at, chunk): (usize, &[LogicalLine])| {
         let mut parser = StatementParser::new(source, role);
@@ -110,14 +110,16 @@ pub(super) fn parse_lines_after(
     (statements, diagnostics, after)
 }
 
-/// The last statement of some lines, which the next one may continue by mistake; `otherwise` if they do not tell.
+/// Returns the definition of the last statement of some lines, or `otherwise` if they do not determine it.
+///
+/// The next line may be a continuation of that statement whose comma is missing.
 pub(super) fn statement_before(
     source: &Source,
     lines: &[LogicalLine],
     role: Role,
     otherwise: Option<&'static StatementDef>,
 ) -> Option<&'static StatementDef> {
-    // What begins with no keyword tells nothing. A file of such lines is nonsense.
+    // Lines without a keyword determine nothing; a file with many such lines in a row is nonsense.
     const MOST: usize = 16;
     for line in lines.iter().rev().take(MOST) {
         let mut parser = StatementParser::new(source, role);

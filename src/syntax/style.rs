@@ -3,31 +3,31 @@ use super::{Dataset, Statement};
 use crate::grammar::{STATEMENTS, ValueKind};
 use crate::text::Span;
 
-/// How a file writes its statements: what new ones and new arguments look like.
+/// The prevailing style of statements in a file, used for new statements and arguments.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct Style {
-    /// `\n` or `\r\n`.
+    /// Line end, `\n` or `\r\n`.
     pub line_end: &'static str,
     layout: Layout,
-    /// ` = ` or `=`.
+    /// True for ` = `, false for `=`.
     spaced: bool,
-    /// The first argument of a statement without id stands behind the slash: `UNITS/FORCE = NEWTON`. ADAMS/View puts it on the next line.
+    /// True if the first argument of a statement without id follows the slash: `UNITS/FORCE = NEWTON`. ADAMS/View puts it on the next line.
     pub behind_slash: bool,
 }
 
-/// Where the arguments of a statement stand.
+/// Layout of the arguments of a statement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Layout {
-    /// Each on a line of its own that begins with a comma.
+    /// Each argument has its own line, which begins with a comma.
     Comma,
-    /// Each on a line of its own; the line before ends with `&`.
+    /// Each argument has its own line, and the line before ends with `&`.
     Ampersand,
-    /// All on one line.
+    /// All arguments are on one line.
     OneLine,
 }
 
 impl Style {
-    /// The style of most statements of a dataset.
+    /// Returns the prevailing style of a dataset, from its first 200 statements with arguments.
     pub(crate) fn of(dataset: &Dataset) -> Self {
         let sample = dataset
             .statements()
@@ -51,7 +51,7 @@ impl Style {
         }
     }
 
-    /// The style of one statement.
+    /// Returns the style of one statement.
     pub(crate) fn of_statement(dataset: &Dataset, statement: &Statement) -> Self {
         let text = dataset.source().slice(statement.span);
         let layout = match memchr::memchr2(b'\n', b'\r', text) {
@@ -59,7 +59,7 @@ impl Style {
             Some(at) if text[..at].trim_ascii_end().ends_with(b"&") => Layout::Ampersand,
             Some(_) => Layout::Comma,
         };
-        // A statement without arguments says nothing; ADAMS/View writes each on its own line, with blanks.
+        // A statement without arguments has no layout; the layout of ADAMS/View is assumed: one argument per line, with blanks around `=`.
         let layout = if statement.arguments.is_empty() {
             Layout::Comma
         } else {
@@ -75,7 +75,7 @@ impl Style {
         }
     }
 
-    /// `, NAME = value` with what separates it from the argument before.
+    /// Formats `, NAME = value` with the separator from the argument before.
     pub(crate) fn argument(&self, name: &str, value: Option<&str>) -> String {
         let lead = match self.layout {
             Layout::Comma => format!("{}, ", self.line_end),
@@ -89,15 +89,15 @@ impl Style {
         }
     }
 
-    /// The comment line that names the statement below it.
+    /// Formats the comment line that names the statement below it.
     pub(crate) fn name_comment(&self, name: &str) -> String {
-        // ADAMS/View centres it on column 41.
+        // ADAMS/View centres the comment on column 41.
         let comment = format!("adams_view_name='{name}'");
         let pad = " ".repeat(40usize.saturating_sub(comment.len().div_ceil(2)).max(1));
         format!("!{pad}{comment}{}", self.line_end)
     }
 
-    /// A whole statement with its name comment and line ends.
+    /// Formats a whole statement with its name comment and line ends.
     pub(crate) fn statement(&self, new: &NewStatement) -> String {
         let mut text = String::new();
         let end = self.line_end;
@@ -112,7 +112,7 @@ impl Style {
         let last = new.arguments.len().saturating_sub(1);
         for (at, (name, value)) in new.arguments.iter().enumerate() {
             text.push_str(&self.argument(name, value.as_deref()));
-            // A function would go on to the next line: what follows it needs a backslash.
+            // A function would continue on the next line; a backslash ends it before the next argument.
             if at < last && is_function(&new.kind, name) && !text.ends_with('\\') {
                 text.push('\\');
             }
@@ -122,14 +122,14 @@ impl Style {
     }
 }
 
-/// True if more statements without id begin their arguments behind the slash than on the next line.
+/// Returns true if most statements without id have their first argument after the slash and not on the next line.
 fn most_stand_behind_slash(dataset: &Dataset) -> bool {
     let all = dataset.statements().iter();
     let told = all.filter_map(|statement| is_behind_slash(dataset, statement));
     told.fold(0isize, |sum, behind| sum + if behind { 1 } else { -1 }) > 0
 }
 
-/// Whether the first argument of a statement without id is on the line of the keyword; `None` if it tells nothing.
+/// Returns whether the first argument of a statement without id is on the line of the keyword; `None` for other statements.
 fn is_behind_slash(dataset: &Dataset, statement: &Statement) -> Option<bool> {
     let first = statement.arguments.first()?;
     statement.def.filter(|_| statement.id.is_none())?;
@@ -144,7 +144,7 @@ fn is_function(kind: &str, argument: &str) -> bool {
     arguments.any(|def| def.name == argument && def.kind == ValueKind::Function)
 }
 
-/// The line end of the first line.
+/// Returns the line end of the first line.
 fn line_end(bytes: &[u8]) -> &'static str {
     match memchr::memchr(b'\n', bytes) {
         Some(at) if at > 0 && bytes[at - 1] == b'\r' => "\r\n",

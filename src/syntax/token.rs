@@ -1,23 +1,23 @@
 use crate::text::Span;
 
-/// What a token is. Tokens tile the bytes of the file: each starts where the one before ends.
+/// Kind of a token. Tokens tile the bytes of the file: each starts where the preceding one ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TokenKind {
     /// The first line of a dataset, without its line end.
     Title,
-    /// A letter or underscore and what follows of letters, digits, underscores.
+    /// A letter or underscore, followed by letters, digits and underscores.
     Word,
-    /// A number without its sign, with its degree suffix if it has one.
+    /// A number without its sign, including a degree suffix.
     Number,
-    /// `"..."`; a quote that is never closed ends with its line.
+    /// A text in quotes, `"..."`; a quote that is not closed ends at the end of its line.
     Quoted,
     /// One of `/ = , : \ ( ) + - * ; &` or any other single byte.
     Punctuation(u8),
-    /// A mark that only continues a line: a comma that stands first on its line, or `&` that stands last.
+    /// A mark that only continues a line: a comma at the start of a line, or `&` at the end of one.
     Continuation,
     /// The two prompt-style first lines of a command file.
     Text,
-    /// Blanks, tabs, and the control bytes old systems leave in files.
+    /// Blanks, tabs, and control bytes that old systems leave in files.
     Blank,
     /// A line end: LF, CR LF, or a lone CR.
     LineEnd,
@@ -28,7 +28,7 @@ pub enum TokenKind {
 }
 
 impl TokenKind {
-    /// True for what means nothing to a statement: blanks, line ends, comments, and what stands outside of all statements.
+    /// Returns true for tokens without meaning in a statement: blanks, line ends, comments, and tokens outside of all statements.
     pub const fn is_trivia(self) -> bool {
         matches!(
             self,
@@ -40,31 +40,31 @@ impl TokenKind {
 /// One token.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Token {
-    /// What it is.
+    /// Kind of the token.
     pub kind: TokenKind,
-    /// Where it stands.
+    /// Location of the token.
     pub span: Span,
 }
 
-/// A number as written.
+/// A number in the text of a file.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Number {
-    /// Its value; degrees are turned into radians.
+    /// Value of the number; degrees are converted to radians.
     pub value: f64,
-    /// True if it carries the degree suffix.
+    /// True if the number has the degree suffix.
     pub degrees: bool,
-    /// Where it stands, sign and suffix included.
+    /// Location of the number, including sign and suffix.
     pub span: Span,
 }
 
 impl Number {
-    /// It as an id, if it can be one.
+    /// Returns the number as an id, if it is a valid one.
     pub fn as_id(&self) -> Option<u32> {
         as_id(self.value)
     }
 }
 
-/// A value as an id, if it can be one. Zero stands for ground or for nothing and is none.
+/// Returns a value as an id, if it is a valid one. Zero is not an id; it means ground or no object.
 pub fn as_id(value: f64) -> Option<u32> {
     let whole = value.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&value);
     whole.then_some(value as u32)

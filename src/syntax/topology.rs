@@ -1,4 +1,4 @@
-//! Which objects the statements of a dataset name, and which body every marker is on.
+//! References from statements of a dataset to other objects, and the body of every marker.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,14 +6,14 @@ use super::{Argument, Dataset, Number, Statement, Value};
 use crate::grammar::ValueKind;
 use crate::text::{Edit, Span};
 
-/// One id that stands for an object: in an argument or in a function. Zeros stand for ground or for nothing and are none.
+/// A reference to an object by its id, in an argument or in a function. A zero is not a reference; it means ground or no object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Reference {
-    /// The id space: `marker`, `part`, `joint`.
+    /// Id space of the object: `marker`, `part`, `joint`.
     pub space: &'static str,
-    /// The id.
+    /// Id of the object.
     pub id: u32,
-    /// Where it stands.
+    /// Location of the id.
     pub span: Span,
 }
 
@@ -21,7 +21,7 @@ pub struct Reference {
 pub type ObjectId = (&'static str, u32);
 
 impl Argument {
-    /// The objects an argument names.
+    /// Returns the objects to which the argument refers.
     pub fn references(&self) -> Vec<Reference> {
         let as_reference = |space, number: &Number| {
             Some(Reference {
@@ -51,7 +51,7 @@ impl Statement {
         Some((self.def?.id?, self.number()?))
     }
 
-    /// True for what has markers on it: parts, point masses, flexible bodies.
+    /// Returns true for the kinds of bodies that carry markers: parts, point masses and flexible bodies.
     pub fn is_body(&self) -> bool {
         matches!(
             self.kind(),
@@ -60,14 +60,14 @@ impl Statement {
     }
 }
 
-/// The bodies of all markers, those too that name none.
+/// The body of every marker, including markers that name none.
 #[derive(Clone, Debug, Default)]
 pub struct Topology {
     bodies: BTreeMap<u32, ObjectId>,
 }
 
 impl Topology {
-    /// Reads the markers of a dataset.
+    /// Determines the bodies of all markers of a dataset.
     pub fn of(dataset: &Dataset) -> Self {
         let mut bodies = BTreeMap::new();
         let mut before = None;
@@ -120,18 +120,19 @@ impl Topology {
     }
 }
 
-/// Statements and arguments that go together.
+/// Statements and arguments that must be removed together.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Removal {
-    /// Statements, by their places.
+    /// Indices of the statements.
     pub statements: BTreeSet<usize>,
-    /// Arguments of statements that stay: places of both.
+    /// Arguments of statements that stay, as indices of statement and argument.
     pub arguments: BTreeSet<(usize, usize)>,
 }
 
 impl Dataset {
-    /// Everything that cannot stand without some statements: markers on a body, elements on markers, motions of joints, and so on.
-    /// Bodies and settings only lose the argument that names what is gone.
+    /// Returns all dependents of some removed statements: markers on a body, elements on markers, motions of joints, and so on.
+    ///
+    /// A body or a statement without id only loses the argument that refers to a removed object.
     pub fn dependents(&self, removed: BTreeSet<usize>) -> Removal {
         let topology = Topology::of(self);
         let mut removal = Removal {
@@ -180,7 +181,7 @@ impl Dataset {
         removal
     }
 
-    /// The edits of a removal.
+    /// Returns the edits of a removal.
     pub fn removal_edits(&self, removal: &Removal) -> Vec<Edit> {
         let statements = removal
             .statements

@@ -1,4 +1,4 @@
-//! Statements typed by a person, to be added to a dataset in its own style.
+//! Parsing of statements typed by a user, to be added to a dataset in its own style.
 
 use super::lines::logical_lines;
 use super::statement::{NO_OWNER, without_continuation};
@@ -9,9 +9,11 @@ use crate::grammar::Role;
 use crate::text::{Source, Span};
 
 impl NewStatement {
-    /// The statements of a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling a dataset may have.
-    /// Values are kept as they are typed; continued ones are joined. What is no known statement, or cannot be read, is an error, as
-    /// is a MARKER that names no body; the value is empty then.
+    /// Parses the statements of a text without a title line, such as `MARKER/99, PART=2, QP=1,2,3`, in any spelling that a dataset may
+    /// have.
+    ///
+    /// Values are kept as typed, and continuation lines are joined. Errors are unknown statements or arguments, unreadable values, and a
+    /// MARKER that names no body. If there is an error, the returned list is empty.
     pub fn read(source: &Source) -> Checked<Vec<Self>> {
         let (lines, _) = logical_lines(source.bytes(), 0, false);
         let (statements, mut diagnostics) = parse_lines(source, &lines, Role::Dataset);
@@ -74,7 +76,7 @@ impl NewStatement {
     }
 }
 
-/// What is typed between the equals sign and the next argument.
+/// Returns the text between the equals sign and the next argument.
 fn value(argument: &Argument, end: usize, source: &Source) -> Option<String> {
     let typed = source.text(Span::new(argument.name.end(), end));
     let typed = without_continuation(&typed);

@@ -11,27 +11,27 @@ pub struct Dimension {
     pub length: i8,
     /// Exponent of time.
     pub time: i8,
-    /// Exponent of plane angle (radians inside).
+    /// Exponent of plane angle (in radians internally).
     pub angle: i8,
 }
 
 impl Dimension {
-    /// A pure number.
+    /// Dimension of a pure number.
     pub const NONE: Self = Self::new(0, 0, 0, 0, 0);
-    /// Length.
+    /// Dimension of length.
     pub const LENGTH: Self = Self::new(0, 0, 1, 0, 0);
-    /// Plane angle.
+    /// Dimension of plane angle.
     pub const ANGLE: Self = Self::new(0, 0, 0, 0, 1);
-    /// Force.
+    /// Dimension of force.
     pub const FORCE: Self = Self::new(1, 0, 0, 0, 0);
-    /// Torque.
+    /// Dimension of torque.
     pub const TORQUE: Self = Self::new(1, 0, 1, 0, 0);
-    /// Mass.
+    /// Dimension of mass.
     pub const MASS: Self = Self::new(0, 1, 0, 0, 0);
-    /// Time.
+    /// Dimension of time.
     pub const TIME: Self = Self::new(0, 0, 0, 1, 0);
 
-    /// A dimension from its exponents.
+    /// Creates a dimension from its exponents.
     pub const fn new(force: i8, mass: i8, length: i8, time: i8, angle: i8) -> Self {
         Self {
             force,
@@ -43,12 +43,12 @@ impl Dimension {
     }
 }
 
-/// A unit with its ADAMS keyword, the word ADAMS prints in results, and its size in SI.
+/// A unit with its ADAMS keyword, its spelling in results files, and its size in SI units.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Unit {
-    /// Keyword in UNITS, whole, in capitals.
+    /// Full keyword of the UNITS statement, in capitals.
     pub keyword: &'static str,
-    /// Word in result files, for example `mm`.
+    /// Spelling in results files, for example `mm`.
     pub word: &'static str,
     /// Size in SI units (N, kg, m, s).
     pub si: f64,
@@ -120,7 +120,7 @@ pub const TIME_UNITS: &[Unit] = &[
     unit("DAY", "day", 86400.0),
 ];
 
-/// The units of one dataset.
+/// Units of a dataset.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Units {
     /// Unit of force.
@@ -131,14 +131,14 @@ pub struct Units {
     pub length: Unit,
     /// Unit of time.
     pub time: Unit,
-    /// The units consistency factor: Force * UCF = Mass * Acceleration (guide/formats.md 2.15).
+    /// Units consistency factor: Force * UCF = Mass * Acceleration (guide/formats.md 2.15).
     pub ucf: f64,
     /// True if the dataset states its units.
     pub stated: bool,
 }
 
 impl Units {
-    /// Stated units and the factor that follows from them.
+    /// Creates stated units and computes their consistency factor.
     pub fn new(force: Unit, mass: Unit, length: Unit, time: Unit) -> Self {
         let ucf = force.si * time.si * time.si / (mass.si * length.si);
         Self {
@@ -151,7 +151,7 @@ impl Units {
         }
     }
 
-    /// One of these units of a dimension in SI units (N, kg, m, s, rad).
+    /// Returns the size of the unit of a dimension in SI units (N, kg, m, s, rad).
     pub fn si(&self, dimension: Dimension) -> f64 {
         let powers = [
             (self.force.si, dimension.force),
@@ -163,8 +163,8 @@ impl Units {
         product.iter().product()
     }
 
-    /// The name of a dimension in these units as result files spell it, for example `newton-mm`, `mm/sec**2`; empty for a
-    /// pure number.
+    /// Returns the name of the unit of a dimension, as spelled in results files, for example `newton-mm`, `mm/sec**2`; empty for a pure
+    /// number.
     pub fn name(&self, dimension: Dimension) -> String {
         let parts = [
             (self.force.word, dimension.force),
@@ -193,7 +193,7 @@ impl Units {
     }
 }
 
-/// A unit as people write it: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
+/// Returns a unit in its usual short form: `N/mm` for `newton/mm`, `N mm/rad` for `newton-mm/rad`.
 pub fn short_unit(unit: &str) -> String {
     let starts = |word: &str| unit.starts_with(word) || unit.contains(&format!("/{word}"));
     if starts("newton") || starts("knewton") {
@@ -204,7 +204,8 @@ pub fn short_unit(unit: &str) -> String {
 }
 
 impl Default for Units {
-    /// A dataset without UNITS: ADAMS computes with UCF = 1; results are named as millimetres, newtons, kilograms, seconds.
+    /// Returns the units of a dataset without UNITS: ADAMS computes with UCF = 1, and results are named as millimetres, newtons, kilograms,
+    /// seconds.
     fn default() -> Self {
         Self {
             ucf: 1.0,

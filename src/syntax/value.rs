@@ -10,11 +10,11 @@ use crate::grammar::{
 };
 use crate::text::{Edit, Span};
 
-/// Why a list of numbers could not be read.
+/// Error: a list of numbers could not be parsed.
 struct NotNumbers;
 
 impl StatementParser<'_> {
-    /// The value of an argument whose keyword was just read.
+    /// Parses the value of an argument after its keyword.
     pub(super) fn value(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -94,7 +94,7 @@ impl StatementParser<'_> {
         let rest = bad.map_or(rest, |token| token.span.join(rest));
         let span = match (last, first) {
             (Some(last), _) => {
-                // What stands behind a number without a comma makes the two one fault.
+                // Text directly after a number, without a comma, is reported together with the number.
                 let between = self.source.slice(Span::new(last.end(), rest.start()));
                 if between.contains(&b',') {
                     rest
@@ -126,7 +126,7 @@ impl StatementParser<'_> {
             diagnostic = diagnostic.help("commas separate values");
         }
         self.complain(diagnostic, span, "");
-        // The numbers behind it belong to it, too: they are no arguments, and no further fault.
+        // Numbers after the fault belong to the same value; they are neither arguments nor further faults.
         loop {
             let end = cursor.position();
             let more = cursor.skip_commas()
@@ -144,7 +144,7 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Numbers between commas, up to a separator that no number follows. On an error the cursor stands where it was found.
+    /// Parses numbers separated by commas, up to a separator without a following number. On an error the cursor stays at the fault.
     fn numbers(&mut self, cursor: &mut Cursor) -> Result<Shared<Number>, NotNumbers> {
         self.list.clear();
         loop {
@@ -167,7 +167,7 @@ impl StatementParser<'_> {
         }
     }
 
-    /// `[+|-] number [D]`
+    /// Parses `[+|-] number [D]`.
     fn number(&self, cursor: &mut Cursor) -> Option<Number> {
         let first = cursor.peek()?;
         let signed = matches!(first.kind, TokenKind::Punctuation(b'+' | b'-'));
@@ -180,7 +180,7 @@ impl StatementParser<'_> {
         cursor.advance();
         let (mut value, mut degrees) = parse_number(self.source.slice(digits.span))?;
         let mut span = first.span.join(digits.span);
-        // Some hand-written decks leave a blank before the degree suffix.
+        // Some hand-written decks have a blank before the degree suffix.
         if let Some(word) = cursor.peek()
             && word.kind == TokenKind::Word
             && !degrees
@@ -201,7 +201,7 @@ impl StatementParser<'_> {
         })
     }
 
-    /// Words joined by colons; the page of FRICTION shows them in parentheses.
+    /// Parses words joined by colons. They may be enclosed in parentheses, as on the documentation page of FRICTION.
     fn choice(
         &mut self,
         def: &'static ArgumentDef,
@@ -256,7 +256,7 @@ impl StatementParser<'_> {
         self.complain(diagnostic, span, "");
     }
 
-    /// A FUNCTION: to a backslash or a comma outside of parentheses, never only to a line end.
+    /// Parses a FUNCTION up to a backslash or a comma outside of parentheses; a line end alone does not end it.
     fn function(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -336,7 +336,7 @@ impl StatementParser<'_> {
                 .is_some_and(|token| token.kind == TokenKind::Punctuation(b'('))
     }
 
-    /// True if `KEYWORD =` stands at the front and the statement has that keyword.
+    /// Returns true if the tokens begin with `KEYWORD =` and the statement has that keyword.
     fn is_assignment(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -355,8 +355,9 @@ impl StatementParser<'_> {
             })
     }
 
-    /// True if what follows a comma is the next argument, not more of a text: a keyword of the statement with its equals sign
-    /// or, for a flag, with nothing after it; or any word with an equals sign.
+    /// Returns true if the tokens after a comma begin the next argument and do not continue a text.
+    ///
+    /// This holds for any word with an equals sign, and for a flag of the statement with nothing after it.
     fn is_next_argument(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -382,8 +383,9 @@ impl StatementParser<'_> {
         }
     }
 
-    /// Free text: quoted ones between commas, or unquoted to the end of the line or to the next argument. `list` splits
-    /// unquoted text at colons and commas.
+    /// Parses free text: quoted texts between commas, or unquoted text up to the end of the line or the next argument.
+    ///
+    /// With `list`, unquoted text is split at colons and commas.
     fn texts(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -400,7 +402,7 @@ impl StatementParser<'_> {
                     at = token.span.end();
                 }
                 Some(token) if token.kind == TokenKind::Continuation && texts.is_empty() => {
-                    // The value is on the next line, unless that is the next argument: then the text is empty.
+                    // The value is on the next line, unless that line begins the next argument; then the text is empty.
                     let position = cursor.position();
                     cursor.advance();
                     if !self.is_next_argument(statement, cursor.rest()) {
@@ -416,7 +418,7 @@ impl StatementParser<'_> {
                 }
                 None => break,
             }
-            // More of a list stands after the comma.
+            // After a comma the list continues.
             let end = cursor.position();
             let several = list || self.source.bytes().get(at.wrapping_sub(1)) == Some(&b'"');
             if !several || !cursor.skip_commas() || self.is_next_argument(statement, cursor.rest())
@@ -431,7 +433,7 @@ impl StatementParser<'_> {
         Value::Texts(texts)
     }
 
-    /// Unquoted text on this line. Returns where it ends.
+    /// Parses unquoted text on the current line and returns the offset at which it ends.
     fn line_of_text(
         &mut self,
         statement: Option<&'static StatementDef>,
@@ -470,26 +472,26 @@ impl StatementParser<'_> {
             }
             passed = index + 1;
         }
-        // A colon at the end of a line: the next text is on the next line.
+        // After a colon at the end of a line, the next text is on the next line.
         texts.extend(item.filter(|span| !(continued && span.is_empty())));
         cursor.go_back(cursor.position() + passed);
         end
     }
 
-    /// A colon that separates: not one of the pair in `library::subroutine`.
+    /// Returns true for a colon that separates texts, as opposed to the pair in `library::subroutine`.
     fn is_single_colon(&self, span: Span) -> bool {
         let bytes = self.source.bytes();
         bytes.get(span.end()) != Some(&b':')
             && (span.start() == 0 || bytes[span.start() - 1] != b':')
     }
 
-    /// The place inside of the quotes.
+    /// Returns the span inside the quotes.
     fn unquoted(&self, span: Span) -> Span {
         let closed = span.len() > 1 && self.source.bytes()[span.end() - 1] == b'"';
         Span::new(span.start() + 1, span.end() - usize::from(closed))
     }
 
-    /// The value of an argument nobody knows: numbers if it looks like them, else a text to the next separator.
+    /// Parses the value of an unknown argument: numbers if possible, otherwise a text up to the next separator.
     fn unknown_value(&mut self, cursor: &mut Cursor) -> Value {
         cursor.skip_continuation();
         let start = cursor.position();
@@ -501,7 +503,7 @@ impl StatementParser<'_> {
     }
 }
 
-/// True if some number has a FORTRAN exponent: `1.5D3`, `1D+05`.
+/// Returns true if a number in the text has a FORTRAN exponent: `1.5D3`, `1D+05`.
 fn has_d_exponent(text: &[u8]) -> bool {
     text.windows(3).any(|three| {
         (three[0].is_ascii_digit() || three[0] == b'.')
@@ -510,7 +512,7 @@ fn has_d_exponent(text: &[u8]) -> bool {
     })
 }
 
-/// A word as choices spell it: it may begin with digits, as 3DBEAM does.
+/// Parses the word of a choice, which may begin with digits as in 3DBEAM.
 fn choice_word(cursor: &mut Cursor) -> Option<Span> {
     let is_piece = |token: &Token| matches!(token.kind, TokenKind::Word | TokenKind::Number);
     let mut span = cursor.peek().filter(is_piece)?.span;

@@ -1,4 +1,6 @@
-//! A solve allocates for what it hands back, not for its iterations. Alone in its process: every allocation is counted.
+//! Checks that the allocations of a solve depend on its results and not on its iterations.
+//!
+//! The test has its own process, because every allocation of the process is counted.
 
 #![allow(non_snake_case)]
 
@@ -15,7 +17,7 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static COUNTED: &StatsAlloc<Memory> = &INSTRUMENTED_SYSTEM;
 
-/// (iterations, allocations) of the load cases of an axle of the corpus, the solver having solved it before.
+/// Returns (iterations, allocations) of each load case of an axle of the corpus, for a solver that has already solved them once.
 fn counts(axle: &str) -> Vec<(usize, usize)> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("corpus/{axle}/reference.adm"));
     let dataset = Dataset::parse(Source::new("axle", std::fs::read(path).unwrap())).value;
@@ -62,7 +64,7 @@ fn counts(axle: &str) -> Vec<(usize, usize)> {
 #[test]
 fn iterations_allocate_nothing() {
     for axle in ["pseudo-mcpherson", "multilink"] {
-        // What the thread of the test harness allocates meanwhile is counted, too: the least of some turns is the solver's.
+        // Allocations of the test harness's own thread are counted too; the minimum of several runs belongs to the solver.
         let least = |a: Vec<(usize, usize)>, b: Vec<(usize, usize)>| {
             let pairs = a.into_iter().zip(b);
             pairs.map(|(a, b)| (a.0, a.1.min(b.1))).collect()
@@ -73,8 +75,8 @@ fn iterations_allocate_nothing() {
         let iterations = counts.iter().map(|c| c.0);
         let (least, most) = (iterations.clone().min(), iterations.max());
         assert!(most > least.map(|l| l + 2), "{counts:?}");
-        // The same few for one iteration and for many: the history that the report hands back, the names of the two parts where most force
-        // and torque is left, and these again where no solve has left more.
+        // A few allocations, whatever the number of iterations: the history in the report, and the names of the two parts with the largest
+        // remaining force and torque, also for the state with the smallest remaining imbalance.
         assert!(counts.iter().all(|c| c.1 <= 5), "{counts:?}");
     }
 }

@@ -1,8 +1,8 @@
-//! Reading of large and of hostile decks: rates of the lossless document and of the typed model.
+//! Benchmark of reading large and hostile decks: rates of the lossless document and of the typed model.
 //!
-//! `cargo bench --bench decks -- [MEGABYTES]`; the stated goals (150 MB/s to the document, 60 MB/s to the model) are for 100. A
-//! hostile file is read twice, the second time doubled: time must not grow faster than the file. With `--write FILE` the large deck is
-//! written into a file and nothing is read: `tests/bench/large.py` hands it to the commands.
+//! `cargo bench --bench decks -- [MEGABYTES]`; the goals (150 MB/s for the document, 60 MB/s for the model) apply to 100 MB. A hostile file
+//! is read at two sizes, the second one doubled; the time must not grow faster than the size. With `--write FILE` the large deck is only
+//! written to a file, which `tests/bench/large.py` passes to the commands.
 
 #[path = "large_deck.rs"]
 mod large_deck;
@@ -79,7 +79,7 @@ fn main() {
     }
 }
 
-/// Processor seconds to read so many bytes of a pattern as a dataset and as a command file.
+/// Returns the processor time, in seconds, for reading `size` bytes of a repeated pattern as a dataset and as a command file.
 fn time(piece: &[u8], size: usize) -> f64 {
     let mut bytes = b"title\n".to_vec();
     while bytes.len() < size {

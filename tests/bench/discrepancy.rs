@@ -1,9 +1,9 @@
-//! How well hidden effects are named: `cargo bench --bench discrepancy` prints the tables of the guide over 500 studies.
+//! Benchmark of the identification of hidden effects: `cargo bench --bench discrepancy` prints the tables of the guide over 500 studies.
 //!
-//! `-- SINGLES CLEAN PAIRS OUTSIDE` are other numbers of studies, of which `--multilinks N` at most are multilinks (20). Seeds start
-//! where those of the tests end; `--from N` starts at another one, `--tests` runs the studies of the test command. `--show` prints a
-//! line for every study, `--axle pseudo-mcpherson` or `multilink` leaves the other axle out, `--calm` studies with background errors,
-//! `--only single` (or `clean`, `pair`, `outside`) the other kinds.
+//! `-- SINGLES CLEAN PAIRS OUTSIDE` sets the numbers of studies of each kind, and `--multilinks N` the maximum number of multilinks among
+//! them (20). Seeds start after the seeds of the tests; `--from N` sets another start, and `--tests` runs the studies of the test command.
+//! `--show` prints a line per study. `--axle pseudo-mcpherson` or `--axle multilink` selects one axle. `--calm` selects studies without
+//! background errors. `--only single` (or `clean`, `pair`, `outside`) selects one kind.
 
 #[path = "../discrepancy/blind/mod.rs"]
 mod blind;
@@ -24,11 +24,11 @@ use blind::{Axle, Score, Tally, Trial, run};
 use proportion::interval95;
 use rayon::prelude::*;
 
-/// Seeds of the tests are smaller.
+/// First seed; the tests use smaller ones.
 const FIRST: u64 = 1000;
-/// Studies of each kind, in the order of the tests: 500 in all, 200 of them clean.
+/// Number of studies of each kind, in the order of the tests: 500 in all, 200 of them clean.
 const COUNTS: [usize; 4] = [210, 200, 50, 40];
-/// Multilinks among them.
+/// Maximum number of multilink studies.
 const MULTILINKS: usize = 20;
 
 fn main() {
@@ -67,7 +67,7 @@ fn main() {
                 .get(k)
                 .copied()
                 .unwrap_or(if numbers.is_empty() { COUNTS[k] } else { 0 });
-        // Two of three multilinks carry a single cause, the others none.
+        // Two thirds of the multilinks have a single cause, the others none.
         let most = match kind {
             Kind::Single => multilinks - multilinks / 3,
             Kind::Clean => multilinks / 3,
@@ -81,7 +81,7 @@ fn main() {
             .is_none_or(|only| *only == format!("{:?}", plan.kind).to_lowercase())
     });
     chosen.retain(|plan| axle.as_ref().is_none_or(|axle| plan.axle.name() == axle));
-    // What takes longest comes first, so that no core is left alone with it.
+    // The longest studies come first, so that none of them runs alone at the end.
     chosen.sort_by_key(|plan| (plan.axle == Axle::McPherson, !plan.background));
     let started = Instant::now();
     let (all, done) = (chosen.len(), AtomicUsize::new(0));
@@ -90,7 +90,7 @@ fn main() {
         .with_max_len(1)
         .map(|plan| {
             let name = format!("{:?} {} {}", plan.kind, plan.seed, plan.axle.name());
-            // One study that cannot be run must not cost the others.
+            // A study that fails must not stop the others.
             let trial = catch_unwind(AssertUnwindSafe(|| run(plan)));
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
             if count.is_multiple_of(25) {
@@ -136,7 +136,7 @@ fn main() {
     }
 }
 
-/// How long a full diagnosis of the shipped studies takes while nothing else runs.
+/// Prints the duration of a full diagnosis of the shipped studies, with no other work running.
 fn of_the_corpus() {
     println!("| full diagnosis of | hypotheses | seconds | aim |\n|---|---|---|---|");
     for (name, aim) in [("pseudo-mcpherson", 2), ("multilink", 20)] {
@@ -273,7 +273,7 @@ fn by_cause(tally: &Tally) {
     println!();
 }
 
-/// Share named by size: where it passes a half is the detection limit.
+/// Prints the fraction of causes named, by size of the effect; the detection limit is where it exceeds one half.
 fn limit(tally: &Tally) {
     println!(
         "| rms shift outside of what a fit can follow | studies | something found | cause named | with place |"
@@ -292,7 +292,7 @@ fn limit(tally: &Tally) {
             .iter()
             .filter(|(t, _)| t.diagnosis.as_ref().is_some_and(|d| !d.findings.is_empty()))
             .count();
-        // Here silence is no answer.
+        // Here a diagnosis without findings does not count as an answer.
         let spoke = |t: &Trial| t.diagnosis.as_ref().is_some_and(|d| !d.findings.is_empty());
         let named = chosen.iter().filter(|(t, s)| spoke(t) && s.cause).count();
         let placed = chosen.iter().filter(|(t, s)| spoke(t) && s.address).count();
@@ -306,7 +306,7 @@ fn limit(tally: &Tally) {
     println!();
 }
 
-/// The same against what could be seen at all: 40 + 2 ln(hypotheses).
+/// Prints the fraction of causes named, by the visible chi-square relative to the detection bound 40 + 2 ln(hypotheses).
 fn against_bound(tally: &Tally) {
     println!(
         "| chi-square outside of what a fit can follow, over the bound | studies | something found | cause named | with place |"
@@ -329,7 +329,7 @@ fn against_bound(tally: &Tally) {
             let bound = 40.0 + 2.0 * (t.places.max(1) as f64).ln();
             t.plan.kind == Kind::Single && (pair[0]..pair[1]).contains(&(t.planted[0].seen / bound))
         };
-        // Here silence is no answer.
+        // Here a diagnosis without findings does not count as an answer.
         let spoke = |t: &Trial| t.diagnosis.as_ref().is_some_and(|d| !d.findings.is_empty());
         let (_, all) = tally.count(of, |_| true);
         if all == 0 {
@@ -346,7 +346,7 @@ fn against_bound(tally: &Tally) {
     println!();
 }
 
-/// Planted against named, for single causes that can be seen; `consistent` and `unexplained` are answers too.
+/// Prints planted against named causes, for single causes that can be detected; `consistent` and `unexplained` count as answers.
 fn confusion(tally: &Tally) {
     println!(
         "| planted | named (single causes that can be seen; outside causes; nothing) |\n|---|---|"
@@ -379,7 +379,7 @@ fn confusion(tally: &Tally) {
     }
 }
 
-/// The first name of an answer, or its verdict.
+/// Returns the cause of the first finding, or the verdict if there is no finding.
 fn answer(trial: &Trial) -> String {
     match &trial.diagnosis {
         None => "none".to_string(),

@@ -1,7 +1,7 @@
-//! The language server while somebody types in a large deck: how long complaints take to follow a key.
+//! Benchmark of the language server during typing in a large deck: the delay of diagnostics after a keystroke.
 //!
-//! `cargo bench --bench editor -- [MEGABYTES]`. The stated goal is 50 ms after a key, for 10 MB. Every key is one message of the protocol,
-//! and the time ends when the complaints about the text as it is then have arrived.
+//! `cargo bench --bench editor -- [MEGABYTES]`. The goal is 50 ms after a keystroke, for 10 MB. Every keystroke is one message of the
+//! protocol. The time ends when the diagnostics of the changed text have arrived.
 
 #[path = "large_deck.rs"]
 mod large_deck;
@@ -38,7 +38,7 @@ fn main() {
         text.len() as f64 / 1e6,
         milliseconds(start)
     );
-    // Lines that name the part of a marker: with one digit more it is none that is there.
+    // Lines that name the part of a marker; with one more digit, the part does not exist.
     let parts = text.matches("\nPART/").count();
     let too_large = |id: &str| id.parse::<usize>().is_ok_and(|id| id * 10 > parts + 1);
     let lines: Vec<(usize, usize)> = text
@@ -47,7 +47,7 @@ fn main() {
         .filter(|(_, line)| line.strip_prefix(", PART = ").is_some_and(too_large))
         .map(|(at, line)| (at, line.len()))
         .collect();
-    // One key in the middle: while the editor waits, the whole file is checked.
+    // Keystrokes in the middle of the file, once the check of the whole file has finished.
     editor.wait_for_whole();
     for (name, pause) in [
         ("keys as fast as they are answered", 0),
@@ -70,7 +70,8 @@ fn main() {
         }
         tell(name, times);
     }
-    // The hardest keys: the id of the marker that every force names, and END typed and taken away in the middle, which ends the deck there.
+    // The most expensive keystrokes: the id of the marker that every force refers to, and END typed in the middle, which ends the deck
+    // there.
     let shared = text
         .lines()
         .position(|line| line.starts_with("MARKER/1,"))
@@ -107,7 +108,7 @@ fn main() {
         }
         tell(name, times);
     }
-    // What looks at the whole file: a part loses its mass.
+    // A change that affects a rule for the whole file: a part loses its mass.
     let mass = text
         .lines()
         .position(|line| line.starts_with(", MASS"))
@@ -162,7 +163,7 @@ impl Editor {
         }
     }
 
-    /// The complaints about the text as it is now.
+    /// Waits for the diagnostics of the current text and returns them.
     fn complaints(&self) -> Vec<Value> {
         let version = self.version;
         let message = self.next(|message| {
@@ -182,8 +183,9 @@ impl Editor {
         while self.editor.receiver.try_recv().is_ok() {}
     }
 
-    /// The check of the whole file has nothing to say of this deck: it has had the time. What it said would push out of sight what
-    /// the keys bring about.
+    /// Waits until the check of the whole file has finished, and asserts that it found nothing.
+    ///
+    /// Its diagnostics would otherwise displace those caused by the keystrokes.
     fn wait_for_whole(&self) {
         std::thread::sleep(Duration::from_secs(3));
         while let Ok(message) = self.editor.receiver.try_recv() {

@@ -1,9 +1,9 @@
-//! How good the estimates are: `cargo bench --bench identification -- [seeds] [axle]` prints the tables of the guide.
+//! Benchmark of the quality of estimates: `cargo bench --bench identification -- [seeds] [axle]` prints the tables of the guide.
 //!
-//! For each axle, noise and nuisance the reference deck is solved, its marks are read with noise (and, with offsets, through
-//! bushings that are assembled askew by draws from the prior), and the study is identified from what was read alone: by the
-//! global fit and, in the same run, by the paper's loop as printed, capped at 50 iterations. The Cramer-Rao bound is that of the
-//! fit's own unknowns and priors at the true values. Wheel angles are compared with those of the reference in every load case.
+//! For each axle, noise and nuisance, the reference deck is solved and its marks are read with noise. With offsets, bushings are also
+//! assembled askew by draws from the prior. The study is identified from these readings alone: by the global fit, and by the paper's loop
+//! as printed, with at most 50 iterations. The Cramer-Rao bound is for the unknowns and priors of the fit at the true values. Wheel angles
+//! are compared with the reference in every load case.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -24,18 +24,18 @@ use admire_study::wheel::SpinDirection;
 use admire_syntax::Address;
 use rayon::prelude::*;
 
-/// Only numbers whose bound on ln K is below this are judged.
+/// Upper limit of the Cramer-Rao bound on ln K for a stiffness to be included in the tables.
 const KNOWN: f64 = 0.3;
-/// Prior sd of the assembly offsets that are drawn and fitted: mm and degrees.
+/// Prior standard deviation of the assembly offsets that are drawn and fitted, in mm and degrees.
 const OFFSET: f64 = 0.5;
-/// Iterations of the paper's loop.
+/// Maximum number of iterations of the paper's loop.
 const LOOP: usize = 50;
-/// One seed in so many is also fitted from the direct solution.
+/// Interval of seeds that are also fitted from the direct solution.
 const DIRECT_EVERY: usize = 20;
-/// On the multilink the paper's loop runs on one seed in so many: without convergence it takes longer than all else together.
+/// Interval of seeds on which the paper's loop runs for the multilink, where it does not converge and takes longer than everything else.
 const LOOP_EVERY: u64 = 4;
 
-/// One axle with one noise and one choice of nuisances.
+/// An axle with a noise level and a choice of nuisances.
 #[derive(Clone, Copy)]
 struct Setting {
     axle: &'static str,
@@ -43,28 +43,28 @@ struct Setting {
     offsets: bool,
 }
 
-/// One fit.
+/// Result of one fit.
 struct Trial {
-    /// ln K found minus ln K true.
+    /// Errors of ln K: estimate minus true value.
     errors: Vec<f64>,
-    /// Claimed sd of ln K.
+    /// Reported standard deviations of ln K.
     sds: Vec<f64>,
-    /// Whether the 95 percent interval holds the truth.
+    /// Whether each 95 percent interval contains the true value.
     covered: Vec<bool>,
     converged: bool,
     sweeps: usize,
     seconds: f64,
-    /// Rms error of camber and steer in degrees: of the fit, of the initial model.
+    /// Rms errors of camber and steer in degrees, of the fit and of the initial model.
     wheel: [[f64; 2]; 2],
-    /// What the paper's loop did, if it was run.
+    /// Result of the paper's loop, if it was run.
     paper: Option<Paper>,
-    /// Seconds of one plain sweep over the load cases.
+    /// Duration of one plain sweep over the load cases, in seconds.
     sweep_seconds: f64,
 }
 
-/// The paper's loop on the same readings.
+/// Result of the paper's loop on the same readings.
 struct Paper {
-    /// Rms error of camber and steer in degrees.
+    /// Rms errors of camber and steer in degrees.
     wheel: [f64; 2],
     iterations: usize,
     seconds: f64,
@@ -77,7 +77,7 @@ fn loaded(name: &str) -> LoadedStudy {
     LoadedStudy::read(&folder).value.expect("a shipped study")
 }
 
-/// A study whose marks are those of the reference deck with noise and assembly offsets drawn from `seed`, and the true sweep.
+/// Returns a study whose marks come from the reference deck, with noise and assembly offsets drawn from `seed`, and the true sweep.
 fn measured(setting: Setting, seed: u64) -> Option<(LoadedStudy, Sweep)> {
     let mut study = loaded(setting.axle);
     let truth = study.reference.clone().expect("shipped with a reference");
@@ -91,7 +91,7 @@ fn measured(setting: Setting, seed: u64) -> Option<(LoadedStudy, Sweep)> {
     };
     for bushing in bushings {
         let law = &model.bushings[bushing];
-        // Round bushings are identified with one stiffness, but each side may sit askew along every axis.
+        // Round bushings are identified with one stiffness, but each side may be askew along every axis.
         for axis in 0..6 {
             let (word, k, scale) = if axis < 3 {
                 ("FORCE", law.k[axis], 1.0)
@@ -133,7 +133,7 @@ fn measured(setting: Setting, seed: u64) -> Option<(LoadedStudy, Sweep)> {
     Some((study, sweep))
 }
 
-/// Camber and steer of the wheel carrier's marker `WC` in degrees.
+/// Returns camber and steer of the wheel carrier's marker `WC` in degrees.
 fn wheel(model: &Model, poses: &[Pose]) -> [f64; 2] {
     let marker = model.markers.iter().find(|m| m.header.name == "WC");
     let marker = marker.expect("the shipped axles have a wheel centre");
@@ -151,7 +151,7 @@ fn wheel(model: &Model, poses: &[Pose]) -> [f64; 2] {
     [reading.camber_deg, reading.steer_deg]
 }
 
-/// Rms differences of camber and steer over the cases both have.
+/// Returns the rms differences of camber and steer over the load cases that both sweeps solve.
 fn wheel_error<'a>(
     model: &Model,
     truth: &Sweep,
@@ -185,7 +185,7 @@ fn truth_of(study: &LoadedStudy) -> Vec<f64> {
     values.map(|value| value.expect("known")).collect()
 }
 
-/// Cramer-Rao bound of each ln K, at the true values.
+/// Returns the Cramer-Rao bound of each ln K at the true values.
 fn bounds(setting: Setting) -> Vec<f64> {
     let plain = Setting {
         offsets: false,
@@ -267,7 +267,7 @@ fn trial(setting: Setting, seed: u64, bounds: &[f64], start: Start, beside: bool
     );
     let mut covered = Vec::new();
     for (k, parameter) in found.fit.parameters.iter().enumerate() {
-        // Intervals are by profile likelihood where the command would give them so.
+        // Intervals use the profile likelihood wherever the command would use it.
         let interval = if bounds[k] < KNOWN && sds[k] > POOR_NORMAL {
             let of = (k, &found.covariance);
             profile_interval(
@@ -328,7 +328,7 @@ fn range(values: &[f64]) -> (f64, f64) {
         .fold(start, |(low, high), v| (low.min(*v), high.max(*v)))
 }
 
-/// One row of each table: estimates, wheel, time.
+/// Returns one row for each table: estimates, wheel angles, time.
 fn rows(setting: Setting, seeds: u64) -> [String; 3] {
     let bounds = bounds(setting);
     let exact = setting.sigma == 0.0;
@@ -342,7 +342,7 @@ fn rows(setting: Setting, seeds: u64) -> [String; 3] {
         .into_par_iter()
         .filter_map(|seed| trial(setting, seed, &bounds, Start::Auto, beside(seed)))
         .collect();
-    // From the direct solution, for what it saves and costs.
+    // Fits from the direct solution show what this start saves and costs.
     let some: Vec<u64> = (0..count).step_by(DIRECT_EVERY).collect();
     let direct: Vec<Trial> = some
         .into_par_iter()
@@ -397,7 +397,7 @@ fn rows(setting: Setting, seeds: u64) -> [String; 3] {
         .filter_map(|t| Some((t, t.paper.as_ref()?)))
         .collect();
     let by_loop = |k: usize| rms(&papers.iter().map(|(_, p)| p.wheel[k]).collect::<Vec<_>>());
-    // How often the fit is further off than the loop, and by how much at most.
+    // Number of fits with a larger error than the loop, and the largest excess.
     let beaten = |k: usize| {
         let behind = papers.iter().map(|(t, p)| t.wheel[0][k] - p.wheel[k]);
         let worse: Vec<f64> = behind.filter(|by| *by > 0.0).collect();

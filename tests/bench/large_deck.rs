@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Parts with markers, bushings and forces in the way ADAMS/View writes them.
+/// Returns a deck of parts with markers, bushings and forces, in the layout of ADAMS/View.
 pub fn deck(size: usize) -> Vec<u8> {
     let mut out = String::with_capacity(size + 4096);
     out += "large deck\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n";
@@ -26,7 +26,7 @@ pub fn deck(size: usize) -> Vec<u8> {
             3e4,
             x - y,
             y / 10.0,
-            // Back to the axes of the ground: a turned bushing is worth a warning, and this deck has no faults.
+            // Rotated back to the axes of the ground, because a rotated bushing gives a warning and this deck has no faults.
             -y / 10.0,
             1000.0 + y.abs(),
             x.abs(),

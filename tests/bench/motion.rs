@@ -1,7 +1,8 @@
-//! What ERROR means: the error that motions end with over the ERROR asked for, from 1e-2 to 1e-8, with the steps it takes; and the energy
-//! of random trees and loops of joints, of 200 seeds.
+//! Benchmark of integration errors: the error at the end of a motion relative to the requested ERROR, from 1e-2 to 1e-8, with the number of
+//! steps.
 //!
-//! `cargo bench --bench motion`; with `-- SEEDS` for another number of seeds. Where the closed forms come from stands beside each model.
+//! It also prints the energy drift of random trees and loops of joints for 200 seeds. `cargo bench --bench motion`; `-- SEEDS` sets another
+//! number of seeds. The source of each closed-form solution is given beside its model.
 
 #![allow(non_snake_case)] // Forces, moments and matrices keep their capitals.
 
@@ -20,7 +21,9 @@ use admire_syntax::text::Source;
 
 const HEAD: &str = "motion\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n";
 
-/// A model, how long it moves, its largest step, and how far a state is from the known end, over the larger of one and the largest value.
+/// A model with a known end state. `end` is its duration and `hmax` its largest step.
+///
+/// `off` returns the distance of a state from the known one, relative to the larger of one and the largest value.
 struct Known {
     name: &'static str,
     deck: String,
@@ -32,7 +35,7 @@ struct Known {
 fn models() -> Vec<Known> {
     vec![
         Known {
-            // Quadrature of the energy integral.
+            // End state by quadrature of the energy integral.
             name: "pendulum, 5 s",
             deck: format!(
                 "{HEAD}ACCGRAV/KGRAV=-9.80665\nPART/2, MASS=1, CM=20, IP=0.04,0.1,0.1\nMARKER/20, PART=2, QP=2,0,0\nMARKER/21, PART=2, REULER=180D,90D,180D\nMARKER/11, PART=1, REULER=180D,90D,180D\nJOINT/1, REVOLUTE, I=21, J=11\nEND\n"
@@ -64,7 +67,7 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // Two masses on springs: frequencies and shapes of [2 -1; -1 1] k / m, from rest at (1, 0).
+            // Two masses on springs: frequencies and mode shapes of [2 -1; -1 1] k / m, released from rest at (1, 0).
             name: "two masses on springs, 20 s",
             deck: format!(
                 "{HEAD}MARKER/2, PART=1, QP=0,0,-3\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1\nMARKER/20, PART=2\nPART/3, MASS=1, CM=30, IP=1,1,1, QG=0,0,5\nMARKER/30, PART=3\nJOINT/1, TRANSLATIONAL, I=20, J=1\nJOINT/2, TRANSLATIONAL, I=30, J=1\nSPRINGDAMPER/1, TRANSLATIONAL, I=20, J=2, K=1, LENGTH=3\nSPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=1, LENGTH=5\nEND\n"
@@ -76,7 +79,7 @@ fn models() -> Vec<Known> {
                 let (mut x, mut y) = (0.0, 0.0);
                 for sign in [1.0, -1.0] {
                     let square = f64::midpoint(3.0, sign * root);
-                    // Shape (1, 2 - square), norm squared 1 + (2 - square)^2.
+                    // Mode shape (1, 2 - square), with squared norm 1 + (2 - square)^2.
                     let other = 2.0 - square;
                     let part = (square.sqrt() * 20.0).cos() / (1.0 + other * other);
                     x += part;
@@ -87,7 +90,7 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // Dropped from 1 m onto k = 1e4, c = 0: period .934906080799 s; after two periods it is at the top again.
+            // Dropped from 1 m onto k = 1e4, c = 0: the period is .934906080799 s, so the ball is at the top again after two periods.
             name: "ball on IMPACT, 1.869812161598 s",
             deck: format!(
                 "{HEAD}ACCGRAV/KGRAV=-9.81\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)\nEND\n"
@@ -100,7 +103,7 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // The same with an exponent of 1.5 on k = 1e5: quadrature of the energy integral.
+            // Drop with an exponent of 1.5 and k = 1e5; end time by quadrature of the energy integral.
             name: "ball on IMPACT, exponent 1.5, 1.854205598914 s",
             deck: along_z(
                 "ACCGRAV/KGRAV=-9.81",
@@ -116,7 +119,7 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // Between two stops of k = 1e4, 1 kg at 1 m/s: half a period of the spring in each.
+            // 1 kg at 1 m/s between two stops of k = 1e4; each contact lasts half a period of the spring.
             name: "between the stops of a BISTOP, two rounds",
             deck: along_z("", 0.0, 1.0, "BISTOP(DZ(20),VZ(20),-0.5,0.5,1E4,1,0,1E-4)"),
             end: 4.0 + 4.0 * std::f64::consts::PI / 100.0,
@@ -127,7 +130,7 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
+            // 100 N/m above and 400 N/m below, with half periods of pi/10 and pi/20.
             name: "spring of two rates by IF, three periods",
             deck: along_z("", 1.0, 0.0, "IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
             end: 0.45 * std::f64::consts::PI,
@@ -138,7 +141,8 @@ fn models() -> Vec<Known> {
             },
         },
         Known {
-            // 5 N against the velocity, 100 N/m: every half swing of pi/10 s is about another centre, 0.05 m off, and 0.1 m shorter.
+            // 5 N against the velocity and 100 N/m: each half swing takes pi/10 s, has its centre 0.05 m off zero, and is 0.1 m shorter
+            // than the one before.
             name: "dry friction by IF, five half swings and a third",
             deck: along_z("", 1.0, 0.0, "-100*DZ(20)+IF(VZ(20):5,0,-5)"),
             end: (0.5 + 1.0 / 30.0) * std::f64::consts::PI,
@@ -152,7 +156,7 @@ fn models() -> Vec<Known> {
     ]
 }
 
-/// 1 kg that moves along z, from a place and a velocity, under a force.
+/// Returns a deck of a 1 kg mass that moves along z under a force, with its initial position and velocity.
 fn along_z(gravity: &str, z: f64, vz: f64, force: &str) -> String {
     format!(
         "{HEAD}{gravity}\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,{z}, VZ={vz}\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={force}\nEND\n"

@@ -1,10 +1,12 @@
-//! What the system tells of this process: processor time and memory.
+//! Measurements of this process by the system: processor time and memory.
 #![allow(dead_code)] // Each bench uses its own part.
 
 use std::time::Instant;
 
-/// Runs the work, asks for the size of what it worked on, and prints the rate by the clock, and by the processor time of all threads where the system tells: on a busy
-/// machine only the second says something of the program.
+/// Runs `work` and prints its rate in megabytes per second; `bytes` returns the number of bytes processed.
+///
+/// The rate is given by the clock and, where the system provides it, by the processor time of all threads. On a busy machine only the
+/// latter is meaningful.
 pub fn rate<T>(what: &str, bytes: impl FnOnce() -> usize, work: impl FnOnce() -> T) -> T {
     let (start, busy) = (Instant::now(), processor_seconds());
     let result = work();
@@ -24,7 +26,7 @@ pub fn rate<T>(what: &str, bytes: impl FnOnce() -> usize, work: impl FnOnce() ->
     result
 }
 
-/// Processor seconds of all threads that the work took; seconds by the clock where the system does not tell.
+/// Returns the processor time of all threads during the work, in seconds; clock time if the system provides no processor time.
 pub fn seconds(work: impl FnOnce()) -> f64 {
     let (start, busy) = (Instant::now(), processor_seconds());
     work();
@@ -34,7 +36,7 @@ pub fn seconds(work: impl FnOnce()) -> f64 {
     }
 }
 
-/// Of all threads, in hundredths of seconds.
+/// Returns the processor time of all threads in seconds, with a resolution of a hundredth.
 fn processor_seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
     let mut words = text.rsplit(')').next()?.split_whitespace().skip(11);
@@ -43,7 +45,7 @@ fn processor_seconds() -> Option<f64> {
     Some((user + system) / 100.0)
 }
 
-/// The most memory this process ever had, where the system tells.
+/// Returns the peak memory of this process, if the system provides it.
 pub fn peak() -> String {
     std::fs::read_to_string("/proc/self/status")
         .ok()

@@ -1,6 +1,6 @@
-//! How fast a large XRF file is scanned, beside quick-xml's own rate of events on the same file in the same run.
+//! Benchmark of scanning a large XRF file, compared with quick-xml's event rate on the same file in the same run.
 //!
-//! `cargo bench --bench results -- [MEGABYTES]`; the stated goal (300 MB/s, memory independent of size) is for 500.
+//! `cargo bench --bench results -- [MEGABYTES]`; the goal (300 MB/s, memory independent of size) applies to 500 MB.
 
 #[path = "process.rs"]
 mod process;
@@ -38,7 +38,7 @@ fn timed<T>(what: &str, path: &Path, work: impl Fn() -> T) -> T {
     rate(what, size, work)
 }
 
-/// A suspension of 30 parts, 30 joints and 20 bushings, in numbers without pattern.
+/// Writes the results of a suspension of 30 parts, 30 joints and 20 bushings, with numbers that have no pattern.
 fn write(path: &Path, size: u64) {
     let units = Units::default();
     let mut numbering = Numbering::new(units, Stored::default());

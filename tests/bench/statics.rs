@@ -1,11 +1,13 @@
-//! Timings of the built-in solver, as JSON on standard output.
+//! Benchmark of the built-in static solver, with JSON on standard output.
 //!
-//! `cargo bench --bench statics` solves the two axles of the corpus in the load cases of their studies; with `-- chains` chains of
-//! 1,000 to 100,000 bodies, whose cost per body and iteration should stay alike. With a file behind `--` it
-//! solves what that says (`tests/bench/peers` writes one): a list of
-//! `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "tlimit", "last_part_only" }`.
-//! Set-up (reading, compiling, the first rank analysis) is timed apart from the sweeps; each sweep starts at the design position
-//! and goes from case to case. `balance_s` is the time of one summing of forces after a solve, `balance_share` its part of a sweep.
+//! `cargo bench --bench statics` solves the two axles of the corpus in the load cases of their studies. `-- chains` solves chains of 1,000
+//! to 100,000 bodies, whose cost per body and iteration should be constant. `-- FILE` solves the jobs of a file, which `tests/bench/peers`
+//! writes: a list of `{ "name", "deck", "loads": ["SFORCE/1"], "cases": [[0.0]], "repeats", "error", "imbalance", "tlimit",
+//! "last_part_only" }`.
+//!
+//! Set-up (reading, compiling, the first rank analysis) is timed separately from the sweeps. Each sweep starts at the design position and
+//! proceeds from case to case. `balance_s` is the time of one summation of forces after a solve, and `balance_share` its fraction of a
+//! sweep.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -40,7 +42,7 @@ fn main() {
     println!("{:#}", Value::from(results));
 }
 
-/// The two axles of the corpus with the loads of their studies.
+/// Returns the jobs of the two axles of the corpus, with the loads of their studies.
 fn axles() -> Value {
     let axle = |name: &str| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -72,8 +74,9 @@ fn axles() -> Value {
     json!([axle("pseudo-mcpherson"), axle("multilink")])
 }
 
-/// Chains of bodies joined by bushings as `tests/bench/peers` has them: every tenth held to ground too, so that the equations stay well
-/// conditioned at any length; bent by gravity and a force at the end.
+/// Returns jobs of chains of bodies joined by bushings, as in `tests/bench/peers`, bent by gravity and a force at the end.
+///
+/// Every tenth body is also attached to ground, so that the equations stay well conditioned at any length.
 fn chains(folder: &Path) -> Value {
     let jobs: Vec<Value> = [1_000, 10_000, 100_000]
         .into_iter()
@@ -86,7 +89,7 @@ fn chains(folder: &Path) -> Value {
                 "loads": ["SFORCE/1"],
                 "cases": [[20.0]],
                 "repeats": 5,
-                // Stiffness times the round-off of positions grows with the length.
+                // The round-off of positions times the stiffness grows with the length.
                 "imbalance": 1e-6 * f64::from(bodies),
                 "error": 1e-4,
                 "last_part_only": true,
@@ -97,7 +100,7 @@ fn chains(folder: &Path) -> Value {
     Value::from(jobs)
 }
 
-/// A dataset of n bodies of 100 mm.
+/// Returns the dataset of a chain of n bodies, each 100 mm long.
 fn chain(n: u32) -> String {
     let mut text = String::from(
         "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/2, PART=1, REULER=0D,-90D,0D\nACCGRAV/JGRAV=-9806.65\n",
@@ -200,7 +203,7 @@ fn solve(job: &Value) -> Value {
         }
         (seconds, (iterations, factored), poses, state)
     };
-    // The first sweep finds redundant equations; later ones start at the design position knowing them.
+    // The first sweep finds the redundant equations; later sweeps start at the design position with this result.
     let (first, (iterations, factored), poses, end) = sweep(&system.state(), true);
     let mut start = system.state();
     start.redundant.clone_from(&end.redundant);
@@ -208,7 +211,7 @@ fn solve(job: &Value) -> Value {
     let mut sweeps: Vec<f64> = (0..repeats).map(|_| sweep(&start, false).0).collect();
     sweeps.sort_by(f64::total_cmp);
     let best = sweeps.first().copied().unwrap_or(first);
-    // What every solve ends with: the forces on all parts, summed anew.
+    // Every solve ends with a new summation of the forces on all parts.
     let mut scratch = Scratch::new(&system);
     let begin = Instant::now();
     let summed = 20;
@@ -239,7 +242,7 @@ fn solve(job: &Value) -> Value {
     })
 }
 
-/// Position of the part frame and its rotation matrix, row by row, of every part or of the last one.
+/// Returns the position of the part frame and its rotation matrix, row by row, for every part or only the last one.
 fn shown(model: &Model, state: &State, last_only: bool) -> Value {
     let first = if last_only { model.parts.len() - 1 } else { 0 };
     let parts = model.parts.iter().zip(&state.poses).skip(first);

@@ -1,11 +1,12 @@
-//! Which files of the crate name each other, and the circles among them.
+//! Dependencies between source files of a crate, and the circles among them.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 type Path = Vec<String>;
 
-/// Files that lead back to themselves, each circle in order of names, paths below `src`. `files` are paths below `src` and texts.
-/// What stands behind `#[cfg(test)]` does not count, nor what a `mod.rs` hands on.
+/// Returns the circular dependencies between files, each sorted by name. `files` holds paths below `src` and texts.
+///
+/// Code after `#[cfg(test)]` and re-exports of a `mod.rs` do not count.
 pub fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
     let modules: BTreeMap<Path, (&str, String)> = files
         .iter()
@@ -56,7 +57,7 @@ pub fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
             .collect();
         reached.insert(module, own);
     }
-    // Everything that can be reached over any number of files.
+    // Transitive closure: all modules reachable over any number of files.
     loop {
         let mut grown = false;
         for module in modules.keys() {
@@ -94,7 +95,7 @@ pub fn circles(files: &[(String, String)]) -> Vec<Vec<String>> {
     found.into_iter().collect()
 }
 
-/// `a/b.rs` and `a/b/mod.rs` are a::b.
+/// Returns the module path of a file: `a/b.rs` and `a/b/mod.rs` are a::b.
 fn module_of(path: &str) -> Path {
     let mut parts: Path = path
         .trim_end_matches(".rs")
@@ -107,7 +108,7 @@ fn module_of(path: &str) -> Path {
     parts
 }
 
-/// Without comments, and without what is compiled for tests only.
+/// Returns the code without comments and without the test module.
 fn code_of(text: &str) -> String {
     let code = text.split("\nmod tests {").next().unwrap_or_default();
     let lines = code
@@ -116,7 +117,7 @@ fn code_of(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Every path that is named from `crate`, `self` or `super`, or by `use`; true where it is handed on.
+/// Returns all paths that begin with `crate`, `self` or `super` or follow `use`; the flag is true for a re-export.
 fn paths(code: &str) -> Vec<(bool, Path)> {
     let (mut out, mut rest) = (Vec::new(), String::new());
     let mut lines = code.lines();
@@ -160,7 +161,7 @@ fn paths(code: &str) -> Vec<(bool, Path)> {
     out
 }
 
-/// Single paths of a tree of `use`.
+/// Expands a tree of `use` into single paths.
 fn expand(prefix: &[String], tree: &str, put: &mut dyn FnMut(Path)) {
     let (head, group) = match tree.split_once('{') {
         Some((head, rest)) => (head, rest.rsplit_once('}').map(|(inside, _)| inside)),
@@ -192,7 +193,7 @@ fn expand(prefix: &[String], tree: &str, put: &mut dyn FnMut(Path)) {
     }
 }
 
-/// From the root of the crate; `None` for a path of another crate.
+/// Converts a path to one from the root of the crate; `None` for a path of another crate.
 fn absolute(module: &Path, path: &Path, modules: &BTreeMap<Path, (&str, String)>) -> Option<Path> {
     let mut base = module.clone();
     let mut rest = path.as_slice();

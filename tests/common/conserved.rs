@@ -1,4 +1,4 @@
-//! Random trees and loops of joints, their motion, and what it conserves.
+//! Random trees and loops of joints, their motion, and their conserved quantities.
 
 use std::fmt::Write as _;
 
@@ -9,12 +9,12 @@ use admire_solver::system::{Parameters, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
-/// Numbers of one seed, evenly spread over -1 to 1.
+/// Random numbers of one seed, uniform in -1 to 1.
 struct Draw(u64);
 
 impl Draw {
     fn next(&mut self) -> f64 {
-        // Steele, Lea, Flood: SplitMix64.
+        // SplitMix64 of Steele, Lea and Flood.
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -41,7 +41,7 @@ const JOINTS: [&str; 6] = [
     "PLANAR",
 ];
 
-/// Parts in a tree of joints, some of them closed to loops; `grounded` hangs the first on ground, under gravity.
+/// Returns a deck of parts in a tree of joints, sometimes closed to a loop. If `grounded`, the first part hangs on ground, under gravity.
 pub fn mechanism(seed: u64, grounded: bool) -> String {
     let mut draw = Draw(seed);
     let parts = 2 + draw.below(5);
@@ -119,7 +119,7 @@ pub fn mechanism(seed: u64, grounded: bool) -> String {
             join(&mut text, &mut draw, k, before);
         }
     }
-    // Every other one has a loop; with ground in it where there is one.
+    // About half of the larger trees get a loop, through ground if the tree is grounded.
     if parts > 3 && draw.below(2) == 0 {
         join(&mut text, &mut draw, parts, usize::from(!grounded));
     }
@@ -179,7 +179,7 @@ impl Case {
         integrator.output().unwrap()
     }
 
-    /// Energy, kinetic energy, momentum, and moment of momentum about the ground origin.
+    /// Returns the energy, the kinetic energy, the momentum, and the moment of momentum about the ground origin.
     pub fn balance(&self, state: &State) -> (f64, f64, Vec3, Vec3) {
         let (mut energy, mut kinetic) = (0.0, 0.0);
         let (mut linear, mut about) = (Vec3::zeros(), Vec3::zeros());
@@ -200,7 +200,7 @@ impl Case {
     }
 }
 
-/// How far energy strays, of the sum of the kinetic energy and what gravity moves in a length.
+/// Returns the relative change of energy over a motion, with 1 plus the larger kinetic energy of start and end as the scale.
 pub fn energy_off(seed: u64, error: f64, end: f64) -> f64 {
     let case = Case::of(&mechanism(seed, true));
     let start = case.begun(case.system.state(), Kept::Data);

@@ -1,4 +1,4 @@
-//! What several test files need.
+//! Helpers shared by several test files.
 #![allow(dead_code)] // Each test binary uses its own part.
 
 pub mod tiling;
@@ -6,12 +6,12 @@ pub mod tiling;
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Says what a test was skipped for, past the capture of the test harness.
+/// Reports why a test was skipped, bypassing the output capture of the test harness.
 pub fn skipped(what: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {what}");
 }
 
-/// Says that something is missing; under CI that fails the test.
+/// Reports that something is missing and the test is skipped; under CI the test fails instead.
 pub fn missing(what: &str) {
     assert!(
         std::env::var_os("CI").is_none_or(|value| value.is_empty()),
@@ -20,7 +20,8 @@ pub fn missing(what: &str) {
     skipped(&format!("{what} is missing"));
 }
 
-/// A folder or file of the shared reference material beside the project, or `None` where it is absent, as on a user's machine.
+/// Returns a folder or file of the shared reference material beside the project, or `None` if it is absent, as on a user's machine.
+///
 /// See [`missing`].
 pub fn shared(path: &str) -> Option<PathBuf> {
     let full = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -33,7 +34,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
-/// Every file below a folder whose name ends in `.extension`, sorted.
+/// Returns all files below a folder whose name ends in `.extension`, sorted.
 pub fn files_below(folder: &std::path::Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_path_buf()];

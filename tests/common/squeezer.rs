@@ -1,9 +1,11 @@
-//! Andrews' squeezer mechanism and where it is after 0.03 s.
+//! Andrews' squeezer mechanism and its state after 0.03 s.
 
 use std::fmt::Write as _;
 
-/// Andrews' squeezer mechanism (Hairer, Wanner, Solving Ordinary Differential Equations II, VII.7): data and start as printed there.
-/// Angles in the order beta, Theta, gamma, Phi, delta, Omega, epsilon.
+/// Returns the deck of Andrews' squeezer mechanism, with data and initial state as printed in Hairer, Wanner, Solving Ordinary Differential
+/// Equations II, VII.7.
+///
+/// Angles are in the order beta, Theta, gamma, Phi, delta, Omega, epsilon.
 pub fn squeezer() -> String {
     const START: [f64; 7] = [
         -0.061_713_890_014_276_45,
@@ -58,7 +60,7 @@ pub fn squeezer() -> String {
     deck += "MARKER/4, PART=1, QP=0.014,0.072,0\n";
     for (k, (origin, angle, mass, inertia, cm)) in bodies.into_iter().enumerate() {
         let id = 10 * (k + 1);
-        // A lamina: the other moments do not matter in the plane.
+        // The body is a lamina; its other moments of inertia have no effect in the plane.
         _ = writeln!(
             deck,
             "PART/{id}, MASS={mass:e}, CM={}, IP={h:e},{h:e},{inertia:e}, QG={:.17},{:.17},0, REULER={angle:.17},0,0",
@@ -116,7 +118,7 @@ END
 "
 }
 
-/// The angles of the seven bodies at 0.03 s, radians: the reference of the test set for initial value problems has sixteen digits.
+/// Returns the angles of the seven bodies at 0.03 s in radians, from the test set for initial value problems, which gives sixteen digits.
 pub fn expected() -> [f64; 7] {
     const END: [f64; 7] = [
         15.81077119629904,

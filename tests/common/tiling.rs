@@ -1,10 +1,10 @@
-//! What reading loses: nothing. Real files, and what holds of every file that is read.
+//! Checks that reading loses nothing: real files, and properties that hold for every file.
 
 use admire_syntax::{CommandFile, Dataset, Statement, Token};
 
 use super::{files_below, shared};
 
-/// Every real file with this ending, with its bytes; empty if the shared material is not there.
+/// Returns all real files with this extension and their bytes; empty if the shared material is missing.
 pub fn real_files(ending: &str) -> Vec<(String, Vec<u8>)> {
     let mut files = Vec::new();
     for folder in ["real-decks", "reference"]
@@ -18,8 +18,9 @@ pub fn real_files(ending: &str) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// Tokens start where the one before ends, from the first byte to the last, and each one that means something lies in exactly
-/// one statement, which reads the same tokens by itself.
+/// Asserts that tokens tile the bytes without gaps, and that each significant token is in exactly one statement.
+///
+/// `own` returns the tokens of a statement lexed separately, which must be the same ones.
 pub fn assert_tiled(
     bytes: &[u8],
     tokens: &[Token],

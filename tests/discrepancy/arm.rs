@@ -1,5 +1,6 @@
-//! An arm on two bushings that share an axis, in loads of equal steps: friction in one of them, rubber that flows, and both again in the
-//! other bushing are nearly the same readings.
+//! An arm on two bushings that share an axis, under loads in equal steps.
+//!
+//! Friction in one bushing, creep of its rubber, and both in the other bushing give nearly the same readings.
 
 use std::path::Path;
 use std::process::Command;
@@ -52,7 +53,7 @@ PART/2,3,20,-300,30
 PART/2,4,-30,-340,-20
 ";
 
-/// Loads of the study in kilonewtons, vertical, lateral, longitudinal: one after the other in loops of equal steps.
+/// Returns the loads of the study in kilonewtons (vertical, lateral, longitudinal): several loops of equal steps.
 fn loops() -> Vec<[f64; 3]> {
     let loop_of = |k: usize| {
         let thousands = [1, 2, 3, 2, 1, 0, -1, -2, -3, -2, -1, 0];
@@ -72,7 +73,7 @@ fn loops() -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// Loads of which none is like another.
+/// Returns loads without repetition.
 fn all_round() -> Vec<[f64; 3]> {
     let levels = [1.0, 2.0, 3.0, -1.0, -2.0, -3.0];
     let vertical = [1.5, 2.5, 3.5, 2.0].map(|v| [v, 0.0, 0.0]);
@@ -83,7 +84,7 @@ fn all_round() -> Vec<[f64; 3]> {
     loads.chain(longitudinal).chain(both).collect()
 }
 
-/// The study of a deck without readings, for a rig to measure.
+/// Writes the study of a deck without readings, for a rig to measure.
 fn write(folder: &Path, deck: &str, loads: &[[f64; 3]]) {
     let (mut cases, mut marks) = (
         "case,vertical,lateral,longitudinal\n".to_string(),
@@ -108,7 +109,7 @@ fn write(folder: &Path, deck: &str, loads: &[[f64; 3]]) {
     }
 }
 
-/// What is found on an arm with these effects, as the rig reads it with this seed.
+/// Returns the diagnosis of an arm with these effects, measured by the rig with this seed.
 fn diagnosis((deck, loads): (&str, &[[f64; 3]]), effects: &[String], seed: u64) -> Diagnosis {
     let base = tempfile::tempdir().unwrap();
     write(base.path(), deck, loads);
@@ -124,7 +125,7 @@ fn diagnosis((deck, loads): (&str, &[[f64; 3]]), effects: &[String], seed: u64) 
     diagnose(&loaded.problem(), held).unwrap().diagnosis
 }
 
-/// The probability of a cause in either bushing, as a finding and its rivals tell it.
+/// Returns the probability of a cause in either bushing, summed over a finding and its rivals.
 fn told(finding: &Finding, cause: Cause) -> f64 {
     let rivals = finding.indistinguishable_from.iter();
     let rivals = rivals.map(|r| (r.cause, r.probability));
@@ -132,8 +133,9 @@ fn told(finding: &Finding, cause: Cause) -> f64 {
     all.filter(|(of, _)| *of == cause).map(|(_, p)| p).sum()
 }
 
-/// Friction is told in each study, and more probable than rubber that flows on the whole. That one of them acts on this axis is sure, in which
-/// bushing is not.
+/// Checks that friction is found in each study and is on average more probable than creep.
+///
+/// It is certain that one of them acts on this axis, but not in which bushing.
 #[test]
 fn friction_in_equal_steps_is_not_called_creep() {
     let mut sum = 0.0;
@@ -157,7 +159,7 @@ fn friction_in_equal_steps_is_not_called_creep() {
     assert!(sum > 0.7 * studies.len() as f64, "{sum}");
 }
 
-/// The rate that rubber flows with is the one that was planted. A bushing's whole stiffness flows here, more than is usual.
+/// Checks that the estimated rate of creep is the planted one. Here the whole stiffness of a bushing creeps, which is more than usual.
 #[test]
 fn rubber_flows_at_the_planted_rate() {
     for seed in [1, 2, 3] {
@@ -175,7 +177,7 @@ fn rubber_flows_at_the_planted_rate() {
     }
 }
 
-/// Rubber is mostly progressive along more than one axis. The axes of these bushings stand askew to the loads, so that all work.
+/// Checks progressive rubber along two axes of two bushings. The bushings are rotated relative to the loads, so that all axes are loaded.
 #[test]
 fn rubber_that_is_progressive_along_two_axes_of_two_bushings() {
     let deck = DECK

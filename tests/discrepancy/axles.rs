@@ -1,5 +1,6 @@
-//! Axles measured by an independent simulator, with everything that a real one has: the code under test gets the study folder alone,
-//! the truth beside it judges.
+//! Axles measured by an independent simulator, with all the errors of real measurements.
+//!
+//! The code under test sees only the study folder; the truth beside it is used to judge the result.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,22 +13,22 @@ use serde_json::Value;
 
 use crate::common::shared;
 
-/// One study and what became of it.
+/// One study and its assessment.
 pub struct Judged {
     name: String,
     pub diagnosis: Diagnosis,
     planted: Vec<(String, Vec<String>)>,
-    /// Which of the planted were named at their place.
+    /// Whether each planted cause was named at its location.
     pub named: Vec<bool>,
-    /// Findings that are not planted.
+    /// Findings that were not planted.
     pub false_names: Vec<String>,
-    /// Intervals that hold the truth, and all.
+    /// Number of intervals that contain the truth, and number of all intervals.
     pub held: (usize, usize),
-    /// How often all cases were solved.
+    /// Number of sweeps over all load cases.
     pub sweeps: usize,
 }
 
-/// A folder with a copy of a study and its truth, to be changed; `None` where the shared files are not there.
+/// Returns a temporary folder with a copy of a study and its truth, or `None` if the shared files are missing.
 pub fn copied(name: &str) -> Option<tempfile::TempDir> {
     let axles = shared("reference/realistic-axles")?;
     let folder = tempfile::tempdir().unwrap();
@@ -106,7 +107,7 @@ pub fn judge(folder: &Path, name: &str) -> Judged {
     judged
 }
 
-/// Every study of these kinds.
+/// Judges all studies of these kinds.
 fn judged(kinds: &[&str]) -> Vec<Judged> {
     let Some(folder) = shared("reference/realistic-axles") else {
         return Vec::new();
@@ -127,7 +128,7 @@ fn judged(kinds: &[&str]) -> Vec<Judged> {
     names.iter().map(|name| judge(&folder, name)).collect()
 }
 
-/// Intervals that hold the truth, as a part of all.
+/// Returns the fraction of intervals that contain the truth.
 fn coverage(all: &[Judged]) -> f64 {
     let (held, count) = all
         .iter()
@@ -135,7 +136,10 @@ fn coverage(all: &[Judged]) -> f64 {
     held as f64 / count.max(1) as f64
 }
 
-/// What a sound axle and a sound rig have is no finding: tolerances, noise of another size than declared, poses, tails, outliers.
+/// Checks that normal properties of axle and rig are not reported as causes: tolerances, pose noise, heavy tails, misstated noise,
+/// outliers.
+///
+/// Misstated noise and outliers are reported only under their own names.
 #[test]
 fn what_every_axle_has_is_consistent() {
     let all = judged(&[
@@ -173,7 +177,7 @@ fn what_every_axle_has_is_consistent() {
         } else {
             0
         };
-        // Student's t with three degrees of freedom may well have a reading that is plainly out.
+        // Student's t with three degrees of freedom may produce a genuine outlier.
         if !study.name.starts_with("heavy-tails") {
             assert_eq!(of(Cause::MarkOutlier), expected, "{}", study.name);
             let level = study.name.starts_with("noise");
@@ -184,7 +188,7 @@ fn what_every_axle_has_is_consistent() {
     assert!(all.is_empty() || coverage > 0.88, "{coverage}");
 }
 
-/// Causes are named at their place, on tolerances too, and nothing else is.
+/// Checks that causes are named at their location, even among tolerances, with few false findings.
 #[test]
 fn causes_are_named_among_tolerances() {
     let all = judged(&[
@@ -208,7 +212,7 @@ fn causes_are_named_among_tolerances() {
     }
     println!("{by_kind:?}");
     for (kind, (named, count)) in by_kind {
-        // Two millimetres on tolerances of 0.3 mm are at the limit of what can be seen.
+        // A shift of two millimetres among tolerances of 0.3 mm is at the limit of detection.
         let missed = usize::from(kind == "tolerances-hardpoint" || kind == "hardpoint-friction");
         assert!(named + missed >= count, "{kind}: {named} of {count}");
     }

@@ -1,4 +1,4 @@
-//! One study per cause, wherever it can by a law that no hypothesis uses.
+//! One study per cause, planted where possible by a law that differs from its hypothesis.
 
 use super::extension::reproduces;
 use super::found::{UP_AND_DOWN, named};
@@ -33,7 +33,7 @@ fn a_joint_that_sits_elsewhere() {
     );
 }
 
-/// By more than springs of one production differ.
+/// Checks that a spring is found whose rate deviates by more than springs of one production do.
 #[test]
 fn a_spring_that_is_stiffer() {
     found(
@@ -47,8 +47,9 @@ fn a_spring_that_is_stiffer() {
     );
 }
 
-/// A preload and a free length shift the spring's force by the same constant: neither may be named without the other, neither is sure,
-/// and that one of the two is wrong is.
+/// Checks that preload and free length of a spring are reported as rivals.
+///
+/// Both shift the force of the spring by the same constant. Neither is certain alone, but it is certain that one of them is wrong.
 #[test]
 fn a_preload_and_a_free_length_are_rivals() {
     let of_the_spring = |outcome: &admire_diagnosis::Outcome<'_>| {
@@ -120,7 +121,8 @@ fn a_frame_that_was_knocked() {
     );
 }
 
-/// By fourteen times what a frame usually moves: its prior leaves a trace that is no structure.
+/// Checks a frame shift of fourteen times the usual size, for which the prior of the shift leaves a residual that is no unexplained
+/// structure.
 #[test]
 fn a_frame_that_moved_far() {
     let reading = |case: usize, _: usize, _: usize, x: &mut [f64; 3]| {
@@ -139,7 +141,7 @@ fn a_frame_that_moved_far() {
     });
 }
 
-/// The fourth case is held out by default: it is found all the same.
+/// Checks that a frame shift is found in the fourth case, which is held out by default.
 #[test]
 fn a_frame_that_was_knocked_in_a_case_no_fit_saw() {
     let reading = |case: usize, _: usize, _: usize, x: &mut [f64; 3]| {
@@ -176,7 +178,7 @@ fn a_mark_that_was_misread() {
     );
 }
 
-/// The rate grows exponentially, which is no polynomial.
+/// Checks a bushing whose rate grows exponentially, which is not a polynomial.
 #[test]
 fn a_bushing_that_stiffens() {
     let law = "-400.0*(SINH(DX(3,4,4)/0.9)-DX(3,4,4)/0.9)";
@@ -212,7 +214,7 @@ fn a_bushing_that_sticks_and_slips() {
     );
 }
 
-/// Both ends of the rod yield.
+/// Checks a tie rod with compliance at both ends.
 #[test]
 fn a_tie_rod_that_yields() {
     let outer = "QP = -350.0, -10.50965490998, -9.462935785116";
@@ -226,7 +228,8 @@ fn a_tie_rod_that_yields() {
         ),
         (inner, inner.replace("PART = 6", "PART = 907")),
     ];
-    // z of the bushings along the line of the two joints: psi = atan2(350, -10.5) and so on are worth no more digits.
+    // The z axes of the bushings are along the line between the two joints: psi = atan2(350, -10.5) and so on, with as many digits as
+    // needed.
     let added = format!(
         "PART/906, QG = 130.0, -345.0, 232.0, {angles}\nPART/907, QG = 130.0, -345.0, 232.0, {angles}\nMARKER/991, PART = 906, {outer}, {axes}\nMARKER/992, PART = 6, {outer}, {axes}\nMARKER/993, PART = 907, QP = 0.0, 0.0, 0.0, {axes}\nMARKER/994, PART = 6, QP = 0.0, 0.0, 0.0, {axes}\nBUSHING/990, I = 991, J = 992, C = 0, 0, 0, K = 1E7, 1E7, 9000, CT = 0, 0, 0, KT = 1E10, 1E10, 1E10\nBUSHING/991, I = 993, J = 994, C = 0, 0, 0, K = 1E7, 1E7, 25000, CT = 0, 0, 0, KT = 1E10, 1E10, 1E10\n"
     );
@@ -242,19 +245,19 @@ fn a_tie_rod_that_yields() {
     );
 }
 
-/// What holds the ball rises with the ninth power of its way. Neither rubber nor a load is named beside it.
+/// Checks a ball joint whose force rises with the ninth power of its displacement. Neither rubber nor a load may be named besides.
 #[test]
 fn a_tie_rod_with_play() {
     ball_with_play("0.15", 60, 0.2..0.36);
 }
 
-/// The contact yields more than that of a tight ball: nothing that yields is named beside the play.
+/// Checks a ball joint with a softer contact than a tight ball. No compliance may be named besides the play.
 #[test]
 fn a_tie_rod_with_much_play() {
     ball_with_play("0.7", 15, 1.0..1.6);
 }
 
-/// A ball of the tie rod with this half of its play, beyond which more than 1000 N is needed, and newtons per millimetre within.
+/// Plants play in a ball of the tie rod: half the play in mm, beyond which more than 1000 N is needed, and the stiffness within it in N/mm.
 fn ball_with_play(half: &str, within: u32, play: std::ops::Range<f64>) {
     let outer = "QP = -350.0, -10.50965490998, -9.462935785116";
     let axes = "REULER = 91.7197D, 91.5486D, 0.0D";
@@ -283,7 +286,7 @@ fn ball_with_play(half: &str, within: u32, play: std::ops::Range<f64>) {
     });
 }
 
-/// The bracket is softest across: the hypothesis knows one rate for all directions.
+/// Checks a spring seat on a bracket that is softest in the lateral direction; the hypothesis has one stiffness for all directions.
 #[test]
 fn a_spring_seat_that_yields() {
     let seat = ", PART = 1\n, QP = 33.03140499192, -581.7807161389, 830.6280998384";
@@ -346,8 +349,9 @@ fn a_conical_bushing() {
     );
 }
 
-/// The energy `k r y sinh(x / r)` is no polynomial. Its constant part alone would leave the first place to rubber that hardens or to a
-/// load cell.
+/// Checks a coupling with the energy `k r y sinh(x / r)`, which is not a polynomial.
+///
+/// With only its constant part, progressive rubber or a load cell would be the first finding.
 #[test]
 fn a_conical_bushing_that_hardens() {
     let [x, y] = ["DX(3,4,4)", "DY(3,4,4)"];
@@ -368,7 +372,7 @@ fn a_conical_bushing_that_hardens() {
     }
 }
 
-/// The bump stop is a parabola, not a straight line.
+/// Checks a bump stop with a parabolic instead of a linear force.
 #[test]
 fn a_bump_stop_that_is_not_in_the_model() {
     let law = "4.0*MAX(0.0,DZ(11,12,12)-12.0)**2";

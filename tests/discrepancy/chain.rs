@@ -1,4 +1,4 @@
-//! Springs in series, marks on the last body: places that no reading tells apart, and effects that a refit would take up whole.
+//! Springs in series with marks on the last body: locations that no reading separates, and effects that a refit would absorb completely.
 
 use admire_report::diagnosis_sentences;
 use std::fmt::Write as _;
@@ -9,9 +9,9 @@ use admire_identify::LoadedStudy;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-/// Springs of 1,000 N/mm in a row.
+/// Number of springs of 1,000 N/mm in series.
 const SPRINGS: usize = 5;
-/// Standard deviation of a coordinate, mm.
+/// Standard deviation of a coordinate, in mm.
 const SIGMA: f64 = 0.01;
 const LOADS: [f64; 9] = [
     -2000.0, -1500.0, -1000.0, -500.0, 0.0, 500.0, 1000.0, 1500.0, 2000.0,
@@ -24,7 +24,7 @@ const MARKS: [[f64; 3]; 4] = [
     [-40.0, -40.0, 20.0],
 ];
 
-/// A study of the chain whose third spring has this part of its rate. The last body moves by `F sum(1 / k)`.
+/// Writes a study of the chain whose third spring has the fraction `part` of its rate. The last body moves by `F sum(1 / k)`.
 fn write(folder: &Path, part: f64) {
     let mut deck = String::from(
         "chain\nUNITS/FORCE=NEWTON,MASS=KILOGRAM,LENGTH=MILLIMETER,TIME=SECOND\nPART/1,GROUND\nMARKER/100,PART=1\n",
@@ -79,7 +79,7 @@ fn write(folder: &Path, part: f64) {
     file("study.toml", &study);
 }
 
-/// What is said of the chain, and in which sentences.
+/// Returns the diagnosis of the chain and its sentences.
 fn diagnosed(part: f64, progress: &Progress) -> (Diagnosis, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), part);
@@ -91,7 +91,7 @@ fn diagnosed(part: f64, progress: &Progress) -> (Diagnosis, Vec<String>) {
     (found.diagnosis, sentences)
 }
 
-/// A spring of 0.6 of its rate moves the last body by 1.3 mm, 130 times the noise, and refitting would take it up whole: it matters.
+/// Checks that an effect matters although a refit would absorb it: a rate of 0.6 moves the last body by 1.3 mm, 130 times the noise.
 #[test]
 fn the_verdict_follows_the_evidence_whatever_a_refit_would_take_up() {
     for part in [0.6, 1.5] {
@@ -121,7 +121,7 @@ fn a_sound_chain_is_consistent() {
     assert!(sentences.iter().all(|text| !text.contains("equivalent")));
 }
 
-/// A diagnosis that was stopped says what it has, and that it was stopped.
+/// Checks that an interrupted diagnosis returns its results so far and states the interruption.
 #[test]
 fn what_was_stopped_is_marked() {
     let progress = Progress::default();

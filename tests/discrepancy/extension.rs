@@ -1,4 +1,4 @@
-//! The extended files alone, run by the drop-in solver, are the extended fit.
+//! Check that the exported extended files, run by the drop-in solver, reproduce the extended fit.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -12,7 +12,7 @@ use admire_solver::mechanics::{Vec3, euler313};
 
 use crate::plant::{Plant, study};
 
-/// Runs `extended.acf` and compares the place of every part of the deck in every case: to a millionth of a millimetre.
+/// Runs `extended.acf` and compares the position of every part of the deck in every case, to a millionth of a millimetre.
 pub fn reproduces(outcome: &Outcome<'_>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |file: &str| folder.path().join(file);
@@ -52,7 +52,7 @@ pub fn reproduces(outcome: &Outcome<'_>) {
     assert_eq!(case, outcome.plain.states.len(), "{console}");
 }
 
-/// Gives markers the same axes by points: `words` are their angles in degrees as the deck has them.
+/// Rewrites the axes of markers as points; `words` are their angles in degrees, as spelled in the deck.
 fn by_points(deck: &Path, markers: &[([f64; 3], &str)]) {
     let mut text = std::fs::read_to_string(deck).unwrap();
     for (origin, words) in markers {
@@ -78,7 +78,9 @@ fn by_points(deck: &Path, markers: &[([f64; 3], &str)]) {
     std::fs::write(deck, text).unwrap();
 }
 
-/// Points that give the axes of a marker are turned with it. About one axis a turned bushing is one with coupling; about two it is not.
+/// Checks that points that define the axes of a marker are rotated with it.
+///
+/// A bushing rotated about one axis is equivalent to one with coupling; a bushing rotated about two axes is not.
 #[test]
 fn a_turned_bushing_whose_markers_have_points() {
     let plant = Plant {

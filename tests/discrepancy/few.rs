@@ -1,4 +1,5 @@
-//! Readings that tell little of themselves: six load cases whose marks scatter widely, three marks of which one is wrong, the wheel alone.
+//! Readings with little redundancy: six load cases with widely scattered marks, parts with three marks of which one is wrong, the wheel
+//! alone.
 
 use admire_report::diagnosis_sentences;
 use std::path::Path;
@@ -19,12 +20,12 @@ const SIX: &str = "case,vertical,lateral,longitudinal
 6,4500,0,-2500
 ";
 
-/// What the diagnosis says of the shipped strut axle as the rig measures it once the folder was changed.
+/// Returns the diagnosis of the shipped strut axle as measured by the rig after the folder was changed.
 fn diagnosis(change: impl Fn(&Path), options: &RigOptions) -> Diagnosis {
     told(change, options).0
 }
 
-/// The same with its sentences.
+/// Returns the diagnosis of the changed strut axle with its sentences.
 fn told(change: impl Fn(&Path), options: &RigOptions) -> (Diagnosis, Vec<String>) {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     let rig = tempfile::tempdir().unwrap();
@@ -58,7 +59,7 @@ fn six_cases(rig: &Path) {
     std::fs::write(rig.join("load_cases.csv"), SIX).unwrap();
 }
 
-/// Marks of six cases are too few to show tails by themselves.
+/// Checks that heavy tails in six cases, too few to show them, are not reported as structure.
 #[test]
 fn tails_are_no_structure_in_six_cases() {
     let mut told = Vec::new();
@@ -84,7 +85,7 @@ fn tails_are_no_structure_in_six_cases() {
     assert!(told.len() <= 1, "{told:?}");
 }
 
-/// All of these marks are listed and nothing else, whatever the noise.
+/// Checks that exactly these wrong marks are listed, for several noise seeds.
 fn listed(change: impl Fn(&Path), wrong: &[(&str, &str)]) {
     let plant = |(mark, shift): &(&str, &str)| {
         EffectSpec::parse(&format!("mark-outlier@{mark}:{shift}")).unwrap()
@@ -108,16 +109,17 @@ fn listed(change: impl Fn(&Path), wrong: &[(&str, &str)]) {
     }
 }
 
-/// Across the plane of the other marks of its part.
+/// Wrong mark that is displaced normal to the plane of the other marks of its part.
 const ACROSS: (&str, &str) = ("case 3 FRONT_ARM 3", "x=-0.1611,y=-0.1758,z=1.9857");
 
-/// Two of four marks are wrong, one of them across the plane of the three that do not show it to be.
+/// Checks two wrong marks of four, one of them displaced normal to the plane of the three others, which therefore do not reveal it.
 #[test]
 fn a_wrong_mark_across_the_others_is_listed() {
     listed(nothing, &[ACROSS, ("case 3 FRONT_ARM 4", "x=1.5,y=-1")]);
 }
 
-/// Three marks of a part tell that one is wrong at most along their plane, and never which: the model does.
+/// Checks wrong marks of parts with three marks. Such a part reveals at most an error in its plane and never the wrong mark; the model
+/// does.
 #[test]
 fn wrong_marks_of_parts_with_three_are_listed() {
     let three_marks = |rig: &Path| {
@@ -131,8 +133,10 @@ fn wrong_marks_of_parts_with_three_are_listed() {
     listed(three_marks, &[ACROSS, tie_rod, knuckle]);
 }
 
-/// Friction by a law of its own moves the wheel by less than a hundredth of a degree, and far beyond the noise of its place. The wheel
-/// alone hardly tells a strut that sticks from an arm whose bushings do.
+/// Checks that friction by its own law is found from the wheel alone, although it moves the wheel by less than a hundredth of a degree.
+///
+/// The effect far exceeds the noise of the wheel position. The wheel alone hardly separates a sticking strut from an arm with sticking
+/// bushings.
 #[test]
 fn friction_that_the_wheel_alone_shows_matters() {
     let effect = "dry-friction@JOINT/3:force=20,stiffness=600,law=dahl";
@@ -161,7 +165,7 @@ fn friction_that_the_wheel_alone_shows_matters() {
     assert_eq!(found.verdict, Verdict::Discrepancy);
 }
 
-/// Before its cause is known far readings are not all that a model leaves.
+/// Checks that outliers are not reported as structure while a cause is still unknown.
 #[test]
 fn tails_beside_a_cause_are_no_structure_in_six_cases() {
     for seed in 0..8 {
@@ -181,7 +185,7 @@ fn tails_beside_a_cause_are_no_structure_in_six_cases() {
     }
 }
 
-/// Of six cases one is held out: what it gains has no standard error.
+/// Checks that the gain on a single held-out case is reported without a standard error.
 #[test]
 fn the_gain_of_one_case_is_told_without_an_error() {
     let options = RigOptions {

@@ -3,7 +3,7 @@ use admire_diagnosis::{Outcome, diagnose, held_out};
 use admire_identify::LoadedStudy;
 use admire_report::diagnosis_sentences;
 
-/// Table 2 of the paper: up and down, so that hysteresis shows.
+/// Table 2 of the paper, with increasing and decreasing loads so that hysteresis shows.
 pub const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal
 1,1500,0,0
 2,3000,0,0
@@ -26,7 +26,7 @@ pub const UP_AND_DOWN: &str = "case,vertical,lateral,longitudinal
 19,3000,0,0
 ";
 
-/// Plants, diagnoses the folder, then opens the truth; `check` looks closer.
+/// Plants an effect, diagnoses the folder, and then compares with the truth; `check` makes further checks.
 pub fn named(
     axle: &str,
     plant: &Plant,

@@ -1,5 +1,6 @@
-//! Measuring frames that are not where the deck's is: aligned badly, set up anew for each case, going on from case to case; and an axle
-//! that moves as a whole under its loads.
+//! Measuring frames that differ from the frame of the deck: misaligned, set up again for each case, or drifting from case to case.
+//!
+//! Also covers an axle that moves as a whole under its loads.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,8 +13,9 @@ use super::axles::{Judged, copied, judge};
 
 type Vec3 = nalgebra::Vector3<f64>;
 
-/// An axle of the independent simulator, whose marks are all seen from a frame that is off by a shift (mm) and a turn (rad) about the
-/// origin in each case, by itself or on from the case before.
+/// Judges an axle of the independent simulator whose marks are measured in a displaced frame.
+///
+/// The frame is off by a random shift (mm) and rotation (rad) about the origin in each case, independently, or cumulatively if `goes_on`.
 fn seen_from_elsewhere(
     name: &str,
     seed: u64,
@@ -25,7 +27,7 @@ fn seen_from_elsewhere(
     Some(judge(folder.path(), name))
 }
 
-/// The same, with a size of frames stated in the study that is a half of each step.
+/// Judges an axle in a displaced frame, with half of each step stated as the size of frame errors in the study.
 fn stated(name: &str, seed: u64, (shift, turn): (f64, f64), goes_on: bool) -> Option<Judged> {
     let folder = copied(name)?;
     let study = folder.path().join(name);
@@ -55,7 +57,7 @@ fn move_frame(study: &Path, seed: u64, (shift, turn): (f64, f64), goes_on: bool)
     });
 }
 
-/// Reads every mark elsewhere: by its case and place.
+/// Changes every measured mark by a function of its case and position.
 fn see(study: &Path, mut seen: impl FnMut(&str, Vec3) -> Vec3) {
     let table = study.join("marks_measured.csv");
     let text = std::fs::read_to_string(&table).unwrap();
@@ -72,7 +74,7 @@ fn see(study: &Path, mut seen: impl FnMut(&str, Vec3) -> Vec3) {
     std::fs::write(&table, lines.join("\n") + "\n").unwrap();
 }
 
-/// What the axle is mounted on moves by 0.03 mm per kilonewton along each load, and turns with it.
+/// Checks a mount of the axle that moves by 0.03 mm per kilonewton along each load, and rotates with it.
 #[test]
 fn a_mount_that_yields_is_no_cause() {
     let Some(folder) = copied("tolerances-0") else {
@@ -103,7 +105,7 @@ fn a_mount_that_yields_is_no_cause() {
     assert!(judged.held.0 + 2 >= judged.held.1, "{:?}", judged.held);
 }
 
-/// A frame that was aligned with the axle to a quarter of a millimetre and some 4e-4 rad, the same in all cases.
+/// Checks a constant misalignment of the frame, of about a quarter of a millimetre and 4e-4 rad.
 #[test]
 fn a_frame_that_was_aligned_badly_is_no_cause() {
     let Some(folder) = copied("clean-0") else {
@@ -119,7 +121,7 @@ fn a_frame_that_was_aligned_badly_is_no_cause() {
     assert!(size > 0.08, "{size}");
 }
 
-/// Marks measured in a frame that is 9 mm and half a degree off. Without the alignment five false causes were named.
+/// Checks marks measured in a frame that is 9 mm and half a degree off. Without the alignment, five false causes were named.
 #[test]
 fn another_frame_than_the_decks_is_no_cause() {
     let Some(folder) = copied("clean-0") else {
@@ -136,7 +138,7 @@ fn another_frame_than_the_decks_is_no_cause() {
     assert!(judged.held.0 + 2 >= judged.held.1, "{:?}", judged.held);
 }
 
-/// Nothing is wrong with the axle but usual tolerances.
+/// Checks a frame set up again for each case, on an axle with usual tolerances only.
 #[test]
 fn a_frame_set_up_anew_for_each_case_is_no_cause() {
     let found = seen_from_elsewhere("tolerances-2", 1, (0.05, 5e-5), false);
@@ -155,7 +157,7 @@ fn a_cause_is_named_beside_a_frame_that_goes_on() {
     is_named(seen_from_elsewhere("hardpoint-1", 2, (0.02, 2e-5), true));
 }
 
-/// What is stated is the frame of each case by itself: that it goes on is still to be found.
+/// Checks that a cumulative drift of the frame is found even if the study states only the size per case.
 #[test]
 fn a_frame_of_a_stated_size_may_go_on() {
     is_named(stated("hardpoint-0", 3, (0.02, 2e-5), true));

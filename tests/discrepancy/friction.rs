@@ -1,4 +1,4 @@
-//! Friction by other laws than a slider's, and of other limits one way than the other.
+//! Friction by other laws than a slider, and with limits that differ by direction.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,7 +8,9 @@ use super::plant::{Friction, FrictionLaw, Plant, study};
 use admire_diagnosis::{Cause, Diagnosis, Verdict, diagnose, held_out};
 use admire_identify::LoadedStudy;
 
-/// By the law of Dahl, which no hypothesis has: friction at its place is named first, and nothing at another element with more than even odds.
+/// Checks friction by Dahl's law, which no hypothesis has.
+///
+/// Friction at its location must be named first, and no other element with a probability above one half.
 fn gives_way_by_degrees(friction: Friction, place: &'static str, seed: u64) {
     let plant = Plant {
         truth: ("dry-friction", place),
@@ -48,7 +50,7 @@ const STRUT: Friction = Friction {
     axis: 2,
 };
 
-// One test for each seed: they run side by side.
+// One test per seed, so that they run in parallel.
 #[test]
 fn friction_of_a_strut_that_gives_way_by_degrees() {
     gives_way_by_degrees(STRUT, "JOINT/3", 27);
@@ -78,7 +80,7 @@ fn friction_of_a_bushing_that_gives_way_by_degrees() {
 const TOLERANCES: &str =
     "hardpoints=0.2,load_gain=0.003,load_direction_deg=0.057,marks_on_parts=0.1,pose=0.02";
 
-/// What the rig reads in this study, in a folder of its own.
+/// Measures a study with the rig and returns the folder of the result.
 fn measured(base: &tempfile::TempDir, seed: &str, options: &[&str]) -> PathBuf {
     let out = base.path().join(seed);
     let mut rig = Command::new(env!("CARGO_BIN_EXE_admire"));
@@ -88,7 +90,8 @@ fn measured(base: &tempfile::TempDir, seed: &str, options: &[&str]) -> PathBuf {
     out
 }
 
-/// The same on tolerances, by the deck that the rig writes. Fits that stop at a kink put it into a bushing, or see a coupling beside it.
+/// Checks friction by Dahl's law with tolerances, planted by the rig. Fits that stop at a kink assign it to a bushing or find a coupling
+/// besides.
 fn gives_way_on_tolerances(force: &str, stiffness: &str, seed: &str) {
     let folder = study(
         "pseudo-mcpherson",
@@ -116,7 +119,7 @@ fn stiffer_friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
     gives_way_on_tolerances("100", "219.2", "1086");
 }
 
-/// 1,500 N one way and 300 N the other, as the rig plants it: as large apart from their mean as told.
+/// Checks friction of 1,500 N in one direction and 300 N in the other, as the rig plants it. Its estimated asymmetry must match.
 #[test]
 fn friction_that_differs_by_direction() {
     let folder = study(

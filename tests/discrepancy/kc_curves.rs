@@ -1,4 +1,4 @@
-//! The shipped study of K&C curves: toe, camber, caster and displacements of one wheel in loops, nothing else.
+//! The shipped study of K&C curves: loops of toe, camber, caster and displacements of one wheel, and no other readings.
 
 use admire_report::diagnosis_sentences;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     let planted = truth
         .lines()
         .filter(|line| line.starts_with("hardpoint-error@") || line.starts_with("dry-friction@"));
-    // The search without the held-out cases chooses them, too.
+    // The search without the held-out cases finds the same causes.
     let held_out = diagnosis.hold_out.as_ref().unwrap();
     let mut count = 0;
     for line in planted {
@@ -42,14 +42,16 @@ fn a_wrong_hardpoint_and_friction_are_found_from_curves_of_the_wheel() {
     assert_eq!(held_out.causes.len(), 2, "{:?}", held_out.causes);
     assert_eq!(count, 2);
     assert_eq!(diagnosis.findings.len(), 2, "{:?}", diagnosis.findings);
-    // The loops come out: every curve is met to its noise in the cases no fit saw.
+    // The loops are reproduced: in the cases that no fit saw, every curve agrees within its noise.
     let [before, after] = outcome.unseen.as_ref().unwrap().tests;
     assert!(
         after.chi_square < 1.5 * after.dof as f64 && before.chi_square > 5.0 * after.chi_square
     );
 }
 
-/// Without the gain the stiffnesses make up for a part of it: it is a factor on what the model predicts once they do not.
+/// Checks that a toe gain of 1.4 is estimated at its full size, although without the gain the stiffnesses absorb a part of it.
+///
+/// The gain multiplies the prediction of the model, in which the stiffnesses then no longer absorb anything.
 #[test]
 fn a_toe_that_is_read_40_percent_too_large_is_found_as_large() {
     let rig = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/rigs/kc-curves");
@@ -76,8 +78,11 @@ fn a_toe_that_is_read_40_percent_too_large_is_found_as_large() {
     }
 }
 
-/// Marks in the loops of the rig, tolerances everywhere, other stiffnesses than the deck's, and friction by the law of Dahl, which no
-/// hypothesis has. The fit without a cause puts the strut's friction into the arms, where another cause then promises more.
+/// Checks that friction of a strut is not attributed to an arm.
+///
+/// The study has marks in the loops of the rig, tolerances everywhere, other stiffnesses than the deck, and friction by Dahl's law, which
+/// no hypothesis has. The fit without a cause assigns the friction of the strut to the arms, where another cause then predicts a larger
+/// gain.
 #[test]
 fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
@@ -132,9 +137,9 @@ fn friction_of_a_strut_is_not_taken_for_that_of_an_arm() {
         ("2.KT.3", 0.515),
     ];
     let dahl = "dry-friction@JOINT/3:force=220,stiffness=3000,law=dahl";
-    // From this start the linear model promises 1,400 nats less than the friction of the strut gains, and that of an arm seems better.
+    // From this start the linear model underpredicts the gain of strut friction by 1,400 nats, so that friction of an arm seems better.
     let far = "dry-friction@JOINT/3:force=231,stiffness=3000";
-    // The evidence falls twice on the way of the fit, before it rises by 30,000 nats.
+    // The evidence decreases twice during the fit, before it rises by 30,000 nats.
     let much = "dry-friction@JOINT/3:force=771,stiffness=3000";
     for (seed, effect, force, rubber) in [
         (201, dahl, 220.0, few.as_slice()),

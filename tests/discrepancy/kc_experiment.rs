@@ -1,4 +1,4 @@
-//! The shipped K&C experiment from its folder to the loop of figure 11; only then its sealed truth.
+//! The shipped K&C experiment, from its folder to the loop of figure 11, and then its sealed truth.
 
 use admire_report::diagnosis_sentences;
 use std::path::Path;
@@ -8,7 +8,7 @@ use admire_identify::LoadedStudy;
 
 use super::extension::reproduces;
 
-/// Standard deviation of the rig's camera, degrees.
+/// Standard deviation of the rig's camera, in degrees.
 const CAMERA: f64 = 0.01;
 
 fn finding<'a>(outcome: &'a Outcome<'_>, cause: &str, address: &str) -> &'a Finding {
@@ -19,7 +19,7 @@ fn finding<'a>(outcome: &'a Outcome<'_>, cause: &str, address: &str) -> &'a Find
     named.unwrap_or_else(|| panic!("{cause} {address} is not among {findings:?}"))
 }
 
-/// Steer on the way back less steer on the way out, at each load that is met on both.
+/// Returns the steer angle on the way back minus the one on the way out, for each load that occurs on both.
 fn width(points: &[(f64, f64)]) -> Vec<f64> {
     let mut out = Vec::new();
     for (k, (load, steer)) in points.iter().enumerate() {
@@ -41,7 +41,7 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
         diagnosis_sentences(&outcome).join("\n"),
         diagnosis.to_json()
     );
-    // Hypotheses are tried side by side; how many at a time changes not one digit.
+    // Hypotheses are tried in parallel; the number of threads must not change a single digit.
     let others = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads() + 1);
     let again = others.build().unwrap().install(|| {
         let held_out = held_out(&loaded.study, &loaded.measurement);
@@ -55,7 +55,7 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
     let rod = finding(&outcome, "link-compliance", "PART/6");
     assert!(friction.gain.held_out_p_value.unwrap() > 0.01);
 
-    // Groups of cases that are predicted from the others choose the friction too, and gain by it.
+    // The search also finds the friction in each group of cases predicted from the others, and the prediction improves.
     let groups = diagnosis.cross_validation.as_ref().unwrap();
     assert!(groups.groups.len() > 2);
     for group in &groups.groups {
@@ -72,7 +72,7 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
         assert!(cause.gain.cross_validated_nats.unwrap() > 0.0, "{cause:?}");
     }
 
-    // Figure 11: steer under a lateral and under a longitudinal force, there and back. Neither fit has seen these cases.
+    // Figure 11: steer under a lateral and a longitudinal force, loading and unloading. Neither fit has seen these cases.
     let runs = outcome.wheel_runs();
     for load in ["lateral", "longitudinal"] {
         let run = runs.iter().find(|run| run.load == load).unwrap();
@@ -84,12 +84,12 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
         };
         let (before, after) = (rms(&run.before), rms(&run.after));
         println!("{load}: steer rms {before:.4} to {after:.4} deg");
-        // Chi-square of 8 or 9 readings: 1.6 standard deviations are met by chance in less than one of a hundred.
+        // For 8 or 9 readings, 1.6 standard deviations are exceeded by chance in less than one of a hundred.
         assert!(
             after < 1.6 * CAMERA && after < before,
             "{load}: {before} {after}"
         );
-        // The loop is as wide as the one that was read, to the noise of two readings; the model as it was has none.
+        // The predicted loop is as wide as the measured one, within the noise of two readings; the original model has no loop.
         let off: Vec<f64> = width(&run.after)
             .iter()
             .zip(width(&run.read))
@@ -101,7 +101,7 @@ fn friction_and_a_soft_tie_rod_are_found_and_the_loops_no_fit_saw_are_reproduced
     }
     reproduces(&outcome);
 
-    // The sealed truth: corpus/rigs/kc-experiment/effects.txt.
+    // Sealed truth from corpus/rigs/kc-experiment/effects.txt.
     let near = |finding: &Finding, name: &str, truth: f64| {
         let (value, error) = (finding.parameters[name], finding.std_error[name]);
         assert!(

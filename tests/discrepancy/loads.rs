@@ -1,4 +1,4 @@
-//! Rigs that do not hold their loads: the table states what was asked for, and each case had a little more or less.
+//! Rigs with imperfect loads: the table states the requested loads, but the actual loads differ slightly from case to case.
 
 use std::path::Path;
 
@@ -8,8 +8,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::axles::{Judged, copied, judge};
 
-/// An axle of the independent simulator, whose table of loads is off by 0.3 percent of the largest value of each load, case by case. The
-/// readings are those of the loads that acted.
+/// Judges an axle of the independent simulator whose table of loads has errors of 0.3 percent of the largest value of each load, case by
+/// case.
+///
+/// The readings belong to the true loads.
 fn scattered(name: &str, seed: u64) -> Option<Judged> {
     let folder = copied(name)?;
     scatter(&folder.path().join(name).join("load_cases.csv"), seed);
@@ -33,7 +35,7 @@ fn scatter(table: &Path, seed: u64) {
         out += label;
         for (k, value) in values.iter().enumerate() {
             let largest = rows.iter().map(|(_, of)| of[k].abs()).fold(0.0, f64::max);
-            // A jack that is not connected exerts nothing.
+            // A jack that is not connected exerts no load.
             let off: f64 = match *value {
                 0.0 => 0.0,
                 _ => StandardNormal.sample(&mut random),
@@ -45,7 +47,7 @@ fn scatter(table: &Path, seed: u64) {
     std::fs::write(table, out).unwrap();
 }
 
-/// Nothing is wrong with the axle but usual tolerances. The size that is found is that of the errors made here.
+/// Checks an axle with usual tolerances only; the estimated size of load errors must match the simulated one.
 #[test]
 fn loads_that_scatter_are_no_cause() {
     let Some(judged) = scattered("tolerances-1", 1) else {
@@ -58,7 +60,9 @@ fn loads_that_scatter_are_no_cause() {
     assert!(judged.held.0 + 2 >= judged.held.1, "{:?}", judged.held);
 }
 
-/// The search gives way where errors of loads promise far more than any cause, and does not go on through causes that stand in for them.
+/// Checks that the search considers load errors early, because their expected gain is much larger than the gain of any cause.
+///
+/// It must not first try the causes that could replace them.
 #[test]
 fn loads_that_scatter_are_seen_before_causes_are_sought() {
     let (Some(calm), Some(judged)) = (copied("clean-0"), scattered("clean-0", 3)) else {

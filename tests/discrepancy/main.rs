@@ -1,4 +1,4 @@
-//! Hidden effects: each is planted on an axle, the diagnosis sees only the study folder, then the truth is opened.
+//! Tests of hidden effects: each is planted on an axle, the diagnosis sees only the study folder, and then the truth is opened.
 
 mod arm;
 mod axles;

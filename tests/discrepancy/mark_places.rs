@@ -1,4 +1,4 @@
-//! Marks that sit elsewhere than the list of marks on parts says, from the first case or from a later one.
+//! Marks at other positions than in the list of marks on parts, from the first case or from a later one.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use admire_diagnosis::{Cause, Verdict};
 
 use super::axles::{copied, judge};
 
-/// Changes the coordinates of lines that start with these words.
+/// Adds an offset to the coordinates in all lines that a predicate selects.
 fn change(table: &Path, is_meant: impl Fn(&str) -> bool, by: [f64; 3]) {
     let text = std::fs::read_to_string(table).unwrap();
     let line = |line: &str| {
@@ -24,7 +24,7 @@ fn change(table: &Path, is_meant: impl Fn(&str) -> bool, by: [f64; 3]) {
     std::fs::write(table, lines.join("\n") + "\n").unwrap();
 }
 
-/// The list is wrong by 0.6 mm. The cause beside it is named as without that.
+/// Checks a list entry that is wrong by 0.6 mm; the planted cause must be named as without it.
 #[test]
 fn a_mark_that_is_listed_elsewhere_is_told_once() {
     let name = "tolerances-friction-1";
@@ -58,7 +58,7 @@ fn a_mark_that_is_listed_elsewhere_is_told_once() {
     }
 }
 
-/// Somebody knocked against a mark after two thirds of the cases.
+/// Checks a mark that is displaced after two thirds of the cases.
 #[test]
 fn a_mark_that_came_loose_is_told_once() {
     let name = "clean-1";

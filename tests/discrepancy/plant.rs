@@ -1,4 +1,4 @@
-//! Plants an effect on the reference deck of a shipped study and writes what a rig would have read.
+//! Plants an effect on the reference deck of a shipped study and writes the readings that a rig would have taken.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,32 +12,32 @@ use admire_syntax::text::Source;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 
-/// What is wrong.
+/// A planted effect.
 pub struct Plant {
-    /// Cause and address.
+    /// True cause and address.
     pub truth: (&'static str, &'static str),
     /// Replacements in the text of the reference deck.
     pub edits: Vec<(&'static str, String)>,
-    /// Statements added before END.
+    /// Statements to be added before END.
     pub added: String,
-    /// Changes the loads of a case.
+    /// Change of the loads of a case.
     pub loads: fn(&mut [f64]),
-    /// Changes a reading: case, part, mark, place.
+    /// Change of a reading, given case, part, mark and position.
     pub reading: fn(usize, usize, usize, &mut [f64; 3]),
-    /// A contact that remembers.
+    /// A friction contact with memory.
     pub friction: Option<Friction>,
-    /// Markers that turn about an axis of their own, degrees.
+    /// Markers to be rotated: id, own axis, angle in degrees.
     pub turned: Vec<(u32, usize, f64)>,
-    /// A string pot between two markers: its name, I, J, and what the reading makes of the true distance.
+    /// A string potentiometer between two markers: name, I, J, and the reading as a function of the true distance.
     pub channel: Option<(&'static str, u32, u32, fn(f64) -> f64)>,
 }
 
-/// How the force of a contact follows its displacement.
+/// Law of the friction force against displacement.
 #[derive(Clone, Copy, PartialEq)]
 pub enum FrictionLaw {
     /// A spring in series with a slider.
     ElastoSlip,
-    /// Dahl 1968 with exponent one: `dF/du = k (1 - F sign(du) / F_slip)`.
+    /// Law of Dahl (1968) with exponent one: `dF/du = k (1 - F sign(du) / F_slip)`.
     Dahl,
 }
 
@@ -68,7 +68,7 @@ impl Plant {
     }
 }
 
-/// A GFORCE along one axis of J, with its floating marker.
+/// Returns a GFORCE along one axis of J, with its floating marker.
 pub fn gforce(part_of_j: u32, (i, j): (u32, u32), axis: usize, law: &str) -> String {
     let mut text = format!(
         "MARKER/990, PART = {part_of_j}, FLOATING\nGFORCE/990\n, I = {i}\n, JFLOAT = 990\n, RM = {j}\n"
@@ -81,7 +81,7 @@ pub fn gforce(part_of_j: u32, (i, j): (u32, u32), axis: usize, law: &str) -> Str
     text
 }
 
-/// A study folder that tells nothing of what was planted.
+/// Writes a study folder that does not reveal the planted effect.
 pub fn study(
     name: &str,
     plant: &Plant,
@@ -120,7 +120,7 @@ pub fn study(
     for (marker, axis, degrees) in &plant.turned {
         text = turned(&text, *marker, *axis, *degrees);
     }
-    // The labels of the cases have to exist in the readings before they are simulated.
+    // The case labels must exist in the readings before these are simulated.
     let cases = std::fs::read_to_string(path("load_cases.csv")).unwrap();
     let mut marks = String::from("case,part,mark,x,y,z\n");
     let first = std::fs::read_to_string(path("marks_on_parts.csv")).unwrap();
@@ -191,7 +191,7 @@ pub fn study(
     folder
 }
 
-/// Where a marker is.
+/// Returns the global pose of a marker.
 fn place(model: &Model, poses: &[Pose], id: u32) -> Pose {
     let marker = &model.markers[model.marker(id).unwrap().0];
     poses[marker.part.0].compose(&Pose {
@@ -200,7 +200,7 @@ fn place(model: &Model, poses: &[Pose], id: u32) -> Pose {
     })
 }
 
-/// The deck with a marker turned on its part.
+/// Returns the deck with a marker rotated on its part.
 fn turned(text: &str, id: u32, axis: usize, degrees: f64) -> String {
     let (dataset, model) = deck(text);
     let marker = &model.markers[model.marker(id).unwrap().0];
@@ -241,7 +241,7 @@ fn sweep(text: &str, programme: &LoadProgramme) -> Vec<Vec<Pose>> {
         .collect()
 }
 
-/// Case by case; each leaves its anchor, or its force, to the next.
+/// Simulates friction case by case; each case passes its anchor or its force on to the next.
 fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<Vec<Pose>> {
     let Friction {
         law,
@@ -252,7 +252,7 @@ fn slipping(text: &str, programme: &LoadProgramme, friction: &Friction) -> Vec<V
         part_of_j,
         axis,
     } = friction;
-    // Elasto-slip remembers where its spring is unstretched; Dahl where it was and with what force.
+    // The memory of elasto-slip is the anchor of its unstretched spring; the memory of Dahl's law is the last position and force.
     let (mut anchor, mut held, mut out) = (0.0, 0.0, Vec::new());
     let end = text.rfind("END").unwrap();
     let measure = ["DX", "DY", "DZ"][*axis];

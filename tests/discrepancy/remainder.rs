@@ -1,4 +1,4 @@
-//! What no cause explains is shown where it acts, and predicts cases that nothing has seen with bands that hold.
+//! Unexplained residual forces: shown at their location, and used to predict unseen cases with calibrated bands.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use admire_identify::LoadedStudy;
 
 use super::plant::{Plant, gforce, study};
 
-/// The longitudinal load in small steps, and the other loads as the shipped study has them.
+/// Returns load cases with small steps of the longitudinal load, and the other loads of the shipped study.
 fn cases() -> String {
     let mut out = String::from("case,vertical,lateral,longitudinal\n");
     for (k, [vertical, lateral]) in [
@@ -26,14 +26,14 @@ fn cases() -> String {
         writeln!(out, "{},{vertical},{lateral},0", k + 1).unwrap();
     }
     for k in 0..=32 {
-        // Up and down, so that the order of the cases is not that of the load.
+        // The load alternates, so that the order of the cases differs from the order of the load.
         let step = 7 * k % 33;
         writeln!(out, "{},4500,0,{}", k + 9, -4000 + 250 * step).unwrap();
     }
     out
 }
 
-/// How well the force of a study with this seed is predicted: the share within 95 percent bands, and of how many readings.
+/// Returns the fraction of held-out readings within the predicted 95 percent bands, and their number, for a seed.
 fn predicted(seed: u64) -> (f64, usize) {
     let plant = Plant {
         added: gforce(1, (3, 4), 0, "150.0*SIN(0.4*DX(3,4,4))"),
@@ -65,7 +65,7 @@ fn predicted(seed: u64) -> (f64, usize) {
     (predicted.within95, predicted.readings)
 }
 
-/// A force that comes and goes over the way of a bushing, 40 mm, in waves of 16 mm: no hypothesis has such a law.
+/// Plants a force with a period of about 16 mm over the 40 mm travel of a bushing, a law that no hypothesis has.
 #[test]
 fn what_remains_predicts_cases_that_were_held_out() {
     let each: Vec<(f64, usize)> = std::thread::scope(|scope| {

@@ -1,4 +1,4 @@
-//! The same axle in another unit of length is the same axle.
+//! The same axle in another unit of length must have the same diagnosis.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ fn scaled(numbers: &str, by: f64) -> String {
     numbers.join(", ")
 }
 
-/// A deck in millimetres in a unit of which `scale` are one millimetre.
+/// Converts a deck from millimetres to a unit of which `scale` units are one millimetre.
 fn deck(text: &str, word: &str, scale: f64) -> String {
     let line = |line: &str| {
         let Some((key, numbers)) = line.split_once(" = ") else {
@@ -30,7 +30,7 @@ fn deck(text: &str, word: &str, scale: f64) -> String {
     text.lines().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A table of marks, whose last three columns are lengths.
+/// Converts a table of marks, whose last three columns are lengths.
 fn table(text: &str, scale: f64) -> String {
     let line = |line: &str| {
         let at = line.match_indices(',').rev().nth(2).unwrap().0;
@@ -52,7 +52,7 @@ fn diagnosis(folder: &Path) -> Diagnosis {
     found.unwrap().diagnosis
 }
 
-/// Defaults that the study leaves to us are those of millimetres in any unit: where stiffnesses start, how far bushings are off.
+/// Checks that built-in defaults, such as initial stiffnesses and bushing offsets, have the same physical size in every unit.
 #[test]
 fn an_axle_in_metres_and_in_inches_has_the_same_diagnosis() {
     let Some(folder) = shared("reference/realistic-axles/hardpoint-0") else {

@@ -1,11 +1,11 @@
-//! Cases held out are unknown to the choice of causes and to the fits that predict them.
+//! Held-out cases are unknown to the choice of causes and to the fits that predict them.
 
 use admire_diagnosis::{GainCheck, Outcome, Progress, diagnose_watched};
 use admire_identify::LoadedStudy;
 
 use super::plant::{Plant, study};
 
-/// All cases with a lateral load to one side, where the wrong gain shows most, and one with a longitudinal load.
+/// All cases with a lateral load to one side, where the wrong gain has the largest effect, and one with a longitudinal load.
 const HELD_OUT: [usize; 3] = [7, 8, 11];
 
 fn with_diagnosis(
@@ -40,7 +40,7 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
     };
     let nothing: fn(usize, usize, usize, &mut [f64; 3]) = |_, _, _, _| {};
     with_diagnosis(nothing, GainCheck::HeldOut, &mut look);
-    // Whole parts read 0.3 mm off: the marks stay where they are on each part, so that their noise looks the same.
+    // Whole parts are read 0.3 mm off; the marks keep their relative positions, so that their apparent noise is unchanged.
     let shifted: fn(usize, usize, usize, &mut [f64; 3]) = |case, part, _, x| {
         if HELD_OUT.contains(&case) {
             x[part % 3] += 0.3;
@@ -58,7 +58,7 @@ fn what_is_read_in_cases_held_out_moves_no_fit_that_predicts_them() {
         found.searched && found.gain > 0.0 && found.p_value > 0.01,
         "{found:?}"
     );
-    // Only the weights of rows are scaled by what all marks say of their noise: to the last digits.
+    // Only the weights of the rows change with the noise estimated from all marks, so the values agree to the last digits.
     for (a, b) in own.iter().zip(own_again) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }

@@ -1,4 +1,5 @@
-//! Motions that cannot be: each ends with time, element and reason, with files up to there and the code of a simulation without an answer.
+//! Impossible motions: each simulation ends with time, element and reason, with files up to that time, and with the exit code for no
+//! solution.
 
 use std::process::Command;
 
@@ -18,7 +19,9 @@ REQUEST/1, F2=DZ(20)
 ";
 const FORCE: &str = "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=";
 
-/// What is wrong, the commands, the words that tell it, and between which times the last step lies; none where there is no step.
+/// A failing simulation: added statements, commands, expected words of the message, and the bounds on the time of the last step.
+///
+/// `ends` is `None` if no step is written.
 struct Bad {
     statements: String,
     commands: &'static str,
@@ -41,7 +44,7 @@ fn bad() -> Vec<Bad> {
             told: &["time 0:", "MOTION/2", "no velocities satisfy", "per time"],
             ends: None,
         },
-        // They agree until a tenth of a second.
+        // The two motions agree until 0.1 s.
         Bad {
             statements: "MOTION/1, JOINT=1, FUNCTION=1\nMOTION/2, I=20, J=1, Z, FUNCTION=1+MAX(0,TIME-0.1)**2\n".into(),
             commands: plain,
@@ -54,7 +57,7 @@ fn bad() -> Vec<Bad> {
             told: &["time 0:", "PART/3 along x", "mass matrix is singular"],
             ends: None,
         },
-        // Nothing moves a variable that is one more than itself, nor at rest a rate whose square is asked for.
+        // A variable equal to itself plus one has no value. The equation p^2 = 4 for an implicit rate p is singular at p = 0.
         Bad {
             statements: format!("VARIABLE/7, FUNCTION=VARVAL(7)+1\n{FORCE}VARVAL(7)\n"),
             commands: plain,
@@ -67,28 +70,28 @@ fn bad() -> Vec<Bad> {
             told: &["time 0:", "DIFF/7 is not determined"],
             ends: None,
         },
-        // 1,000 rad/s want steps that are shorter.
+        // A frequency of 1,000 rad/s needs smaller steps than HMIN.
         Bad {
             statements: format!("{FORCE}-1E6*DZ(20)\n"),
             commands: "INTEGRATOR/HMIN=2E-3, ERROR=1E-7\nSIM/DYN, END=1.2, STEPS=120",
             told: &["time 0:", "smaller than HMIN", "PART/2 along z"],
             ends: Some((0.0, 0.0)),
         },
-        // It moves at 1 m/s.
+        // The ball moves at 1 m/s.
         Bad {
             statements: format!("{FORCE}SQRT(1.5-DZ(20))\n"),
             commands: plain,
             told: &["time 0.", "SFORCE/1", "SQRT is not defined"],
             ends: Some((0.3, 0.5)),
         },
-        // Steps of whole numbers push back from both sides once it has come to rest, after 1/2 s.
+        // The rounded force switches back and forth once the ball has come to rest, after 1/2 s.
         Bad {
             statements: format!("{FORCE}8-10*AINT(VZ(20)/2+1)\n"),
             commands: plain,
             told: &["time 0.5", "SFORCE/1 switches over and over", "smaller than HMIN"],
             ends: Some((0.49, 0.51)),
         },
-        // A hundred thousandth of a metre between two stops.
+        // Two stops, a hundred-thousandth of a metre apart.
         Bad {
             statements: format!("{FORCE}BISTOP(DZ(20),VZ(20),0.9999,1.0001,1E8,1,0,1E-4)\n"),
             commands: "SIM/DYN, END=2, STEPS=2",
@@ -111,7 +114,7 @@ fn each_ends_with_time_element_and_reason_and_whole_files() {
         for words in bad.told {
             assert!(said.contains(words), "{words}: {said}");
         }
-        // The command file goes on, as in ADAMS; the results say that it failed.
+        // The command file continues, as in ADAMS; the results state the failure.
         assert_eq!(ran.code, 0, "{}", ran.stdout);
         let results = text(folder.path(), "ball.res");
         assert!(results.contains("runStatus=\"Failed\""), "{said}");
@@ -140,7 +143,7 @@ fn each_ends_with_time_element_and_reason_and_whole_files() {
     }
 }
 
-/// HINIT that is shorter than HMIN, and outputs closer than it, are no reason to end.
+/// Checks that an HINIT below HMIN, and outputs closer together than HMIN, do not end a simulation.
 #[test]
 fn a_least_step_is_one_of_the_error_control_alone() {
     let deck = format!("{BALL}ACCGRAV/KGRAV=-9.81\nEND\n");
@@ -153,8 +156,9 @@ fn a_least_step_is_one_of_the_error_control_alone() {
     assert!((z.last().unwrap() - known).abs() < 1e-6, "{z:?}");
 }
 
-/// Numbers out of the bounds of their arguments, and joints without the displacement that is asked for, are told where they stand, in
-/// the dataset and in a command.
+/// Checks that values outside of their bounds, and references to displacements that a joint lacks, are reported at their location.
+///
+/// This holds for the dataset and for commands.
 #[test]
 fn what_an_argument_cannot_be_is_an_input_error() {
     for (statement, command, told) in [
@@ -233,7 +237,7 @@ fn what_an_argument_cannot_be_is_an_input_error() {
     }
 }
 
-/// A ball of a milligram on a spring without damping, 100,000 rad/s: steps follow every swing, and what they follow is told while they do.
+/// Checks the progress messages while a ball of one milligram on an undamped spring swings at 100,000 rad/s between two outputs.
 #[test]
 fn many_steps_between_two_outputs_are_told_of() {
     let deck = BALL.replace("MASS=1, CM=20, IP=1,1,1", "MASS=1E-6, CM=20, IP=1,1,1");
@@ -256,7 +260,7 @@ fn many_steps_between_two_outputs_are_told_of() {
     assert!(!said.contains(told), "{said}");
 }
 
-/// What is refused when a simulation asks for it is told at its statement, with its name as ADAMS has it.
+/// Checks that elements refused at the start of a simulation are reported at their statements, with their ADAMS names.
 #[test]
 fn refusals_point_at_their_statements() {
     let deck = format!(
@@ -283,7 +287,7 @@ END
     ] {
         assert!(said.contains(place), "{place}: {said}");
     }
-    // What only a motion refuses.
+    // Refusals that occur only in motion.
     let said = told(
         &deck
             .replace("BEAM/1", "!")

@@ -55,7 +55,7 @@ fn a_quasi_static_run_outputs_its_start_and_then_each_step() {
     ] {
         assert!(ran.stdout.contains(line), "{line}");
     }
-    // A lone static has a block of its own; the sequences have 2 N + 1 steps, as counted in real batches (guide/formats.md 6.1).
+    // A single static has its own block; the sequences have 2 N + 1 steps, as counted in real batches (guide/formats.md 6.1).
     let (folder, _) = run("sim/stat\nsim/stat, end=1, steps=4\nsim/stat, end=2, steps=4\nstop");
     assert_eq!(
         blocks(folder.path(), "slider.res"),
@@ -72,7 +72,7 @@ fn a_quasi_static_run_outputs_its_start_and_then_each_step() {
 
 #[test]
 fn a_failed_static_writes_no_step_and_the_run_goes_on() {
-    // Without the spring nothing holds the loaded slider.
+    // Without the spring nothing supports the loaded slider.
     let commands =
         "SFORCE/1, FUNCTION=5\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSPRINGDAMPER/1, K=10\nSIM/STAT\n";
     let (folder, ran) = run(commands);
@@ -101,7 +101,7 @@ fn a_failed_static_writes_no_step_and_the_run_goes_on() {
     std::fs::write(folder.path().join("run.acf"), &acf).unwrap();
     let stopped = mdi(folder.path(), &["ru-s", "run"]);
     assert_eq!(stopped.code, 3);
-    // The file is there with its columns, whole, and holds no step.
+    // The file is complete with its columns, but has no step.
     let left = text(folder.path(), "slider.res");
     assert!(
         left.contains("<Entity name=\"block_XFORM\"") && left.trim_end().ends_with("</Results>")
@@ -199,7 +199,7 @@ fn requests_and_frames_are_written_beside_the_results() {
         requests.diagnostics
     );
     near(&requests.value.times, &[0.0, 0.5, 1.0]);
-    // F4 is the third of the six columns that are written.
+    // F4 is the third of the six written columns.
     let dz: Vec<f64> = requests
         .value
         .values
@@ -209,14 +209,14 @@ fn requests_and_frames_are_written_beside_the_results() {
     near(&dz, &[0.0, 0.5, 1.0]);
     let frames = text(folder.path(), "slider.gra");
     let after: Vec<&str> = frames.split("-9.99999E+05").collect();
-    // The block as it was read, then for each of three times a line for the time and one for the block.
+    // The block as it was read; then, for each of three times, one line for the time and one for the block.
     assert_eq!(
         after[1].trim_start_matches('\n').lines().count(),
         1 + 3 * 2,
         "{frames}"
     );
     assert!(text(folder.path(), "slider.out").contains("REQUEST/1"));
-    // Without the words there are no files.
+    // Without these keywords no files are written.
     let (folder, _) = run("SIM/STAT");
     assert!(!folder.path().join("slider.gra").exists());
 }
@@ -232,7 +232,7 @@ fn results_options_leave_columns_out() {
         ("run.acf", "\nfile/model=slider\nSIM/STAT\n"),
     ]);
     assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 0);
-    // TIME, the six of the block, the request.
+    // TIME, the six displacements of the block, the request.
     assert_eq!(
         Results::read(folder.path(), "slider.res").steps[0].len(),
         1 + 6 + 1
@@ -278,7 +278,7 @@ fn other_readers_find_every_column_of_our_results() {
             "Request"
         ]
     );
-    // Force on I of the spring at z = 0: K (100 - 100) = 0; of the joint: nothing but what gravity would need.
+    // Force on I of the spring at z = 0: K (100 - 100) = 0; on the joint: zero apart from gravity.
     near(
         &Results::read(folder.path(), "slider.res").column("SFORCE_1", "FZ"),
         &[0.0, 5.0, 10.0],
@@ -287,14 +287,14 @@ fn other_readers_find_every_column_of_our_results() {
 
 #[test]
 fn exit_codes_are_those_of_adams_or_of_the_house() {
-    // Commands; exit code; exit code with MDI_STRICT and of `admire solve`.
+    // Commands; usual exit code; exit code with MDI_STRICT and of `admire solve`.
     for (acf, usual, strict) in [
         ("\nfile/model=slider\nSIM/STAT\nSTOP\n", 0, 0),
-        // Without STOP the end of the file ends the run.
+        // Without STOP the run ends at the end of the file.
         ("\nfile/model=slider\nSIM/STAT\n", 0, 0),
         ("\nfile/model=absent\nSIM/STAT\nSTOP\n", 2, 2),
         ("\nfile/model=broken\nSIM/STAT\nSTOP\n", 1, 1),
-        // What stands behind STOP is not executed.
+        // Commands after STOP are not executed.
         (
             "\nfile/model=slider\nSIM/STAT\nSTOP\nfile/model=absent\n",
             0,
@@ -384,7 +384,7 @@ fn callers_find_the_text_they_look_for_in_both_places() {
 
 #[test]
 fn the_files_grow_step_by_step_and_hold_whole_steps() {
-    // The second simulation fails; what the first one wrote is there, and nothing of the second.
+    // The second simulation fails; the results of the first one remain, and there are none of the second.
     let deck = SLIDER.replace("OUTPUT/REQSAVE", "OUTPUT/REQSAVE, GRSAVE");
     let acf = "\nfile/model=slider\nSFORCE/1, FUNCTION=5+0*TIME\nSIM/STAT, END=1, STEPS=2\nSPRINGDAMPER/1, K=0\nSIM/STAT\nSIM/STAT, END=2, STEPS=2\nSTOP\n";
     let folder = folder(&[("slider.adm", &deck), ("run.acf", acf)]);
@@ -402,8 +402,8 @@ fn the_files_grow_step_by_step_and_hold_whole_steps() {
     assert!(text(folder.path(), "slider.gra").contains("1.00000E+00"));
     assert!(text(folder.path(), "slider.out").contains("1.00000E+00"));
 
-    // The answer of a run before is gone as soon as the model is named, in every file, even if the deck does not read or asks for
-    // other files.
+    // Results of an earlier run are removed from every file once the model is named, even if the deck cannot be read or requests other
+    // files.
     for deck in [
         deck.replace("I=21, J=11", "I=99, J=11"),
         deck.replace(
@@ -471,7 +471,7 @@ fn a_killed_run_leaves_every_step_it_had_written() {
     for (k, time) in times.iter().enumerate() {
         assert!((time - k as f64 * 1e-5).abs() < 1e-12);
     }
-    // The other files have come as far, but for the last line at most.
+    // The other files are equally complete, except possibly for their last line.
     let source = admire_syntax::text::Source::new(
         "slider.req",
         text(folder.path(), "slider.req").into_bytes(),
@@ -500,7 +500,8 @@ fn a_killed_run_leaves_every_step_it_had_written() {
 
 #[test]
 fn loads_given_as_constants_and_as_functions_take_turns() {
-    // A constant changes a number of the equations, a function changes the equations: the model must not notice.
+    // A constant changes a parameter of the equations, a function changes the equations themselves; the solution must not depend on which
+    // is used.
     let (folder, ran) = run(
         "SIM/STAT\nSFORCE/1, FUNCTION=5\nSIM/STAT\nSFORCE/1, FUNC=-2.5\nSIM/STAT\nSFORCE/1, FUNCTION=5+5\nSIM/STAT\n\
         SFORCE/1, FUNCTION=3\nSPRINGDAMPER/1, K=30\nSIM/STAT\nSPRINGDAMPER/1, K=10\nSIM/STAT\nSFORCE/1, FUNCTION=4+2*TIME\nSIM/STAT, END=1, STEPS=1\n\
@@ -526,7 +527,7 @@ fn loads_given_as_constants_and_as_functions_take_turns() {
             0.8,
         ],
     );
-    // The same for the components of a vector force, one at a time.
+    // The same check for the components of a vector force, one at a time.
     let deck = SLIDER.replacen(
         "REQUEST/1",
         "MARKER/32, PART=1, FLOATING\nGFORCE/1, I=20, JFLOAT=32, FX=0\\FZ=2*TIME\nREQUEST/1",
@@ -541,7 +542,7 @@ fn loads_given_as_constants_and_as_functions_take_turns() {
         &results.column("block_XFORM", "Z"),
         &[0.0, 0.5, 0.6, 0.6, 1.0 / 9.0],
     );
-    // The guide answers with what it holds back.
+    // The guide reacts with the forces that it blocks.
     near(
         &results.column("guide", "FX"),
         &[0.0, 0.0, -3.0, -3.0, -3.0],

@@ -1,9 +1,12 @@
-//! A crank whose constraints are redundant, but not exactly.
+//! A crank with constraints that are only approximately redundant.
 
 use crate::run::run_deck as run;
 
-/// A crank, a rod with a ball joint at its far end and a slider 0.1 beside the line of the pivot: what keeps the rod from spinning is one of the two
-/// products of its pin, which one depends on the angle of the crank; and the pivot of the crank is out of square by as much as seven digits of an angle leave.
+/// Checks a crank whose redundant equation changes during a turn.
+///
+/// A crank drives a rod with a ball joint at its far end and a slider 0.1 beside the line of the pivot. One of the two products of the
+/// rod's pin keeps the rod from spinning; which one depends on the crank angle. The pivot of the crank is out of square by the round-off of
+/// an angle with seven digits.
 #[test]
 fn which_equation_is_left_out_changes_as_a_crank_turns() {
     for turned in ["0", "90D", "45D"] {

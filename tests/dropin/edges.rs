@@ -1,4 +1,4 @@
-//! Numbers at the edges of what numbers can be, and other units: an answer that balances, or a refusal; never a wrong number.
+//! Numbers at the limits of their range, and other units: the result is an equilibrium or a refusal, and never a wrong number.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::run::{Results, folder, mdi_with};
 
-/// A block that only forces hold, of every law that has no multiplier: the balance can be had from where the block is.
+/// A block held only by forces, with every law that needs no multiplier; its force balance can be evaluated from its position.
 const BLOCK: &str = "\
 A block held by forces
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
@@ -55,7 +55,7 @@ const EDGES: [&str; 9] = [
     "1.#IND",
 ];
 
-/// Where the numbers of a deck stand, those in functions too.
+/// Returns the spans of all numbers of a deck, including those in functions, with the kinds of their statements.
 fn numbers(text: &str) -> Vec<(Span, String)> {
     let dataset = Dataset::parse(Source::new("block.adm", text)).value;
     let mut all = Vec::new();
@@ -76,8 +76,9 @@ fn numbers(text: &str) -> Vec<(Span, String)> {
     all
 }
 
-/// Force and torque that are left on the block where a run put it: what is left, how large the loads are that cancel, and how much
-/// of it a change of the pose in its last digits makes.
+/// Returns the remaining force and torque on the block at the pose computed by a run.
+///
+/// Each comes with the size of the loads that cancel, and with its change for a change of the pose in its last digits.
 fn left(deck: &str, at: &[f64; 6]) -> [(Vec3, f64, f64); 2] {
     let dataset = Dataset::parse(Source::new("block.adm", deck)).value;
     let model = Model::lower(&dataset).value;
@@ -128,8 +129,9 @@ fn left(deck: &str, at: &[f64; 6]) -> [(Vec3, f64, f64); 2] {
     [0, 1].map(|k| (sums[k].0, sums[k].1, noise[k]))
 }
 
-/// Every number of the deck at every edge, one at a time: `mdi` ends in time and without a panic. Where it answers, the numbers are
-/// numbers and the forces cancel there; where it does not, it says why.
+/// Checks every number of the deck at every limit, one at a time: `mdi` must end in time and without a panic.
+///
+/// A solution must have finite numbers and forces that cancel; otherwise a reason must be given.
 #[test]
 fn every_number_at_its_edges() {
     let numbers = numbers(BLOCK);
@@ -180,7 +182,7 @@ fn every_number_at_its_edges() {
             if step.iter().any(|x| !x.is_finite()) {
                 return told(format!("no number among {step:?}"));
             }
-            // Its own tolerances may be any.
+            // EQUILIBRIUM may have any tolerances.
             if kind == "EQUILIBRIUM" {
                 return None;
             }
@@ -212,7 +214,7 @@ fn every_number_at_its_edges() {
     );
 }
 
-/// Joints, a motion and an integrator.
+/// A mechanism with joints, a motion and an integrator.
 const MECHANISM: &str = "\
 A mechanism
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
@@ -246,7 +248,7 @@ RESULTS/FORMATTED, XRF
 END
 ";
 
-/// The same of a mechanism that moves: it ends in time, with numbers or with a reason.
+/// Checks every number of a moving mechanism at its limits: the run must end in time, with finite numbers or with a reason.
 #[test]
 fn every_number_of_a_mechanism_at_its_edges() {
     let numbers = numbers(MECHANISM);
@@ -294,7 +296,7 @@ fn every_number_of_a_mechanism_at_its_edges() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The shipped half axle under its loads in millimetres, metres and inches: the same poses to a part in 1e9.
+/// Checks that the shipped half axle has the same poses in millimetres, metres and inches, to a part in 1e9.
 #[test]
 fn other_units_give_the_same_answer() {
     let shipped =
@@ -359,8 +361,9 @@ fn other_units_give_the_same_answer() {
     }
 }
 
-/// The sine of 1e22 (Ng, Argument reduction for huge arguments: good to the last bit, 1992): libraries of C with pi to 64 bits have none
-/// of its digits.
+/// Checks the sine of 1e22 (Ng, Argument reduction for huge arguments: good to the last bit, 1992).
+///
+/// C libraries with pi to 64 bits get none of its digits right.
 #[test]
 fn angles_of_many_turns_keep_their_digits() {
     let turned = euler313(1e22, 0.0, 0.0);
@@ -370,8 +373,9 @@ fn angles_of_many_turns_keep_their_digits() {
     );
 }
 
-/// A bushing that is up to 1e12 times as stiff along one axis as along another, askew: `p = A K^-1 A' F`, each axis in its own digits,
-/// and what is left of the forces is told; or a refusal that names the part, the direction and the stiffness that is there.
+/// Checks a rotated bushing with stiffnesses that differ by up to 1e12: `p = A K^-1 A' F`, each axis with its own precision.
+///
+/// The run must either report the remaining forces, or refuse and name the part, the direction and the stiffness.
 #[test]
 fn stiffnesses_may_be_apart_by_1e12() {
     let axes = euler313(0.7, 1.1, -0.4);
@@ -403,7 +407,8 @@ fn stiffnesses_may_be_apart_by_1e12() {
         }
         assert_eq!(ran.code, 0, "{}", ran.stdout);
         if soft < 1e-5 {
-            // 1e-16 of the largest, with a force below what IMBALANCE sees: it stays where it is, and that is told.
+            // At 1e-16 of the largest stiffness and a force below IMBALANCE, the block stays in place along this axis, and a message states
+            // this.
             assert!(held("by nothing"), "{direction}: {message}");
             continue;
         }
@@ -411,7 +416,7 @@ fn stiffnesses_may_be_apart_by_1e12() {
         let results = Results::read(place.path(), "uneven.res");
         let last = |component| *results.column("PART_2_XFORM", component).last().unwrap();
         let p = axes.transpose() * Vec3::new(last("X"), last("Y"), last("Z"));
-        // The soft way of 1.5 mm has 15 digits; the stiff one, 2e-6 mm, has what is left of them.
+        // The soft displacement of 1.5 mm has 15 digits; the stiff one, 2e-6 mm, has the remaining digits.
         for (axis, within) in [(2, 1e-9), (1, 1e-9), (0, 1e-14)] {
             let apart = (p[axis] - expected[axis]).abs();
             assert!(apart < within, "{soft}: {p} instead of {expected}");

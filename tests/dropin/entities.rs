@@ -1,4 +1,4 @@
-//! Every kind of object that has results, and the options that say what is written.
+//! All kinds of objects that have results, and the options that select what is written.
 
 use admire_results::XrfReader;
 
@@ -18,7 +18,7 @@ fn run(deck: &str, commands: &str) -> (tempfile::TempDir, Ran) {
     (folder, ran)
 }
 
-/// The slider with one object of every kind that has results besides, none of which moves it but the NFORCE (K = 10 along z).
+/// The slider with one object of every other kind that has results; only the NFORCE (K = 10 along z) affects its motion.
 fn of_every_kind() -> String {
     let more = "\
 MARKER/30, PART=2
@@ -97,7 +97,7 @@ fn every_kind_of_object_has_its_entity() {
             kinds.push(kind);
         }
     }
-    // The order of guide/formats.md 12 and of the maps in 6.2: kinds in one piece each.
+    // The order of guide/formats.md 12 and of the maps in 6.2; all objects of a kind are adjacent.
     assert_eq!(
         kinds,
         [
@@ -132,8 +132,8 @@ fn every_kind_of_object_has_its_entity() {
     );
     let results = Results::read(folder.path(), "slider.res");
     let column = |entity: &str, component: &str| results.column(entity, component)[0];
-    // The spring and the NFORCE have 10 N/mm each. The GCON drives part 6 twice as far, so that 5 newton there are 10 at the
-    // slider: z = (40 + 10) / 20.
+    // Spring and NFORCE have 10 N/mm each. The GCON moves part 6 twice as far, so that its 5 N act as 10 N on the slider: z = (40 + 10) /
+    // 20.
     near(
         &[column("block_XFORM", "Z"), column("PART_6_XFORM", "Z")],
         &[2.5, 35.0],
@@ -159,14 +159,14 @@ fn every_kind_of_object_has_its_entity() {
         &[column("DIFF_1", "Q"), column("DIFF_1", "DQ")],
         &[4.0, 0.0],
     );
-    // At rest 0 = -2 x + u with u = 3, y = 10 x; and 6/(2 + s) of a constant 3 is 9.
+    // At rest 0 = -2 x + u with u = 3 and y = 10 x; the gain of 6/(2 + s) for a constant 3 is 9.
     near(
         &[column("LSE_1", "X1"), column("LSE_1", "Y1")],
         &[1.5, 15.0],
     );
     near(&[column("TFSISO_1", "Y1")], &[9.0]);
     near(&[column("FRICTION_1", "FX")], &[0.0]);
-    // The sum of VFORCE and GFORCE is nothing; each is there, at I in ground axes.
+    // VFORCE and GFORCE cancel; each is reported at I in ground axes.
     near(
         &[column("VFORCE_1", "FZ"), column("GFORCE_1", "FZ")],
         &[2.0, -2.0],
@@ -186,7 +186,7 @@ fn options_of_results_take_kinds_out() {
         ("NOFLOATINGMARKERS", "entType=\"Floating_Marker\""),
     ];
     for (option, gone) in options {
-        // A friction has columns VX to WZ of its own.
+        // FRICTION is removed because it has its own columns VX to WZ.
         let deck = of_every_kind()
             .replace("XRF", &format!("XRF, {option}"))
             .replace("FRICTION/1", "!");
@@ -194,7 +194,7 @@ fn options_of_results_take_kinds_out() {
         assert_eq!(ran.code, 0, "{}", ran.stdout);
         let res = text(folder.path(), "slider.res");
         for (other, there) in options {
-            // Floating markers have columns called X of their own.
+            // Floating markers have their own columns called X.
             if other == "NODISPLACEMENTS" && option != "NOFLOATINGMARKERS" {
                 continue;
             }
@@ -212,7 +212,7 @@ fn options_of_results_take_kinds_out() {
             assert_eq!(values.len(), columns);
         }
     }
-    // Without displacements the velocities stay.
+    // Without displacements the velocities remain.
     let (folder, _) = run(
         &SLIDER.replace("XRF", "XRF, NODISPLACEMENTS"),
         "SFORCE/1, FUNCTION=5\nSIM/STAT",
@@ -297,7 +297,7 @@ fn options_of_output_shape_tables_and_requests() {
         )
     };
     let (usual, results, _) = out("");
-    // PSI, THETA, PHI of the marker are those it was given.
+    // PSI, THETA, PHI of the marker equal the given angles.
     let degrees = |results: &Results, names: [&str; 3]| {
         names.map(|n| results.column("REQUEST_2", n)[0].to_degrees())
     };
@@ -306,7 +306,7 @@ fn options_of_output_shape_tables_and_requests() {
         &[30.0, 20.0, 10.0],
     );
     assert!(usual.lines().any(|line| line.len() > 100) && usual.contains("5.00000E-03"));
-    // Each of the two simulations has a table of its own, for each of the three requests.
+    // Each of the two simulations has its own table for each of the three requests.
     assert_eq!(usual.matches("0REQUEST/").count(), 6);
     let (merged, ..) = out(", NOSEPARATOR");
     assert_eq!(merged.matches("0REQUEST/").count(), 3);
@@ -336,7 +336,7 @@ fn options_of_output_shape_tables_and_requests() {
     );
     let expected = [r21.atan2(r11), r31.asin(), r32.atan2(r33)].map(f64::to_degrees);
     near(&degrees(&results, ["YAW", "PITCH", "ROLL"]), &expected);
-    // Displacements smaller than 0.01 are zero, forces are not asked about.
+    // Displacements below 0.01 become zero; DZERO does not apply to forces.
     let (_, results, req) = out(", DZERO=0.01");
     near(&results.column("REQUEST_2", "Z"), &[0.0, 0.0]);
     near(&results.column("REQUEST_3", "FZ"), &[-0.05, -0.05]);

@@ -1,6 +1,6 @@
 use crate::run::{SLIDER, folder, mdi};
 
-/// What is said from the first command on, without what differs from run to run.
+/// Returns the console output from the first command on, without the parts that differ from run to run.
 fn said(deck: &str, acf: &str) -> String {
     let folder = folder(&[("slider.adm", deck), ("run.acf", acf)]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
@@ -18,7 +18,7 @@ fn said(deck: &str, acf: &str) -> String {
         .replace(&folder.path().display().to_string(), "FOLDER")
         .replace("FOLDER\\", "FOLDER/");
     assert!(ran.stderr.is_empty(), "{}", ran.stderr);
-    // How the iteration went is the solver's business.
+    // Iteration details are left out, because they depend on the solver.
     let lines: Vec<&str> = text
         .lines()
         .filter(|line| {
@@ -48,8 +48,10 @@ fn a_misspelt_keyword_in_the_deck() {
     insta::assert_snapshot!(said(&deck, RUN));
 }
 
-/// `PROFILE` is in no page that could be read, whose lists are not whole for INTEGRATOR: the deck runs, and says so. A SPRINGDAMPER is
-/// known whole.
+/// Checks an unknown argument of INTEGRATOR and of SPRINGDAMPER.
+///
+/// The documented argument list of INTEGRATOR is incomplete, so the deck runs with a note. The list of SPRINGDAMPER is complete, so this is
+/// an error.
 #[test]
 fn an_argument_of_a_statement_known_in_part() {
     let deck = |line: &str| SLIDER.replacen("END", &format!("{line}\nEND"), 1);

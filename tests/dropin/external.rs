@@ -1,4 +1,4 @@
-//! Any ADAMS command line behind the backend: programs that behave badly in every way, and what is kept and said of their runs.
+//! External ADAMS command lines as a backend: misbehaving programs, and what is kept and reported of their runs.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -9,7 +9,7 @@ use admire_session::backend::{Backend, CommandBackend, ForceFrame, Load, LoadCas
 use crate::run::folder;
 use crate::task::{Task, after, backend, mdi, words};
 
-/// What a bad run is called; its folder must have been kept, and is removed.
+/// Returns the error of a bad run; its folder must have been kept, and is then removed.
 fn refusal(command: Vec<String>, task: &Task) -> String {
     let mut backend = backend(command);
     let error = task
@@ -26,7 +26,7 @@ fn refusal(command: Vec<String>, task: &Task) -> String {
     error
 }
 
-/// Results of a good run, to be tampered with.
+/// Returns the results file of a good run, to be modified by tests.
 fn good_results(into: &Path) -> PathBuf {
     let task = Task::new();
     let mut backend = backend(mdi());
@@ -40,7 +40,7 @@ fn good_results(into: &Path) -> PathBuf {
     run.path().join("run.res")
 }
 
-/// Ids of columns of the bushing.
+/// Returns the column ids of some components of an entity.
 fn columns(results: &Path, entity: &str, names: &[&str]) -> Vec<usize> {
     let reader = XrfReader::open("run.res", std::fs::File::open(results).unwrap()).unwrap();
     let entity = reader
@@ -59,8 +59,8 @@ fn columns(results: &Path, entity: &str, names: &[&str]) -> Vec<usize> {
 fn the_answer_of_a_good_run_is_the_law_of_the_bushing() {
     let task = Task::new();
     let sweep = task.sweep(&mut backend(mdi())).unwrap();
-    // SFORCE/1 pushes along ground z (K 400); SFORCE/2 along the z axis of marker 4: REULER 90, 90, 0 turns z to ground x, which is
-    // -y of J (K 200).
+    // SFORCE/1 acts along ground z (K 400). SFORCE/2 acts along the z axis of marker 4: REULER 90, 90, 0 turns z to ground x, which is -y
+    // of J (K 200).
     let p = sweep.equilibrium(0).unwrap().poses[1].p;
     assert!((p.z - 100.0 / 400.0).abs() < 1e-9, "{p}");
     assert!((p.x - 30.0 / 200.0).abs() < 1e-9 && p.y.abs() < 1e-9, "{p}");
@@ -78,7 +78,7 @@ fn no_bad_run_is_taken_for_an_answer() {
         assert!(error.contains(part), "expected `{part}` in: {error}");
         error
     };
-    // Cut off half-way, with a good exit code.
+    // Truncated half-way, with a good exit code.
     says(
         after("sed '/TerminationStatus/,$d' run.res > x; mv x run.res"),
         "ends before the run did",
@@ -87,23 +87,23 @@ fn no_bad_run_is_taken_for_an_answer() {
         after("head -c 3000 run.res > x; mv x run.res"),
         "the file ends",
     );
-    // A step too few, and messages that claim all converged.
+    // One step is missing, while the messages claim convergence of all.
     let less = "awk '/<Step type=.static/ && !d {d=1; s=1} !s {print} /<.Step>/ {s=0}' run.res > x; mv x run.res";
     says(after(less), "1 equilibria for 2 load cases");
-    // Good results, bad exit code.
+    // Good results with a bad exit code.
     says(after("exit 3"), "exit code 3");
     says(after("kill -9 $$"), "a crash");
-    // No licence, said on the console alone.
+    // A missing licence, reported only on the console.
     says(
         words(&["sh", "-c", "echo 'Adams Solver: license request denied'"]),
         "no licence: Adams",
     );
-    // The file of an earlier run, copied back with its time of writing.
+    // The file of an earlier run, copied back with its time stamp.
     says(
         words(&["cp", "-p", &good.to_string(), "run.res"]),
         "that of an earlier one",
     );
-    // That of another model.
+    // Results of another model.
     says(
         after("sed 's/A block on a bushing/Another block/' run.res > x; mv x run.res"),
         "another model, `Another",
@@ -116,12 +116,12 @@ fn no_bad_run_is_taken_for_an_answer() {
         after("sed 's/^0.25 /nan /; s/ 0.25 / nan /; s/ 0.25$/ nan/' run.res > x; mv x run.res"),
         "holds values that are no numbers",
     );
-    // A program that changes the deck it was given has not solved what was asked.
+    // A program that changes its deck has not solved the requested model.
     says(
         after("echo '! changed' >> run.adm"),
         "no longer what the run was given",
     );
-    // The report ends with the tail of the log.
+    // The error message ends with the tail of the log.
     let error = says(
         words(&["sh", "-c", "echo first; echo 'the solver gave up'; exit 7"]),
         "exit code 7",
@@ -140,7 +140,7 @@ fn a_run_that_hangs_is_killed_with_all_it_started() {
     let task = Task::new();
     let place = folder(&[]);
     let id = place.path().join("id");
-    // As ADAMS' own script does: the solver is a child of the program that was started.
+    // As in ADAMS' own script, the solver is a child of the started program.
     let script = format!(
         "echo started; sh -c 'echo $$ > \"{}\"; sleep 60; true' & wait",
         id.display()
@@ -179,7 +179,7 @@ fn a_stale_file_with_other_stiffnesses_does_not_fit_its_own_law() {
     let good = good_results(place.path());
     let mut task = Task::new();
     task.theta = vec![(task.at("BUSHING/1.K.3"), 500.0)];
-    // Copied anew, so that its time tells nothing.
+    // The copy has a new time stamp, which reveals nothing.
     let error = refusal(
         words(&["cp", &good.display().to_string(), "run.res"]),
         &task,
@@ -214,8 +214,8 @@ fn the_frame_of_bushing_forces_is_found_and_named() {
         remarks.unwrap()[0].contains("in ground axes"),
         "our own files"
     );
-    // Steps 1 and 2 are the load cases. Force on I in ground axes: (-30, 0) and (20, 0) newton along x and y; J is turned by a
-    // quarter about z, so that in its axes this is (0, 30) and (0, -20).
+    // Steps 1 and 2 are the load cases. The force on I in ground axes is (-30, 0) and (20, 0) newton along x and y. J is rotated by a
+    // quarter turn about z, so in its axes this is (0, 30) and (0, -20).
     let in_j = |step: usize, force: f64| {
         [(0, 0.0), (1, force)].map(|(k, value)| Change {
             step,
@@ -225,7 +225,7 @@ fn the_frame_of_bushing_forces_is_found_and_named() {
     };
     let (remarks, _) = serve(&[in_j(1, 30.0), in_j(2, -20.0)].concat());
     assert!(remarks.unwrap()[0].contains("axes of the J marker"));
-    // One step in ground axes, the other in J axes: contradicts itself.
+    // One step in ground axes and the other in J axes contradict each other.
     let (error, _) = serve(&in_j(2, -20.0));
     assert!(
         error
@@ -270,7 +270,7 @@ fn no_more_runs_go_at_a_time_than_jobs_says() {
             now == 0 && most <= jobs as i32,
             "{most} runs at a time for {jobs}"
         );
-        // Two sleeps of the same length side by side overlap.
+        // Two sleeps of equal length overlap if they run in parallel.
         assert!(jobs == 1 || most > 1);
     }
 }
@@ -292,7 +292,7 @@ fn a_case_that_failed_has_no_answer_whether_a_step_was_written_or_not() {
         label: "c".to_string(),
         values: vec![100.0, 30.0, 400.0],
     });
-    // The step that is missing, as a copy of the first one.
+    // The missing step is replaced by a copy of the first one.
     let copied = "awk '/<Step type=.static/ && !n {n=1; s=1} s {b=b $0 \"\\n\"} {print} /<.Step>/ && s {printf \"%s\", b; s=0}' run.res > x; mv x run.res";
     for command in [mdi(), after(copied)] {
         let sweep = task.sweep(&mut backend(command)).unwrap();
@@ -303,7 +303,7 @@ fn a_case_that_failed_has_no_answer_whether_a_step_was_written_or_not() {
     }
 }
 
-/// The processes whose ids a run wrote into a file, as long as they run.
+/// Returns the processes that still run among those whose ids a run wrote into a file.
 #[cfg(unix)]
 fn alive(ids: &Path) -> Vec<String> {
     let running = |id: &&str| {
@@ -321,7 +321,7 @@ fn alive(ids: &Path) -> Vec<String> {
         .collect()
 }
 
-/// A session of its own leaves the process group, and a parent that ends leaves an orphan; a good run may leave some, too.
+/// Checks that all processes of a run end with it, even a process with its own session, an orphan, or one left over by a good run.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_left_the_group_of_a_run_ends_with_it() {
@@ -329,7 +329,7 @@ fn what_left_the_group_of_a_run_ends_with_it() {
     let place = folder(&[]);
     let at = |name: &str| place.path().join(name).display().to_string();
     let ids = place.path().join("ids");
-    // The second one forgets its environment besides.
+    // The second process also clears its environment.
     let first = format!(
         "echo $$ >> '{}'\nsetsid env -i /bin/sh '{}' &\nexec sleep 300\n",
         at("ids"),
@@ -394,7 +394,7 @@ fn a_dead_program_is_started_once() {
         }
         assert_eq!(backend.tally(), (1, 1), "{command}");
     }
-    // One that answered once may fail, but is not killed for ever.
+    // A program that has answered once may hang later without being given up.
     let script = format!(
         "[ -e '{0}' ] && sleep 60; touch '{0}'",
         place.path().join("once").display()
@@ -412,7 +412,7 @@ fn a_dead_program_is_started_once() {
     assert!(backend.tally().0 <= 5, "{:?}", backend.tally());
 }
 
-/// Steps of the file in another order, or the first one twice: every force fits its own poses, and the loads tell.
+/// Checks steps of the file in another order, or the first one twice: every force fits its own poses, but the loads reveal the error.
 #[cfg(unix)]
 #[test]
 fn swapped_and_repeated_cases_are_refused() {
@@ -428,7 +428,7 @@ fn swapped_and_repeated_cases_are_refused() {
         let error = refusal(order(steps), &Task::new());
         assert!(error.contains("swapped") && error.contains(says), "{error}");
     }
-    // Loads of one size: their sign tells.
+    // For loads of equal size, their sign reveals the error.
     let mut task = Task::new();
     task.programme.cases[0].values = vec![200.0, 30.0];
     task.programme.cases[1].values = vec![-200.0, 30.0];
@@ -437,7 +437,7 @@ fn swapped_and_repeated_cases_are_refused() {
     assert!(error.contains("wrong sign"), "{error}");
 }
 
-/// The name of a load case is a remark in the command file, whatever it says: it commands neither ADAMS nor a shell.
+/// Checks that the name of a load case is only a comment in the command file, whatever it contains: no command for ADAMS or a shell.
 #[test]
 fn names_of_load_cases_are_remarks() {
     let mut task = Task::new();

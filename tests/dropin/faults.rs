@@ -1,7 +1,7 @@
-//! Disks that are full at any byte, and processes that are killed at any write: nothing of the user's is lost, nothing torn is believed.
+//! Full disks at any byte and processes killed at any write: no user file is lost, and no torn file is accepted.
 //!
-//! A limit on the size of files stands in for both. Where its signal is ignored the write fails, as on a full disk; else the process
-//! ends at that write and cleans up nothing, as by SIGKILL.
+//! A limit on the file size simulates both. If its signal is ignored, the write fails as on a full disk; otherwise the process ends at that
+//! write without clean-up, as by SIGKILL.
 #![cfg(target_os = "linux")]
 
 use std::path::Path;
@@ -12,7 +12,7 @@ use admire_results::XrfReader;
 
 use crate::run::{Results, SLIDER, folder, mdi};
 
-/// What happens at the limit.
+/// Effect of the limit on a program.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum End {
     Full,
@@ -22,7 +22,7 @@ enum End {
 pub const ADMIRE: &str = env!("CARGO_BIN_EXE_admire");
 pub const MDI: &str = env!("CARGO_BIN_EXE_mdi");
 
-/// Runs a program in a folder where no file may grow beyond so many blocks of 512 bytes.
+/// Runs a program in a folder where no file may exceed a number of blocks of 512 bytes.
 fn limited(end: End, blocks: usize, place: &Path, program: &str, words: &[&str]) -> Output {
     let ignored = if end == End::Full {
         "trap '' XFSZ; "
@@ -38,7 +38,7 @@ fn limited(end: End, blocks: usize, place: &Path, program: &str, words: &[&str])
         .expect("a shell")
 }
 
-/// The program ended at the limit, and said so unless it was killed. False if it came to its end.
+/// Returns true if the program ended at the limit, with a message unless it was killed; false if it finished.
 fn ended(output: &Output, what: &str) -> bool {
     let said = format!(
         "{}{}",
@@ -60,7 +60,7 @@ fn ended(output: &Output, what: &str) -> bool {
     }
 }
 
-/// Files of a folder that are neither the user's nor to be swept away by the next run.
+/// Returns the files of a folder that are neither the user's own nor temporary files that the next run removes.
 pub fn strangers(place: &Path, own: &[&str]) -> Vec<String> {
     let names = std::fs::read_dir(place)
         .unwrap()
@@ -71,7 +71,7 @@ pub fn strangers(place: &Path, own: &[&str]) -> Vec<String> {
         .collect()
 }
 
-/// A deck of some pages, which is edited in its place.
+/// Returns a deck of several pages, to be edited in place.
 pub fn long_deck() -> String {
     let more = (100..180).map(|id| format!("MARKER/{id}, PART=2, QP={id}, 0, 0\n"));
     let more = more.collect::<Vec<_>>().concat();
@@ -112,7 +112,7 @@ fn an_edited_deck_is_the_old_one_or_the_new_one() {
                     Vec::<String>::new(),
                     "{what}"
                 );
-                // The next one does it, and sweeps up.
+                // The next edit succeeds and removes leftover files.
                 let again = limited(End::Full, 1 << 20, place.path(), ADMIRE, &edit);
                 assert!(again.status.success(), "{what}: {again:?}");
                 assert!(std::fs::read(&deck).unwrap() == new, "{what}");
@@ -127,7 +127,7 @@ fn an_edited_deck_is_the_old_one_or_the_new_one() {
     }
 }
 
-/// The results of a run that did not come to its end say so, hold whole steps only, and the next run is as if there had been none.
+/// Checks that results of an incomplete run are marked as such and hold only complete steps, and that the next run is unaffected.
 #[test]
 fn no_torn_results_are_believed() {
     let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=60\nSTOP\n";
@@ -173,7 +173,7 @@ fn no_torn_results_are_believed() {
     }
 }
 
-/// A reader is told that the file is not whole, and gets nothing but true steps before.
+/// Asserts that a reader reports an incomplete file and returns only true steps before its end.
 pub fn not_believed(bytes: &[u8], expected: &[Vec<f64>], what: &str) {
     let text = String::from_utf8_lossy(bytes);
     assert!(!text.contains("runStatus=\"Successful\""), "{what}");
@@ -198,13 +198,13 @@ pub fn not_believed(bytes: &[u8], expected: &[Vec<f64>], what: &str) {
             }
         }
     }
-    // The step `input` may be like the first.
+    // The step `input` may equal the first step.
     assert!(count <= expected.len() + 1, "{what}: {count}");
     let told = !whole || !reader.diagnostics().is_empty() || !text.contains("</Results>");
     assert!(told, "{what}: taken for a whole file");
 }
 
-/// SIGKILL at any moment of a run.
+/// Checks SIGKILL at any moment of a run.
 #[test]
 fn a_run_may_be_killed_at_any_moment() {
     let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=400\nSTOP\n";
@@ -258,7 +258,7 @@ fn a_run_may_be_killed_at_any_moment() {
     assert_eq!(left, Vec::<String>::new());
 }
 
-/// A folder that may be read only: nothing is written, and both programs say so.
+/// Checks a read-only folder: nothing is written, and both programs report it.
 #[test]
 fn a_folder_that_is_read_only_is_told_of() {
     use std::os::unix::fs::PermissionsExt;
@@ -275,7 +275,7 @@ fn a_folder_that_is_read_only_is_told_of() {
     }
     mode(tools.path(), 0o755);
     mode(place.path(), 0o555);
-    // Whoever may write everywhere becomes somebody who may not.
+    // A user with unlimited rights (root) is switched to one without write access.
     let all_may = std::fs::write(place.path().join("try"), "").is_ok();
     if all_may {
         std::fs::remove_file(place.path().join("try")).unwrap();
@@ -336,7 +336,7 @@ fn a_folder_that_is_read_only_is_told_of() {
     mode(place.path(), 0o755);
 }
 
-/// The outputs of an identification: all of it or what was there before.
+/// Checks that the outputs of an identification are either complete or still the old ones.
 #[test]
 fn outputs_of_a_study_are_whole_or_not_there() {
     let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
@@ -388,7 +388,7 @@ fn outputs_of_a_study_are_whole_or_not_there() {
                 let expected = std::fs::metadata(whole.path().join("out").join(&name))
                     .unwrap()
                     .len();
-                // Dates have one length.
+                // Dates have a fixed length.
                 assert!(
                     found.abs_diff(expected) <= 16,
                     "{what}: {name} has {found} bytes of {expected}"
@@ -406,7 +406,7 @@ fn outputs_of_a_study_are_whole_or_not_there() {
     }
 }
 
-/// The most memory that a run of so many load cases had, bytes.
+/// Returns the peak memory, in bytes, of a run with a number of load cases.
 fn most_memory(cases: usize) -> u64 {
     let loads = (0..cases).map(|case| format!("SFORCE/1, FUNCTION={}\nSIM/STAT\n", case % 97));
     let loads = loads.collect::<Vec<_>>().concat();
@@ -443,11 +443,11 @@ fn most_memory(cases: usize) -> u64 {
 #[test]
 fn memory_does_not_grow_with_the_load_cases() {
     let (few, many) = (most_memory(500), most_memory(10_000));
-    // The command file itself is some 400 bytes a case in memory.
+    // The command file itself takes about 400 bytes per case in memory.
     assert!(many < few + (8 << 20), "{few} and {many} bytes");
 }
 
-/// Another language, clock and place: the same bytes.
+/// Checks that another language, time and time zone give the same bytes.
 #[test]
 fn clock_and_locale_change_no_results() {
     let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=5\nSTOP\n";
@@ -467,7 +467,7 @@ fn clock_and_locale_change_no_results() {
         ("TZ", "Pacific/Kiritimati"),
     ]);
     assert_eq!(usual, other);
-    // A clock before 1970, or one that stands in the far future, is no reason to stop.
+    // A clock before 1970 or in the far future must not stop the run.
     for time in ["0", "99999999999", "-1", "soon"] {
         let there = written(&[("SOURCE_DATE_EPOCH", time)]);
         assert_eq!(there.lines().count(), usual.lines().count(), "{time}");

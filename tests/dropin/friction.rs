@@ -1,4 +1,4 @@
-//! FRICTION of joints in motion through `mdi`: closed forms, an integration of the law by other means, and the columns of the results.
+//! FRICTION of joints in motion through `mdi`: closed forms, an independent integration of the law, and the columns of the results.
 
 use crate::run::{Ran, Results, folder, mdi};
 
@@ -11,7 +11,7 @@ INTEGRATOR/GSTIFF, ERROR=1E-6
 RESULTS/FORMATTED, XRF
 ";
 
-/// Runs a deck; fails unless it runs to the end.
+/// Runs a deck and asserts that it runs to the end.
 fn run(statements: &str, commands: &str) -> Results {
     let (results, ran) = attempt(statements, commands);
     assert_eq!(ran.code, 0, "{} {}", ran.stdout, ran.stderr);
@@ -30,7 +30,7 @@ fn near(found: f64, expected: f64, error: f64) {
     assert!((found - expected).abs() < error, "{found} and {expected}");
 }
 
-/// STEP5 as its help has it.
+/// STEP5 as documented.
 fn step5(x: f64, x0: f64, h0: f64, x1: f64, h1: f64) -> f64 {
     let t = ((x - x0) / (x1 - x0)).clamp(0.0, 1.0);
     h0 + (h1 - h0) * t.powi(3) * (10.0 - 15.0 * t + 6.0 * t * t)
@@ -42,7 +42,7 @@ const DYNAMIC: f64 = 0.3;
 const VS: f64 = 0.01;
 const D: f64 = 0.001;
 
-/// The law in one direction, after the tables of real ADAMS (guide/motion.md).
+/// The friction law in one direction, from tables of real ADAMS (guide/motion.md).
 fn coefficient(v: f64, creep: f64) -> f64 {
     let speed = v.abs();
     if speed >= VS {
@@ -52,7 +52,7 @@ fn coefficient(v: f64, creep: f64) -> f64 {
     -v.signum() * beta * STATIC - (1.0 - beta) * STATIC * step5(creep, -D, -1.0, D, 1.0)
 }
 
-/// A block of 2 kg on a rail along ground x, its weight across.
+/// A block of 2 kg on a rail along ground x, with its weight across the rail.
 fn block(start: &str, force: &str) -> String {
     format!(
         "MARKER/11, PART=1, REULER=90D,90D,0D
@@ -68,7 +68,8 @@ SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=11, FUNCTION={force}
     )
 }
 
-/// Deceleration by Coulomb's law, then the law itself by a Runge-Kutta method with small steps: the creep begins where v passes VS.
+/// Checks the deceleration by Coulomb's law, and then the full law by a Runge-Kutta method with small steps; creep begins when v falls
+/// below VS.
 #[test]
 fn a_sliding_block_comes_to_rest() {
     let found = run(&block(", VX=2", "0"), "simulate/dynamic, end=1, dtout=0.01");
@@ -124,7 +125,8 @@ fn a_sliding_block_comes_to_rest() {
     }
 }
 
-/// At rest under a share of the greatest stiction the creep is the inverse of the quintic; above it the block slides.
+/// Checks that, under a fraction of the maximum stiction, the creep at rest is the inverse of the quintic; above the maximum the block
+/// slides.
 #[test]
 fn a_load_is_held_by_its_creep() {
     for (share, expected) in [
@@ -145,7 +147,7 @@ fn a_load_is_held_by_its_creep() {
     near((v[100] - v[90]) / 0.1, (1.1 * STATIC - DYNAMIC) * G, 1e-6);
 }
 
-/// What is written of a friction satisfies the law, row by row: coefficients from the printed velocity and creep.
+/// Checks that the printed coefficients satisfy the law row by row, from the printed velocity and creep.
 #[test]
 fn the_columns_satisfy_the_law() {
     let force = format!("{}*SIN(7*TIME)", 0.8 * STATIC * 2.0 * G * 1.4);
@@ -176,7 +178,9 @@ fn the_columns_satisfy_the_law() {
     assert_eq!(found.column("FRICTION_1", "CREEP_AZ")[100], 0.0);
 }
 
-/// A wheel on a pin along ground x, tilted weight, its centre beside the joint: radial force, axial force and bending moment all brake it.
+/// Checks a wheel on a pin along ground x, with oblique weight and its centre beside the joint.
+///
+/// Radial force, axial force and bending moment all brake the wheel.
 #[test]
 fn a_wheel_on_a_pin_slows_down_evenly() {
     let wheel = "MARKER/11, PART=1, REULER=90D,90D,0D
@@ -204,7 +208,7 @@ ACCGRAV/KGRAV=-8, IGRAV=-6
         near(w[20], 20.0 - 0.2 * arm / 0.5, 2e-5);
         near(found.column("FRICTION_1", "TX")[10], -0.2 * arm, 1e-6);
     }
-    // A preload torque alone brakes by itself.
+    // A preload torque alone also brakes.
     let preload = ", FRICTION_TORQUE_PRELOAD=2, INPUTS=PRELOAD";
     let found = run(
         &wheel.replace("INPUTS", preload),
@@ -213,7 +217,7 @@ ACCGRAV/KGRAV=-8, IGRAV=-6
     near(found.column("PART_2_XFORM", "WX")[20], 16.0, 2e-5);
 }
 
-/// A pendulum of a torsion spring under Coulomb friction loses 2 T0 / k of its amplitude in every half swing, and sticks at last.
+/// Checks a pendulum on a torsion spring under Coulomb friction: each half swing loses 2 T0 / k of amplitude, until it sticks.
 #[test]
 fn a_pendulum_decays_by_the_same_every_half_swing() {
     let pendulum = "MARKER/11, PART=1
@@ -234,18 +238,20 @@ FRICTION/1, JOINT=1, MU_STATIC=0, MU_DYNAMIC=0, STICTION_TRANSITION_VELOCITY=1E-
         .zip(found.column("PART_2_XFORM", "PHI"))
         .map(|(a, b)| a + b)
         .collect();
-    // Half a swing takes pi / 10; step 0 is the assembly, the motion begins there too.
+    // Half a swing takes pi / 10; step 0 is the assembly, where the motion also begins.
     for half in 0..12 {
         let sign = if half % 2 == 0 { 1.0 } else { -1.0 };
         near(phi[10 * half], sign * (0.5 - 0.04 * half as f64), 3e-5);
     }
-    // After twelve half swings 0.02 is left: held from there on, at 2 N m.
+    // After twelve half swings 0.02 is left, where the pendulum is held at 2 N m.
     let last = *phi.last().unwrap();
     near(last, 0.02, 5e-4);
 }
 
-/// A block of 2 kg on a spring of 200 N/m whose other end moves at 0.1 m/s sticks and slips by Coulomb's law: it breaks loose where the
-/// spring has the static limit, swings about the dynamic one in the frame of the drive, and sticks again where its velocity is zero.
+/// Checks stick-slip of a block of 2 kg on a spring of 200 N/m whose other end moves at 0.1 m/s, by Coulomb's law.
+///
+/// It breaks loose when the spring reaches the static limit, swings about the dynamic limit in the frame of the drive, and sticks again at
+/// zero velocity.
 #[test]
 fn a_block_that_is_pulled_sticks_and_slips() {
     let (k, m, drive, slow) = (200.0_f64, 2.0, 0.1, 1e-6);
@@ -258,7 +264,7 @@ fn a_block_that_is_pulled_sticks_and_slips() {
     let loose = STATIC * m * G / k / drive;
     let slip = (std::f64::consts::PI + 2.0 * (drive / omega / over).atan()) / omega;
     let period = slip + 2.0 * over / drive;
-    // Until it is faster than the transition, at 1.5 of the velocity, the static limit holds it back: `k drive t^2 / 2 m` is its velocity.
+    // The static limit acts until the speed reaches 1.5 times the transition velocity; until then the velocity is `k drive t^2 / 2 m`.
     let late = (2.0 * 1.5 * slow * m / (k * drive)).sqrt();
     let fastest = drive + omega * over.hypot(drive / omega);
     let x = found.column("PART_2_XFORM", "X");
@@ -270,24 +276,24 @@ fn a_block_that_is_pulled_sticks_and_slips() {
         let expected = if since < 0.0 {
             0.0
         } else {
-            // Stretch of the spring over the dynamic limit, and that of the drive.
+            // Stretch of the spring beyond the dynamic limit, and displacement of the drive.
             let t = t.min(slip);
             let stretch = over * (omega * t).cos() + drive / omega * (omega * t).sin();
             rounds * drive * period + drive * t + over - stretch
         };
         moved[usize::from(since > 0.0 && t < slip)] += 1;
-        // It follows so much later, and the drive has moved on by then.
+        // The block lags by this time, during which the drive has moved on.
         near(
             *x,
             expected,
             (rounds + 1.0) * late * (fastest + drive) + 1e-6,
         );
     }
-    // Both were seen in three rounds.
+    // Both phases occur in three periods.
     assert!(moved[0] > 100 && moved[1] > 100, "{moved:?}");
 }
 
-/// A sleeve that slides and turns: friction acts against the sum of both surface velocities, so with m R^2 = I it keeps its direction.
+/// Checks a sleeve that slides and rotates: friction opposes the resultant surface velocity, so for m R^2 = I its direction is constant.
 #[test]
 fn a_sleeve_slows_down_along_its_screw() {
     let sleeve = "MARKER/11, PART=1, REULER=90D,90D,0D
@@ -299,7 +305,7 @@ FRICTION/1, JOINT=1, MU_STATIC=0.5, MU_DYNAMIC=0.3, STICTION_TRANSITION_VELOCITY
 ACCGRAV/KGRAV=-9.81
 ";
     let found = run(sleeve, "simulate/dynamic, end=1, steps=20");
-    // Surface speeds 3 and 4, together 5; the load is the weight and the preload.
+    // Surface speeds are 3 and 4, with resultant 5; the load is weight plus preload.
     let left = 5.0 - 0.3 * (2.0 * G + 1.0) / 2.0;
     near(found.column("PART_2_XFORM", "VX")[20], 0.6 * left, 1e-5);
     near(found.column("PART_2_XFORM", "WX")[20], 8.0 * left, 1e-4);
@@ -307,7 +313,7 @@ ACCGRAV/KGRAV=-9.81
     near(found.column("FRICTION_1", "MURZ")[10], -0.24, 1e-9);
 }
 
-/// Balls and cross pins: a body with its centre in the joint slows down by the lever of the friction.
+/// Checks ball joints and crosses: a body with its centre in the joint slows down by the friction torque.
 #[test]
 fn balls_and_crosses_slow_down_evenly() {
     let body = |joint: &str, spin: &str, friction: &str| {
@@ -349,8 +355,11 @@ ACCGRAV/KGRAV=-9.81
     }
 }
 
-/// A heavy body off its cross, both pins of which rub, stick and are pressed by force, axial force, moment and a preload. The numbers were made
-/// apart: Newton's and Euler's equations of two angles, loads by fixed point, integrated with SciPy's Radau and DOP853 between the events.
+/// Checks a heavy body off its cross with friction in both pins, which stick and are loaded by radial force, axial force, moment and
+/// preload.
+///
+/// The reference comes from the Newton-Euler equations of two angles with loads by fixed-point iteration, integrated with SciPy's Radau and
+/// DOP853 between the events.
 #[test]
 fn a_body_on_a_cross_with_two_pins_follows_its_equations() {
     let known = [
@@ -398,7 +407,8 @@ ACCGRAV/KGRAV=-9.81
     }
 }
 
-/// FRICTION(id, index) gives the numbers of the results, in the axes of J, to requests and to forces: what one block loses a second one gains.
+/// Checks that FRICTION(id, index) returns the numbers of the results, in the axes of J: the momentum lost by one block is gained by a
+/// second one.
 #[test]
 fn functions_read_friction() {
     let other = "PART/3, MASS=5, CM=30, IP=1,1,1
@@ -437,8 +447,9 @@ REQUEST/1, F2=FRICTION(1,3)\\F3=FRICTION(1,9)\\F4=FRICTION(1,13)\\F6=FRICTION(1,
     assert!(ran.stdout.contains("1 to 26"), "{}", ran.stdout);
 }
 
-/// In statics friction exerts nothing, told once where statics is asked for; the motion that follows begins with undeformed stiction, so that the
-/// load that comes on is shared by the spring and the creep: `k c + S(c, -D, -1, D, 1) MU_STATIC N = load`.
+/// Checks a motion after statics: friction exerts no force in statics, with one message, and the motion begins with undeformed stiction.
+///
+/// An added load is then shared by the spring and the creep: `k c + S(c, -D, -1, D, 1) MU_STATIC N = load`.
 #[test]
 fn a_motion_after_statics_begins_with_undeformed_stiction() {
     let (k, added) = (1000.0, 3.0);
@@ -469,18 +480,19 @@ fn a_motion_after_statics_begins_with_undeformed_stiction() {
     near(found.column("FRICTION_1", "CREEP_Z")[end], low, 1e-8);
     near(found.column("FRICTION_1", "FX")[end], k * low - added, 1e-5);
     assert!(low > 0.1 * D && low < 0.5 * D, "{low}");
-    // Statics at the end lets go of the surfaces again.
+    // A final static analysis releases the friction surfaces again.
     near(x[end + 1], (5.0 + added) / k, 1e-9);
     assert_eq!(found.column("FRICTION_1", "FX")[end + 1], 0.0);
-    // A motion alone is not told of it; statics behind a motion is.
+    // A motion alone gives no message; statics after a motion does.
     let (_, ran) = attempt(&deck, "simulate/dynamic, end=0.1, steps=2");
     assert!(!ran.stdout.contains(told), "{}", ran.stdout);
     let (_, ran) = attempt(&deck, "simulate/dynamic, end=0.1, steps=2\nsimulate/static");
     assert_eq!(ran.stdout.matches(told).count(), 1, "{}", ran.stdout);
 }
 
-/// Small motions about rest stick: the slope of both quintic steps at zero is 15/8, by D for the creep and by VS for the velocity, right after
-/// statics as after a motion that goes nowhere.
+/// Checks that small motions about rest stick, right after statics as well as after a motion at rest.
+///
+/// At zero, both quintic steps have the slope 15/8, divided by D for the creep and by VS for the velocity.
 #[test]
 fn small_motions_about_rest_stick() {
     let deck = format!("{HEAD}{}END\n", block("", "5-100*DX(20)"));
@@ -506,8 +518,9 @@ fn small_motions_about_rest_stick() {
     }
 }
 
-/// A driven block, x = 0.004 sin 4t: it sticks while its speed is below VS, and its creep is the way since it fell below that, however far apart
-/// the outputs are. The motor carries inertia and friction.
+/// Checks a driven block, x = 0.004 sin 4t, which sticks while its speed is below VS.
+///
+/// Its creep is the displacement since the speed fell below VS, independent of the output interval. The motor carries inertia and friction.
 #[test]
 fn a_driven_block_creeps_from_where_it_began_to_stick() {
     let deck = block("", "0") + "MOTION/1, JOINT=1, FUNCTION=0.004*SIN(4*TIME)\n";
@@ -523,7 +536,7 @@ fn a_driven_block_creeps_from_where_it_began_to_stick() {
         let mut stuck = 0;
         for (k, t) in found.column("time", "TIME").iter().enumerate() {
             let v = 0.016 * (4.0 * t).cos();
-            // The turning point next to it, and where the speed fell to VS before that.
+            // The nearest turning point, and the angle before it at which the speed fell to VS.
             let turn = quarter * (2.0 * ((4.0 * t - quarter) / (2.0 * quarter)).round() + 1.0);
             let began = turn - (VS / 0.016).asin();
             let sticks = v.abs() < VS;
@@ -541,7 +554,7 @@ fn a_driven_block_creeps_from_where_it_began_to_stick() {
     }
 }
 
-/// A block that is driven slower than VS from the start creeps from the start, x = 0.0002 sin 4t. Held in place it does not creep.
+/// Checks a block driven more slowly than VS, x = 0.0002 sin 4t, which creeps from the start. A block held in place does not creep.
 #[test]
 fn a_driven_block_creeps_from_the_start() {
     for (size, command) in [
@@ -558,7 +571,7 @@ fn a_driven_block_creeps_from_the_start() {
     }
 }
 
-/// INACTIVE=STATIC says of statics what is done anyway: nothing is told. Another formulation is refused.
+/// Checks that INACTIVE=STATIC, which is the behaviour anyway, suppresses the message, and that another formulation is refused.
 #[test]
 fn friction_may_be_off_in_statics() {
     let deck = block(", VX=2", "0");

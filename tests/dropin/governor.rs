@@ -1,11 +1,11 @@
-//! The stiff flyball governor (A05 of the IFToMM benchmark) through `mdi`, against its equations in three coordinates.
+//! The stiff flyball governor (A05 of the IFToMM benchmark) through `mdi`, compared with its equations in three coordinates.
 
 use crate::run::{Results, folder, mdi};
 
 const G: f64 = 9.81;
-/// Pivots and ends of the rods from the axis, m.
+/// Distance of the pivots and rod ends from the axis, in m.
 const ARM: f64 = 0.05;
-/// Of a rod of 0.3 kg, 1 m long and 0.01 m thick, with 5 kg at its end.
+/// Mass of a rod in kg; it is 1 m long and 0.01 m thick, with a ball of 5 kg at its end.
 const ROD: f64 = 0.3;
 const BALL: f64 = 5.0;
 const THICK: f64 = 0.01;
@@ -14,10 +14,10 @@ const STIFFNESS: f64 = 8e5;
 const DAMPING: f64 = 4e4;
 const REST: f64 = 0.5;
 
-/// Angle of the rods below the horizontal, its rate, height of the slider, its rate, turn of the shaft.
+/// State: angle of the rods below the horizontal, its rate, height of the slider, its rate, angle of the shaft.
 type Place = [f64; 5];
 
-/// Moment of inertia about the axis, and its derivative by the angle of the rods.
+/// Returns the moment of inertia about the axis and its derivative with respect to the angle of the rods.
 fn about_the_axis(angle: f64) -> (f64, f64) {
     let (sin, cos) = angle.sin_cos();
     let (first, second) = (ROD / 2.0 + BALL, ROD / 3.0 + BALL);
@@ -35,7 +35,7 @@ fn rate([angle, angle_rate, height, height_rate, _]: Place, momentum: f64) -> Pl
     let (sin, cos) = angle.sin_cos();
     let (inertia, slope) = about_the_axis(angle);
     let spin = momentum / inertia;
-    // From the slider to the middle of a rod.
+    // Vector from the slider to the middle of a rod.
     let (x, z) = (0.5 * cos, 1.0 - 0.5 * sin - height);
     let length = x.hypot(z);
     let (by_angle, by_height) = (-0.5 * (x * sin + z * cos) / length, -z / length);
@@ -53,7 +53,7 @@ fn rate([angle, angle_rate, height, height_rate, _]: Place, momentum: f64) -> Pl
     ]
 }
 
-/// At even times to the end, by Runge and Kutta's method with steps that its stability asks for.
+/// Returns the states at equidistant times up to the end, by a Runge-Kutta method with steps small enough for its stability.
 fn expected(start: Place, momentum: f64, end: f64, count: usize) -> Vec<Place> {
     let inside = 4000;
     let h = end / (count * inside) as f64;
@@ -121,7 +121,7 @@ SPRINGDAMPER/{part}, TRANSLATIONAL, I={part}2, J=3{part}, K={STIFFNESS}, C={DAMP
     text + "INTEGRATOR/GSTIFF, ERROR=1E-6, HMAX=0.05\nRESULTS/FORMATTED, XRF\nEND\n"
 }
 
-/// The height of the slider and the turn of the shaft over 10 s; the springs answer within 0.1 ms.
+/// Checks the height of the slider and the angle of the shaft over 10 s; the springs respond within 0.1 ms.
 #[test]
 fn a_stiff_governor_follows_its_equations() {
     let folder = folder(&[
@@ -154,6 +154,6 @@ fn a_stiff_governor_follows_its_equations() {
         assert!((spins[k] - spin).abs() < 1e-4, "{k}: {} {spin}", spins[k]);
         highest = highest.max(heights[k]);
     }
-    // It moves.
+    // The slider moves considerably.
     assert!(highest - heights[0] > 0.05, "{highest}");
 }

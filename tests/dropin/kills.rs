@@ -1,4 +1,4 @@
-//! SIGKILL at every step on the way to a file, of whole runs. strace counts the steps and gives the signal.
+//! SIGKILL at every file operation of whole runs; strace counts the operations and sends the signal.
 #![cfg(target_os = "linux")]
 
 use std::path::Path;
@@ -8,11 +8,11 @@ use crate::common::skipped;
 use crate::faults::{ADMIRE, MDI, long_deck, not_believed, strangers};
 use crate::run::{Results, SLIDER, folder, mdi};
 
-/// What changes a file, or which files there are.
+/// System calls that change the content or existence of files.
 const CHANGES: &str = "write,pwrite64,writev,copy_file_range,ftruncate,openat,rename,renameat,renameat2,link,linkat,unlink,unlinkat,\
                        mkdir,mkdirat,chmod,fchmod,fchmodat,fsync,fdatasync";
 
-/// Whether strace may follow programs here.
+/// Returns true if strace can trace programs here.
 fn strace_works() -> bool {
     let run = Command::new("strace")
         .args(["-qq", "-o", "/dev/null", "true"])
@@ -24,7 +24,7 @@ fn strace_works() -> bool {
     works
 }
 
-/// Runs a program that gets SIGKILL where it would begin its `at`-th call that changes something. False if it came to its end before.
+/// Runs a program that gets SIGKILL at its `at`-th changing system call; returns false if it finished earlier.
 fn killed_at(at: usize, place: &Path, program: &str, words: &[&str]) -> bool {
     let output = Command::new("strace")
         .args(["-f", "-qq", "-o", "/dev/null", "-e"])
@@ -45,7 +45,7 @@ fn killed_at(at: usize, place: &Path, program: &str, words: &[&str]) -> bool {
     }
 }
 
-/// SIGKILL at every write, and at every other step on the way to a file, of a whole run.
+/// Checks SIGKILL at every write and every other file operation of a whole run.
 #[test]
 fn a_run_may_be_killed_at_every_write() {
     if !strace_works() {
@@ -60,7 +60,7 @@ fn a_run_may_be_killed_at_every_write() {
     let read = || Results::read(place.path(), "slider.res").steps;
     assert_eq!(mdi(place.path(), &["ru-s", "run"]).code, 0);
     let new = read();
-    // Results of another run are there before, longer than the new ones.
+    // Results of another, longer run exist before.
     let long = acf(3).replace("STEPS=6", "STEPS=60");
     std::fs::write(place.path().join("old.acf"), long).unwrap();
     assert_eq!(mdi(place.path(), &["ru-s", "old"]).code, 0);
@@ -82,7 +82,7 @@ fn a_run_may_be_killed_at_every_write() {
         assert!(deck == SLIDER.as_bytes(), "{what}: the deck");
         let bytes = std::fs::read(place.path().join("slider.res")).unwrap();
         if String::from_utf8_lossy(&bytes).contains("runStatus=\"Successful\"") {
-            // Those of before, or all of the new ones.
+            // Either the old results or all of the new ones.
             let steps = read();
             assert!(
                 steps == old || steps == new,
@@ -97,7 +97,7 @@ fn a_run_may_be_killed_at_every_write() {
             Vec::<String>::new(),
             "{what}"
         );
-        // The next run is as if there had been none.
+        // The next run is unaffected.
         let again = mdi(place.path(), &["ru-s", "old"]);
         assert_eq!(again.code, 0, "{what}: {}", again.stdout);
         assert_eq!(read(), old, "{what}");
@@ -107,7 +107,7 @@ fn a_run_may_be_killed_at_every_write() {
     assert_eq!(read(), new);
 }
 
-/// An edit in place, of a file with one name and of one with two.
+/// Checks an edit in place, of a file with one name and of a file with two hard links.
 #[test]
 fn an_edit_may_be_killed_at_every_write() {
     if !strace_works() {
@@ -132,7 +132,7 @@ fn an_edit_may_be_killed_at_every_write() {
             let what = format!("killed at change {}, {names} names", kills + 1);
             let found = std::fs::read(&deck).unwrap();
             let mut strangers = strangers(place.path(), &["slider.adm", "other.adm"]);
-            // A file of two names is written in its place: its new text lies beside, whole, until that is done.
+            // A file with two hard links is overwritten in place; its complete new text is kept beside it until that is done.
             if let Some(beside) = strangers.pop() {
                 assert!(
                     killed && names == 2 && beside.starts_with("slider.adm.whole-"),

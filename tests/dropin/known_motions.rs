@@ -1,4 +1,4 @@
-//! Motions that are known in closed form, or by an ordinary differential equation of one angle, through `mdi`.
+//! Motions known in closed form, or by an ordinary differential equation of one angle, through `mdi`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ fn near(found: f64, expected: f64, error: f64) {
     assert!((found - expected).abs() < error, "{found} and {expected}");
 }
 
-/// Every output of a column, by its time.
+/// Compares every output of a column with a function of time.
 fn all_near(results: &Results, column: (&str, &str), error: f64, expected: impl Fn(f64) -> f64) {
     let times = results.column("time", "TIME");
     for (time, found) in times.iter().zip(results.column(column.0, column.1)) {
@@ -32,7 +32,7 @@ fn all_near(results: &Results, column: (&str, &str), error: f64, expected: impl 
     }
 }
 
-/// From rest at zero every 0.01 s to the end: place and rate of `q'' = second(q, q')`, by Runge and Kutta's method.
+/// Integrates `q'' = second(q, q')` from rest at zero by a Runge-Kutta method; returns q and its rate every 0.01 s up to the end.
 fn swung(second: impl Fn(f64, f64) -> f64, end: f64) -> Vec<[f64; 2]> {
     let h = 5e-4;
     let rate = |[q, w]: [f64; 2]| [w, second(q, w)];
@@ -52,8 +52,10 @@ fn swung(second: impl Fn(f64, f64) -> f64, end: f64) -> Vec<[f64; 2]> {
     out
 }
 
-/// Real ADAMS' own tables of the spherical and the universal joint stray by 4e-4 of the range, of the sprung joint by 2e-5: they cannot tell
-/// whether these are right. The equation of the pendulum can: 1 kg at 2 m, 0.1 kg m2.
+/// Checks a pendulum (1 kg at 2 m, 0.1 kg m2) on several joints against its equation.
+///
+/// The tables of real ADAMS deviate by 4e-4 of the range for the spherical and universal joint, and by 2e-5 for the sprung joint. They are
+/// therefore not accurate enough as a reference.
 #[test]
 fn pendulums_on_every_joint_follow_their_equation() {
     let Some(decks) = shared("real-dynamics/chrono-joints") else {
@@ -88,7 +90,7 @@ fn pendulums_on_every_joint_follow_their_equation() {
     }
 }
 
-/// The reference of the test set for initial value problems: accelerations at the start, and the first two multipliers.
+/// Checks initial accelerations and the first two multipliers against the reference of the test set for initial value problems.
 #[test]
 fn andrews_squeezer_begins_as_the_reference_does() {
     let found = run(&squeezer(), "SIMULATE/DYNAMIC, END=0.001, STEPS=1");
@@ -104,7 +106,7 @@ fn andrews_squeezer_begins_as_the_reference_does() {
     near(first("JOINT_8", "FY").abs(), 6.122_688_344_255_66, 1e-9);
 }
 
-/// A mass on a base that shakes, by each element that damps: transmissibility and phase are those of `k + i w c`.
+/// Checks a mass on a shaking base with each damping element: transmissibility and phase follow from `k + i w c`.
 #[test]
 fn a_mass_on_a_shaker_answers_as_its_spring_and_damper_do() {
     let (mass, k, c, size) = (10.0, 4e4, 150.0, 1e-3);
@@ -132,7 +134,7 @@ fn a_mass_on_a_shaker_answers_as_its_spring_and_damper_do() {
              MOTION/1, JOINT=1, TRANSLATIONAL, FUNCTION={size}*SIN({w:.17}*TIME)\n{element}\nINTEGRATOR/GSTIFF, ERROR=1E-8\n\
              RESULTS/FORMATTED, XRF\nEND\n"
         );
-        // What the start leaves falls by exp(-7.5 t).
+        // The transient decays as exp(-7.5 t).
         let found = run(
             &deck,
             &format!(
@@ -153,7 +155,7 @@ fn a_mass_on_a_shaker_answers_as_its_spring_and_damper_do() {
     }
 }
 
-/// A driven slider crank is known in closed form, whatever the command that moves it; its slider is pushed by its inertia.
+/// Checks a driven slider crank, known in closed form, for every command that moves it; the reaction on its slider is its inertia force.
 #[test]
 fn a_slider_crank_is_where_its_drive_puts_it() {
     let (r, l) = (0.1, 0.3);
@@ -170,7 +172,7 @@ fn a_slider_crank_is_where_its_drive_puts_it() {
         |t: f64| 3.0 + (2.0 * t).cos(),
         |t: f64| -2.0 * (2.0 * t).sin(),
     );
-    // The place of the slider by the angle, with two derivatives.
+    // Position of the slider as a function of the angle, with two derivatives.
     let place = |t: f64| {
         let (s, c) = angle(t).sin_cos();
         let q = (l * l - r * r * s * s).sqrt();
@@ -192,8 +194,10 @@ fn a_slider_crank_is_where_its_drive_puts_it() {
     }
 }
 
-/// A MOTION of the time has its own second derivative, however far apart the outputs are: a fast sine, and a spline at the ends of its data,
-/// where the natural one has none. A variable between changes nothing.
+/// Checks that a MOTION has the exact second derivative of its function, independent of the output interval.
+///
+/// Cases are a fast sine, and a spline at the ends of its data, where the natural spline has zero second derivative. A variable in between
+/// changes nothing.
 #[test]
 fn a_driven_acceleration_is_that_of_its_function() {
     let deck = |statements: &str| {
@@ -217,14 +221,14 @@ fn a_driven_acceleration_is_that_of_its_function() {
             all_near(&found, ("MOTION_1", "FZ"), 2e-9, |t| 2.0 * second(t));
         }
     }
-    // The natural spline through 0, 1, 0: half of it is 1.5 t - t^3 / 2.
+    // The natural spline through 0, 1, 0: its first half is 1.5 t - t^3 / 2.
     let spline = "SPLINE/1, X=0,1,2, Y=0,1,0\nMOTION/1, JOINT=1, FUNCTION=CUBSPL(TIME,0,1)\n";
     let found = run(&deck(spline), "SIMULATE/KINEMATIC, END=2, STEPS=8");
     let second = |t: f64| -3.0 * (1.0 - (t - 1.0).abs());
     all_near(&found, ("PART_2_XFORM", "ACCZ"), 1e-12, second);
 }
 
-/// A slider that a GCON puts at the square of what a fast crank has along x, `0.01 cos(100 t)^2`, with outputs far apart.
+/// Checks a slider whose position is the square of a fast crank's x by a GCON, `0.01 cos(100 t)^2`, with a large output interval.
 #[test]
 fn a_condition_on_a_fast_crank_has_its_acceleration() {
     let deck = format!(
@@ -243,7 +247,7 @@ fn a_condition_on_a_fast_crank_has_its_acceleration() {
     });
 }
 
-/// A MOTION of a rate that is switched on later, or made of one of the displacement, begins where the parts are then.
+/// Checks that a MOTION by velocity starts from the current position, if it is activated later or redefined from a displacement.
 #[test]
 fn a_rate_begins_where_the_parts_are() {
     for (motion, commands) in [
@@ -283,7 +287,7 @@ fn a_rate_begins_where_the_parts_are() {
     }
 }
 
-/// An implicit DIFF, a TFSISO of second order, and an LSE beside the DIFFs of the same equations.
+/// Checks an implicit DIFF, a second-order TFSISO, and an LSE compared with DIFFs of the same equations.
 #[test]
 fn dynamic_states_follow_their_equations() {
     let deck = format!(
@@ -298,7 +302,7 @@ fn dynamic_states_follow_their_equations() {
          INTEGRATOR/GSTIFF, ERROR=1E-6\nRESULTS/FORMATTED, XRF\nEND\n"
     );
     let found = run(&deck, "SIMULATE/DYNAMIC, END=5, STEPS=50");
-    // With p the rate: t = p^3 + p, and the state is the integral of p dt.
+    // With the rate p, t = p^3 + p, and the state is the integral of p dt.
     let rate = |t: f64| {
         let mut p = t;
         for _ in 0..60 {
@@ -309,7 +313,7 @@ fn dynamic_states_follow_their_equations() {
     all_near(&found, ("DIFF_1", "DQ"), 1e-9, rate);
     let state = |t: f64| 0.75 * rate(t).powi(4) + 0.5 * rate(t).powi(2);
     all_near(&found, ("DIFF_1", "Q"), 1e-6, state);
-    // s^2 + 0.8 s + 4, from (y, y'): one plus a decaying swing.
+    // Solution of s^2 + 0.8 s + 4 from (y, y'): one plus a decaying oscillation.
     let turn = (4.0_f64 - 0.16).sqrt();
     let swing = move |y: f64, dy: f64| {
         move |t: f64| {
@@ -317,7 +321,7 @@ fn dynamic_states_follow_their_equations() {
             1.0 + (-0.4 * t).exp() * ((y - 1.0) * cos + (dy + 0.4 * (y - 1.0)) / turn * sin)
         }
     };
-    // Arrays without a size have that of their equations.
+    // Arrays without a size get the size of their equations.
     for column in [("TFSISO_1", "Y1"), ("VARIABLE_2", "Q"), ("VARIABLE_3", "Q")] {
         all_near(&found, column, 1e-6, swing(0.0, 0.0));
     }
@@ -326,7 +330,7 @@ fn dynamic_states_follow_their_equations() {
     }
 }
 
-/// A heavy top let go at 60 degrees nods: its angles by its equation, its energy and its moments as they were.
+/// Checks a heavy top released at 60 degrees: its nutation by its equation, and the conserved energy and moments.
 #[test]
 fn a_heavy_top_nods_as_its_equation_says() {
     let (a, c, weight, spin, tilt) = (0.3, 0.1, 4.905, 60.0, PI / 3.0);
@@ -371,11 +375,11 @@ fn a_heavy_top_nods_as_its_equation_says() {
             1e-6,
         );
     }
-    // It nods, down to where the precession has taken up the fall.
+    // The top falls until its precession stops the fall.
     assert!(deepest > tilt + 0.01, "{deepest}");
 }
 
-/// A01 of the benchmark of IFToMM: the simple pendulum keeps its energy.
+/// A01 of the IFToMM benchmark: the simple pendulum conserves its energy.
 #[test]
 fn a_simple_pendulum_keeps_its_energy() {
     let deck = format!(
@@ -396,8 +400,10 @@ fn a_simple_pendulum_keeps_its_energy() {
     assert!(x.iter().any(|x| *x > 0.9));
 }
 
-/// `aview-hpc`: a ball in free fall by its own command file, with a path of Windows in it. Velocities and accelerations are those that real
-/// ADAMS wrote. Its height strays from `g t^2 / 2` by 1.5e-4 inch, ours does not.
+/// Checks `aview-hpc`: a ball in free fall with its own command file, which contains a Windows path.
+///
+/// Velocities and accelerations are compared with the results of real ADAMS. The height of ADAMS deviates from `g t^2 / 2` by 1.5e-4 inch,
+/// ours does not.
 #[test]
 fn a_falling_ball_falls_as_real_adams_has_it() {
     let Some(from) = shared("real-decks/aview-hpc") else {
@@ -428,7 +434,8 @@ fn a_falling_ball_falls_as_real_adams_has_it() {
     }
 }
 
-/// Dry friction of 5 N as old decks write it holds a block that is pulled by 3 N, then pushed; what is written of the force is what holds. It lets go of 7 N.
+/// Checks dry friction of 5 N in the form of old decks: it holds a block under 3 N in both directions, reports the holding force, and
+/// yields to 7 N.
 #[test]
 fn dry_friction_holds_through_several_simulations() {
     for brake in ["-SIGN(5,VZ(20,1))", "IF(VZ(20,1):5,0,-5)"] {
@@ -450,7 +457,7 @@ fn dry_friction_holds_through_several_simulations() {
         let times = found.column("time", "TIME");
         let (mut held, mut slid) = (0, 0);
         for (k, &time) in times.iter().enumerate() {
-            // A simulation begins between the sides; its first row says what the function is there.
+            // A simulation starts with the force between its two values, and its first row shows that value.
             if [0.0, 1.0, 2.0]
                 .iter()
                 .any(|start| (time - start).abs() < 1e-9)

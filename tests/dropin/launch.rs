@@ -36,7 +36,7 @@ fn commands_are_read_from_standard_input() {
     assert_eq!(Results::read(folder.path(), "slider.res").steps.len(), 1);
 }
 
-/// Scripts that answer the launcher's menus give its words on standard input, one to a line.
+/// Checks scripts that answer the launcher's menus on standard input, one word per line.
 #[test]
 fn menus_are_answered_on_standard_input() {
     let folder = folder(&[("slider.adm", SLIDER), ("my run.acf", RUN)]);
@@ -52,7 +52,7 @@ fn menus_are_answered_on_standard_input() {
     }
 }
 
-/// Whoever waits for the end of a run polls its message file: it is there after every launch, and ends as ADAMS ends it.
+/// Checks that every launch leaves a message file with the last lines of ADAMS, because scripts poll it for the end of a run.
 #[test]
 fn every_launch_leaves_a_message_file_with_its_last_lines() {
     for (words, input, name) in [
@@ -194,7 +194,7 @@ fn the_name_it_is_started_under_does_not_matter() {
             let mut command = std::process::Command::new(&program);
             command.args(words).current_dir(folder.path());
             command.stdout(std::process::Stdio::null());
-            // A process that another test starts meanwhile may still hold the copy open for writing.
+            // A process started by another test in the meantime may still have the copy open for writing.
             let status = loop {
                 match command.status() {
                     Err(error) if error.kind() == std::io::ErrorKind::ExecutableFileBusy => {
@@ -221,7 +221,7 @@ fn paths_are_found_as_scripts_write_them() {
         (r#""my runs\the slider""#, None),
         ("'my runs/the slider.adm'", None),
         ("  my runs/the slider  ", None),
-        // Windows does not tell them apart.
+        // Windows does not distinguish upper and lower case.
         (
             r"MY RUNS\The Slider.ADM",
             (!cfg!(windows)).then_some("[file-name-case]"),
@@ -250,7 +250,7 @@ fn paths_are_found_as_scripts_write_them() {
             None => assert!(!ran.stdout.contains("WARNING"), "{written}: {}", ran.stdout),
         }
     }
-    // The command file's own path: absolute, with blanks, in quotes that a shell left on it.
+    // The path of the command file itself: absolute, with blanks, and in quotes left by a shell.
     let folder = folder(&[("slider.adm", SLIDER)]);
     let acf = folder.path().join("a run.acf");
     std::fs::write(&acf, RUN).unwrap();
@@ -284,7 +284,7 @@ fn byte_order_marks_and_the_end_of_dos_files_are_tolerated() {
     }
 }
 
-/// A line with every number as `#`, so that lines of different runs compare.
+/// Replaces every number of a line by `#`, so that lines of different runs can be compared.
 fn without_numbers(line: &str) -> String {
     let mut out = String::new();
     for word in line.split_whitespace() {
@@ -297,7 +297,7 @@ fn without_numbers(line: &str) -> String {
     out.trim_end().to_string()
 }
 
-/// The lines of ours that readers look for are lines of real message files, number for number.
+/// Checks that the message lines that readers expect have the form of lines in real message files.
 #[test]
 fn lines_that_readers_look_for_are_those_of_real_message_files() {
     let Some(real) = crate::common::shared("real-decks") else {
@@ -329,12 +329,13 @@ fn lines_that_readers_look_for_are_those_of_real_message_files() {
         }
     }
     assert!(seen >= 6, "{ours}");
-    // The banner tells whose form it is, and who writes it.
+    // The banner states the format and the program that writes it.
     assert!(ours.contains("A d a m s   C++   S o l v e r") && ours.contains("admire "));
 }
 
-/// Word by word: the dataset beside the command file says nothing new, and is never taken for commands (its title would name a model, its
-/// second line the output files).
+/// Checks that a dataset named on the command line beside the command file is not executed as commands.
+///
+/// Its title would otherwise name a model, and its second line the output files.
 #[test]
 fn a_dataset_on_the_command_line_is_not_executed() {
     let deck = SLIDER.replacen('\n', "\n!\n", 1);

@@ -1,8 +1,8 @@
-//! A heavy arm that begins level, where its weight meets no stiffness at all, and what decks about it get wrong.
+//! A heavy arm that starts level, where its weight acts without any stiffness, and typical errors in decks of it.
 
 use crate::run::{Ran, Results, folder, mdi};
 
-/// An arm of 2 kg, `length` mm from its pin, whose joint may be driven; written as old decks are.
+/// Runs an arm of 2 kg, `length` mm from its pin, with an optional motion; the deck has the style of old decks.
 fn arm(length: f64, motion: &str, commands: &str) -> (Option<Results>, Ran) {
     let deck = format!(
         "level arm\nunits/for=newton,mass=kilogram,len=millimeter,tim=second\npart/1,ground\nmar/1\nmar/10,reuler=0,90d,0\n\
@@ -34,7 +34,7 @@ fn its_equilibrium_is_found_from_there() {
     }
 }
 
-/// A stated MAXIT ends the way: that is told, and that it may be so only where the arm begins.
+/// Checks that reaching a stated MAXIT is reported, with the hint that the initial position may be the only problem.
 #[test]
 fn a_stated_limit_ends_its_way() {
     let (_, ran) = arm(1000.0, "equi/maxit=20", "sim/stat");

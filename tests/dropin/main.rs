@@ -1,4 +1,4 @@
-//! The drop-in solver as callers see it: a process with a command line, files and an exit code.
+//! The drop-in solver as seen by callers: a process with a command line, files and an exit code.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,8 +1,8 @@
-//! Parts without mass in motion: springs, damping or constraints say where they are. Against closed forms.
+//! Massless parts in motion, positioned by springs, damping or constraints, compared with closed forms.
 
 use crate::run::{Ran, Results, folder, mdi, text};
 
-/// A block of 2 kg and, between it and ground, a slider without mass on the same rail.
+/// A block of 2 kg and a massless slider between it and ground, on the same rail.
 const RAIL: &str = "rail
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
 PART/1, GROUND
@@ -32,8 +32,9 @@ fn worst(found: &[f64], expected: impl Fn(usize) -> f64) -> f64 {
     off.fold(0.0, f64::max)
 }
 
-/// Springs of 300 and 600 N/m in a row hold like one of 200: the block swings by 0.1 m about x = 2 with 10 rad/s, the slider by a
-/// part 200/300 of it. It is not where it belongs at the start.
+/// Checks springs of 300 and 600 N/m in series, which act like one of 200 N/m.
+///
+/// The block swings by 0.1 m about x = 2 at 10 rad/s, and the slider by 200/300 of that. The slider starts away from its equilibrium.
 #[test]
 fn springs_in_a_row_swing_as_one() {
     let springs = "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=300, LENGTH=1
@@ -51,7 +52,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
     assert!(worst(&speed[1..], expected) < 1e-5);
 }
 
-/// A damper and a spring in a row: with c y' = k (x - y) and 2 x'' = -k (x - y), f = k (x - y) obeys f'' + (k/c) f' + (k/2) f = 0.
+/// Checks a damper and a spring in series: with c y' = k (x - y) and 2 x'' = -k (x - y), f = k (x - y) obeys f'' + (k/c) f' + (k/2) f = 0.
 #[test]
 fn a_damper_and_a_spring_in_a_row_creep() {
     let (k, c) = (200.0_f64, 50.0);
@@ -61,7 +62,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K={k}, LENGTH=1\n"
     );
     let (results, ran) = run(&format!("{RAIL}{row}"), "SIM/DYN, END=2, STEPS=100");
     assert_eq!(ran.code, 0, "{}", ran.stdout);
-    // From f = 20 N and f' = -k y' = -k f / c.
+    // Initial values f = 20 N and f' = -k y' = -k f / c.
     let (decay, stiffness) = (k / c, k / 2.0);
     let turn = (stiffness - decay * decay / 4.0).sqrt();
     let force = |t: f64| {
@@ -74,7 +75,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K={k}, LENGTH=1\n"
     assert!(worst(&found, |n| force(0.02 * n as f64)) < 2e-4);
 }
 
-/// Two bushings in a row, a part without mass between them in six freedoms, are one of half the stiffness.
+/// Checks two bushings in series, with a massless part of six freedoms between them, which act like one of half the stiffness.
 #[test]
 fn bushings_in_a_row_are_one_of_half() {
     let head = "bushings
@@ -105,13 +106,13 @@ RESULTS/XRF
     for component in ["X", "Y", "Z"] {
         let expected = one.column("PART_3_XFORM", component);
         let found = two.column("PART_3_XFORM", component);
-        // Half of the turn is in the axes of the force of the second one: a difference of second order.
+        // Half of the rotation is in the force axes of the second bushing, which is a second-order difference.
         let off = worst(&found, |k| expected[k]);
         assert!(off < 2e-6, "{component} {off:e}");
     }
 }
 
-/// A part without mass on stiffness alone, and with damping.
+/// Checks the eigenvalues of a system with a massless part on stiffness alone, and with damping.
 #[test]
 fn eigenvalues_leave_out_what_has_no_mass() {
     let modes = |statements: &str| {
@@ -150,7 +151,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
     }
 }
 
-/// The matrices that a run writes: the numbers of each file.
+/// Returns the matrices written by a run, the file of states, and the run itself.
 fn state_matrices(statements: &str) -> ([Vec<Vec<f64>>; 4], String, Ran) {
     let ports = "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=VARVAL(1)
 VARIABLE/1, FUNCTION=0
@@ -184,7 +185,7 @@ fn same(found: &[Vec<f64>], expected: &[&[f64]]) {
     assert!(off < 1e-9, "{found:?} {expected:?}");
 }
 
-/// Springs of 300 and 600 N/m, a force w on the slider without mass between them: y = (600 x + w)/900 and 2 x'' = -600 (x - y).
+/// Checks springs of 300 and 600 N/m with a force w on the massless slider: y = (600 x + w)/900 and 2 x'' = -600 (x - y).
 #[test]
 fn state_matrices_have_no_states_of_what_stiffness_alone_holds() {
     let springs = "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=300, LENGTH=1
@@ -196,7 +197,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
     same(&c, &[&[1.0, 0.0], &[2.0 / 3.0, 0.0]]);
     same(&d, &[&[0.0], &[1.0 / 900.0]]);
     assert_eq!(states.matches("PART/3").count(), 2, "{states}");
-    // The velocity of the slider would be 2/3 x' + w'/900.
+    // The velocity of the slider would be 2/3 x' + w'/900, with the derivative of the input.
     let other = springs.to_string() + "VARIABLE/4, FUNCTION=VX(20)\nPOUTPUT/3, VARIABLES=4\n";
     let deck = format!(
         "{RAIL}SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=VARVAL(1)\nVARIABLE/1, FUNCTION=0\nPINPUT/1, VARIABLES=1\n{other}"
@@ -209,7 +210,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
     assert!(ran.stdout.contains(told), "{}", ran.stdout);
 }
 
-/// With a damper of 30 Ns/m on the first spring the slider is a state: 30 y' = -900 y + 600 x + w.
+/// Checks a damper of 30 Ns/m on the first spring, which makes the slider a state: 30 y' = -900 y + 600 x + w.
 #[test]
 fn state_matrices_have_a_state_of_what_damping_holds() {
     let damped = "SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=300, C=30, LENGTH=1
@@ -224,7 +225,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=20, K=600, LENGTH=1\n";
     same(&c, &[&[0.0, 1.0, 0.0], &[1.0, 0.0, 0.0]]);
     same(&d, &[&[0.0], &[0.0]]);
     assert_eq!(states.lines().count(), 3, "{states}");
-    // Nothing at all holds it: refused by its name.
+    // A slider that nothing holds is refused by name.
     let (_, _, ran) = state_matrices("SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=1, K=600, LENGTH=1\n");
     assert!(
         ran.stdout.contains("PART/2 along x has no inertia"),

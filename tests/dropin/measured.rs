@@ -1,4 +1,4 @@
-//! What functions measure of markers.
+//! Measuring functions of markers.
 
 use crate::run::run_deck as run;
 
@@ -31,7 +31,7 @@ END
                 "{command} at {time}: {angle} {expected}"
             );
         }
-        // 189.69 at 0.8.
+        // The angle is 189.69 degrees at 0.8 s.
         assert!(
             (angles[angles.len() - 17] - 189.69).abs() < 0.01,
             "{angles:?}"

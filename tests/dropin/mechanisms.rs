@@ -1,4 +1,4 @@
-//! Mechanisms with known motions through `mdi`: Andrews' squeezer, a heavy top, the benchmark of IFToMM, state matrices.
+//! Mechanisms with known motions through `mdi`: Andrews' squeezer, a heavy top, the IFToMM benchmark, state matrices.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn run(deck: &str, commands: &str) -> (Results, Ran, tempfile::TempDir) {
     (Results::read_all(folder.path(), "deck.res"), ran, folder)
 }
 
-/// The reference has sixteen digits.
+/// Checks the end of the motion against the reference, which has sixteen digits.
 #[test]
 fn andrews_squeezer_ends_where_the_reference_does() {
     let expected = expected();
@@ -36,8 +36,9 @@ fn andrews_squeezer_ends_where_the_reference_does() {
     }
 }
 
-/// A heavy top, A .3 about its tip, C .1, m g l 4.905, at 60 degrees, axial spin 60: it precesses evenly at the roots of
-/// `A cos(theta) W^2 - C w W + m g l`.
+/// Checks the steady precession of a heavy top at 60 degrees, with A = 0.3 about its tip, C = 0.1, m g l = 4.905 and axial spin 60.
+///
+/// The precession rates are the roots of `A cos(theta) W^2 - C w W + m g l`.
 #[test]
 fn a_heavy_top_precesses_evenly() {
     let (tilt, spin) = (std::f64::consts::FRAC_PI_3, 60.0);
@@ -74,7 +75,8 @@ END
 
 const SI: &str = "UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n";
 
-/// A rod of 1 m and 1 kg from `a` to `b`, its origin at `a`, with markers `part * 100` in the middle and, as given, at both ends.
+/// Returns a rod of 1 m and 1 kg from `a` to `b` with its origin at `a`; marker `part * 100` is at its middle, further markers are at both
+/// ends.
 fn rod(
     part: u32,
     [a, b]: [[f64; 3]; 2],
@@ -106,7 +108,7 @@ fn rod(
     )
 }
 
-/// A02 of the benchmark: windows of rods side by side. PART/1001 is the second of the level ones.
+/// A02 of the benchmark: a row of adjacent four-bar windows. PART/1001 is the second of the horizontal rods.
 fn four_bars(windows: u32) -> String {
     let mut deck = format!("four-bars\n{SI}");
     let mut joints = Vec::new();
@@ -130,21 +132,22 @@ fn four_bars(windows: u32) -> String {
     deck + "ACCGRAV/JGRAV=-9.81\nINTEGRATOR/GSTIFF, ERROR=1E-6\nRESULTS/FORMATTED, XRF\nEND\n"
 }
 
-/// All rods stay parallel: one equation holds, `J q'' = m g sin q` with q from the vertical. Rates of q and q'.
+/// All rods stay parallel, so one equation holds: `J q'' = m g sin q` with q from the vertical. Returns the rates of q and q'.
 fn rate_of_four_bars(windows: u32) -> impl Fn([f64; 2]) -> [f64; 2] {
     let [inertia, weight] = inertia_and_weight_of_four_bars(windows);
     move |[q, w]| [w, weight * q.sin() / inertia]
 }
 
-/// By the turn of the upright rods, and by the height of their ends.
+/// Returns the inertia for the rotation of the upright rods, and the weight for the height of their ends.
 fn inertia_and_weight_of_four_bars(windows: u32) -> [f64; 2] {
     let n = f64::from(windows);
     let third = 1.0 / 3.0 + 0.01 / 16.0;
     [(n + 1.0) * third + n, (0.5 * (n + 1.0) + n) * 9.81]
 }
 
-/// Redundant equations are found in large mechanisms too: three of each window. With them left in, no freedom would seem to be there. Up to
-/// some hundred parts they are rotations, as ADAMS has it; in larger ones an elimination picks them.
+/// Checks that redundant equations are found in large mechanisms: three per window, without which no freedom would remain.
+///
+/// Up to about a hundred windows they are rotations, as in ADAMS; in larger mechanisms an elimination selects them.
 #[test]
 fn a_long_row_of_four_bars_moves() {
     for windows in [100, 200] {
@@ -173,7 +176,7 @@ fn a_long_row_of_four_bars_moves() {
     }
 }
 
-/// The rods lie in one line ten times in ten seconds, and there the mechanism could leave its motion for others.
+/// Checks singular positions: the rods are collinear ten times in ten seconds, where the mechanism could branch into other motions.
 #[test]
 fn four_bars_pass_their_singular_positions() {
     let (found, ran, _folder) = run(&four_bars(2), "SIMULATE/DYNAMIC, END=10, STEPS=1000");
@@ -199,7 +202,7 @@ fn four_bars_pass_their_singular_positions() {
     }
     assert_eq!(turned, 10, "positions in one line");
 
-    // By the velocity of one rod the mechanism has the energy that it began with.
+    // The energy computed from the velocity of one rod equals the initial energy.
     let [vx, vy] = ["VX", "VY"].map(|component| found.column("PART_1001_XFORM", component));
     let [inertia, weight] = inertia_and_weight_of_four_bars(2);
     let energy = |k: usize| 0.5 * inertia * (vx[k] * vx[k] + vy[k] * vy[k]) + weight * y[k];
@@ -209,7 +212,7 @@ fn four_bars_pass_their_singular_positions() {
     }
 }
 
-/// One step of the classical method of order 4.
+/// Takes one step of the classical fourth-order Runge-Kutta method.
 fn runge_kutta(rate: impl Fn([f64; 2]) -> [f64; 2], y: [f64; 2], h: f64) -> [f64; 2] {
     let from = |k: [f64; 2], h: f64| [y[0] + h * k[0], y[1] + h * k[1]];
     let a = rate(y);
@@ -219,8 +222,9 @@ fn runge_kutta(rate: impl Fn([f64; 2]) -> [f64; 2], y: [f64; 2], h: f64) -> [f64
     [0, 1].map(|k| y[k] + h / 6.0 * (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]))
 }
 
-/// A04 of the benchmark: Bricard's loop of six revolute joints along edges of a cube moves although it has as many equations as freedoms
-/// and one more. It keeps its energy.
+/// A04 of the benchmark: Bricard's loop of six revolute joints along the edges of a cube.
+///
+/// It moves although it has one more equation than it has freedoms, and conserves its energy.
 #[test]
 fn bricards_loop_moves_and_keeps_its_energy() {
     const CORNERS: [[f64; 3]; 6] = [
@@ -286,13 +290,13 @@ fn bricards_loop_moves_and_keeps_its_energy() {
     for step in 0..=500 {
         near(energy(step), first, 1e-6);
     }
-    // It moves: the far corner goes through its whole way.
+    // The far corner moves over its whole range.
     let way = column(5, "X");
     let low = way.iter().copied().fold(f64::INFINITY, f64::min);
     near(low, -1.0, 1e-3);
 }
 
-/// The numbers of a file that MATLAB's `load` reads.
+/// Returns the numbers of a file for MATLAB's `load`.
 fn matrix(folder: &Path, name: &str) -> Vec<Vec<f64>> {
     text(folder, name)
         .lines()
@@ -314,8 +318,9 @@ fn same(found: &[Vec<f64>], expected: &[&[f64]]) {
     }
 }
 
-/// A block of 2 kg on a spring of 100 N/m and 2 Ns/m, pushed by an input that a first-order filter follows; place and acceleration are
-/// outputs.
+/// Checks the state matrices of a block of 2 kg on a spring of 100 N/m and 2 Ns/m, driven by an input and its first-order filter.
+///
+/// Position and acceleration are outputs.
 #[test]
 fn state_matrices_are_those_of_the_equations() {
     let deck = "block
@@ -364,7 +369,7 @@ END
         lines[1].contains("rate of") && lines[2].contains("DIFF/1"),
         "{states}"
     );
-    // Without inputs there is A alone; what is not there is named.
+    // Without inputs only A is written; missing objects are named.
     let acf = "\nfile/model=deck\nSIM/STAT\nLINEAR/STATEMAT, FORMAT=MATLAB\nLINEAR/STATEMAT, PINPUT=9\nstop\n";
     let folder = crate::run::folder(&[("deck.adm", deck), ("run.acf", acf)]);
     let ran = mdi(folder.path(), &["ru-s", "run"]);
@@ -376,9 +381,11 @@ END
     );
 }
 
-/// A block of 2 kg on a spring of 100 N/m and 0.4 Ns/m slides on an arm that turns at 3 rad/s, `r'' = -41 r - 0.2 r'` beside its rest. Along the arm,
-/// by RM or by PSTATE, that is what the state matrix has; by one coordinate in ground, `y = r sin(3 t)`, its derivatives hold for an instant:
-/// `y'' = (-50 + 0.2 q - 2 q^2) y + (-0.2 + 2 q) y'`, `q = 3 cot(3 t)`.
+/// Checks a block of 2 kg on a spring of 100 N/m and 0.4 Ns/m that slides on an arm rotating at 3 rad/s, `r'' = -41 r - 0.2 r'` about its
+/// rest.
+///
+/// The state matrix contains this equation along the arm, chosen by RM or by PSTATE. With one coordinate in ground, `y = r sin(3 t)`, its
+/// coefficients hold only for an instant: `y'' = (-50 + 0.2 q - 2 q^2) y + (-0.2 + 2 q) y'`, `q = 3 cot(3 t)`.
 #[test]
 fn states_of_a_moving_system_are_coordinates_and_their_rates() {
     let deck = "arm
@@ -454,7 +461,7 @@ END
     }
 }
 
-/// A ball in flight, saved and reloaded in another run, goes on as it flew.
+/// Checks that a ball in flight, saved and reloaded in another run, continues its flight.
 #[test]
 fn a_saved_motion_goes_on() {
     let deck = "ball
@@ -488,7 +495,7 @@ END
     );
 }
 
-/// A push of two milliseconds between two stages of a step is not stepped over: v = impulse / m.
+/// Checks that a force pulse of two milliseconds inside a large step is not skipped: v = impulse / m.
 #[test]
 fn a_short_push_is_not_stepped_over() {
     let deck = "push
@@ -510,7 +517,7 @@ END
     near(*v.last().unwrap(), 1.0, 1e-6);
 }
 
-/// A block of 1 kg on an NFORCE of 100 N/m with CRATIO 0.02, that is 2 Ns/m: -1 +- i sqrt(99), by CMATRIX the same.
+/// Checks the damping of an NFORCE of 100 N/m with CRATIO 0.02 or an equal CMATRIX, that is 2 Ns/m, on 1 kg: eigenvalues -1 +- i sqrt(99).
 #[test]
 fn multi_point_forces_damp() {
     let mut unit = vec!["0"; 36];

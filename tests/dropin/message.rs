@@ -1,9 +1,9 @@
-//! What the message file says beside what was computed, compared with real message files where there are such.
+//! Content of the message file besides the solution, compared with real message files where available.
 
 use crate::common::shared;
 use crate::run::{Results, SLIDER, folder, generic_model, mdi, text};
 
-/// The frames of warnings in a message file, whose first lines hold a phrase.
+/// Returns the framed warnings of a message file that contain one of the phrases.
 fn frames<'t>(messages: &'t str, phrases: &[&str]) -> Vec<&'t str> {
     let frames = messages.split("---- START: WARNING ----\n").skip(1);
     let text = frames.filter_map(|rest| rest.split("\n---- END: WARNING ----").next());
@@ -32,7 +32,7 @@ fn joints_that_do_not_meet_are_told_as_adams_tells_them() {
     let real = frames(&expected, &points);
     assert_eq!(real.len(), 5);
     assert_eq!(frames(&ours, &points), real);
-    // ADAMS tells of five planes besides, which are missed by less than ours are told for: none is told that it does not tell of.
+    // ADAMS also reports five planes, which are missed by less than our threshold; every plane that we report is also reported by ADAMS.
     let planes = ["is not in the", "is not on the"];
     let real = frames(&expected, &planes);
     assert!(
@@ -40,7 +40,7 @@ fn joints_that_do_not_meet_are_told_as_adams_tells_them() {
             .iter()
             .all(|ours| real.contains(ours))
     );
-    // Before the title, as ADAMS does.
+    // The warnings come before the title, as in ADAMS.
     let title = ours.find("Model Title").unwrap();
     assert!(ours.rfind("are not initially coincident").unwrap() < title);
 }
@@ -63,14 +63,14 @@ fn what_many_objects_share_is_told_once() {
     assert_eq!(mdi(folder.path(), &["ru-s", "run"]).code, 1);
     let ours = text(folder.path(), &format!("{stem}.msg"));
     assert_eq!(ours.matches(".xmt_txt` is not here").count(), 1);
-    // Some hundred CONTACTs are one message, of the first simulation; later ones only refuse.
+    // Several hundred CONTACTs share one message in the first simulation; later simulations are only refused.
     let frames: Vec<&str> = ours.split("---- START: ERROR ----\n").skip(1).collect();
     let contacts = frames
         .iter()
         .filter(|frame| frame.contains(": CONTACT/") && frame.contains("contact detection"));
     let contacts: Vec<_> = contacts.collect();
     assert_eq!(contacts.len(), 1, "{contacts:#?}");
-    // At the statement of the first.
+    // The message points to the statement of the first CONTACT.
     let place = contacts[0].split(": CONTACT/").next().unwrap();
     let line = place.split(':').nth(1).unwrap().parse::<usize>().unwrap();
     let stated = deck.lines().nth(line - 1).unwrap();
@@ -82,7 +82,7 @@ fn what_many_objects_share_is_told_once() {
     assert!(ours.lines().count() < 400, "{}", ours.lines().count());
 }
 
-/// How many SIMULATE commands a command file holds.
+/// Returns the number of SIMULATE commands in a command file.
 fn deck_simulations(acf: &str) -> usize {
     let is_one = |line: &&str| line.trim_start().to_ascii_lowercase().starts_with("sim");
     acf.lines().filter(is_one).count()
@@ -114,7 +114,7 @@ fn redundant_constraints_are_told_where_adams_tells_them() {
             .map(|line| line.trim().to_string())
             .collect::<Vec<_>>()
     };
-    // Those that ADAMS finds, told at the same place.
+    // The same constraints as in ADAMS, reported at the same place.
     assert_eq!(order(&ours), order(&real));
 }
 
@@ -150,14 +150,14 @@ fn commands_print_what_they_are_asked_to() {
     );
     assert_eq!(value(&first, "K"), "10");
     assert_eq!(value(&first, "I"), "21");
-    // What the command gave, and what nobody gave.
+    // A value given by the command, and values given nowhere.
     let second = after("SPRINGDAMPER/1, LIST", 1);
     assert_eq!(value(&second, "K"), "20");
     assert_eq!(value(&second, "LENGTH"), "100");
     assert_eq!(value(&second, "C"), "0");
     assert_eq!(value(&after("SFORCE/1, LIST", 0), "FUNCTION"), "5");
     assert_eq!(value(&after("EQUILIBRIUM/LIST", 0), "ERROR"), "1E-10");
-    // z = 5 / 20, from a marker 100 below; the spring pulls with 20 z.
+    // z = 5 / 20, measured from a marker 100 below; the spring pulls with 20 z.
     let info = after("INFO/DISPLACEMENT, FORCE, I=21, J=11", 0);
     assert_eq!(value(&info, "Z"), "1.002500E+02");
     assert_eq!(value(&info, "FZ"), "-5.000000E+00");
@@ -170,7 +170,7 @@ fn commands_print_what_they_are_asked_to() {
     assert!(after("INFO/I=21", 0).contains("does not say what is asked for"));
 }
 
-/// `state_point_mass` has translational forces only on a POINT_MASS: what would turn it is told of where it stands.
+/// Checks that torques on a POINT_MASS, which accepts only translational forces (`state_point_mass`), are reported at their statements.
 #[test]
 fn a_torque_that_nothing_feels_is_told() {
     let deck = "ball\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\nMARKER/10, PART=1\n\

@@ -1,4 +1,4 @@
-//! Simulations over time through `mdi`: what real ADAMS wrote, closed forms, sensors, and what follows what.
+//! Simulations over time through `mdi`: comparisons with real ADAMS and closed forms, sensors, and sequences of simulations.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,14 +9,14 @@ use admire_syntax::text::Source;
 use crate::common::shared;
 use crate::run::{Ran, Results, folder, mdi};
 
-/// Requests of a run: (time, numbers of all requests).
+/// Returns the requests of a run as (time, values of all requests).
 fn requests(folder: &Path, name: &str) -> Vec<(f64, Vec<[f64; 6]>)> {
     let source = Source::new(name, std::fs::read(folder.join(name)).unwrap());
     let file = RequestFile::parse(&source).value;
     file.times.into_iter().zip(file.values).collect()
 }
 
-/// The rows of a table of the joint cases: time, then numbers.
+/// Returns the rows of a table of the joint cases: time, then values.
 fn rows(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap();
     text.lines()
@@ -29,7 +29,7 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// What a case is held to: positions and velocities, accelerations and forces, as shares.
+/// A joint case with its relative tolerances: `position` for positions and velocities, `force` for accelerations and forces.
 struct Case {
     name: &'static str,
     tables: &'static str,
@@ -39,9 +39,11 @@ struct Case {
     force: f64,
 }
 
-/// The tables are real ADAMS'. Those of the spherical and the universal joint lose 8e-3 J of 20 in five seconds: they stray from the
-/// closed form of the same pendulum by up to 4e-4 of its range, which the revolute case, of the same pendulum, does not. The tables of the two springs are those of
-/// other constants than the decks' (torque 200 az + 10 wz, force 10 z + 0.5 vz, found from the tables): the commands set these.
+/// Joint cases with tables from real ADAMS.
+///
+/// The tables of the spherical and universal joint lose 8e-3 J of 20 J in five seconds. They deviate from the closed form of the pendulum
+/// by up to 4e-4 of its range, unlike the table of the revolute joint of the same pendulum. The tables of the two springs belong to other
+/// constants than the decks; the commands set the constants found from the tables (torque 200 az + 10 wz, force 10 z + 0.5 vz).
 const CASES: [Case; 8] = [
     Case {
         name: "Revolute",
@@ -186,7 +188,8 @@ fn joints_move_as_real_adams_has_it() {
     assert!(told.is_empty(), "{told}");
 }
 
-/// `photocaber/adams5`: a chain of nineteen joints with nineteen redundant equations, driven at a velocity. What the drive determines.
+/// Checks `photocaber/adams5`, a velocity-driven chain of nineteen joints with nineteen redundant equations, in the motions determined by
+/// the drive.
 #[test]
 fn a_driven_chain_moves_as_real_adams_has_it() {
     let Some(from) = shared("real-dynamics/photocaber") else {
@@ -225,14 +228,15 @@ fn a_driven_chain_moves_as_real_adams_has_it() {
                 .iter()
                 .zip(&b)
                 .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            // The spin of the platform and its crosses is driven by nothing; it begins as ADAMS has it and goes on by its own error.
+            // The spin of the platform and its crosses is not driven; it starts as in ADAMS and then drifts by integration error.
             let free = ["cro2-1", "cro3-1", "plaform-1"].contains(&part);
             let allowed = if free { 2e-3 } else { allowed };
             assert!(apart < allowed, "{part} {component}: {apart:e}");
         }
     }
-    // Velocities of what the drive determines, in shares of their peak. The file is in degrees. The drive turns at 600 degrees per second,
-    // the real file at up to 602: its own velocities stray by 0.33 percent. Its first output strays by more, as a fixed point shows there.
+    // Velocities determined by the drive, relative to their peak; the file is in degrees. The drive turns at 600 degrees per second, but
+    // the real file contains up to 602: its velocities deviate by 0.33 percent. Its first output deviates by more, as the
+    // velocity of a fixed point shows.
     let deviation = |part: &str, components: [&str; 3], unit: f64| {
         let entity = format!("{part}_XFORM");
         let (mut peak, mut apart) = (0.0_f64, vec![0.0_f64; theirs.steps.len()]);
@@ -280,7 +284,7 @@ fn near(found: f64, expected: f64, error: f64) {
     assert!((found - expected).abs() < error, "{found} and {expected}");
 }
 
-/// Dropped from 1 m onto k = 1e4: penetration .045286331067, contact .031858798828 s, period .934906080799 s.
+/// Checks a drop from 1 m onto k = 1e4: penetration .045286331067, contact .031858798828 s, period .934906080799 s.
 #[test]
 fn a_ball_bounces_by_the_closed_form() {
     let force = "SFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=IMPACT(DZ(20,1),VZ(20,1),0,1E4,1,0,1E-3)\n";
@@ -291,7 +295,7 @@ fn a_ball_bounces_by_the_closed_form() {
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     let z = results.column("PART_2_XFORM", "Z");
     let v = results.column("PART_2_XFORM", "VZ");
-    // Back at the top after one period and after two.
+    // The ball is at the top again after one period and after two.
     near(z[400], 1.0, 1e-6);
     near(v[400], 0.0, 1e-5);
     near(*z.last().unwrap(), 1.0, 2e-6);
@@ -299,7 +303,8 @@ fn a_ball_bounces_by_the_closed_form() {
     near(deepest, -0.045286331067, 1e-5);
 }
 
-/// Falling 1 m takes sqrt(2/g); the sensor is found there, ends the simulation, and the next one goes on from it.
+/// Checks a sensor: falling 1 m takes sqrt(2/g); the sensor fires during the fall, ends the simulation, and the next one continues from
+/// there.
 #[test]
 fn a_sensor_fires_at_its_time() {
     let sensor = "SENSOR/1, LE, VALUE=0.25, ERROR=1E-6, RETURN, FUNCTION=DZ(20,1), EVALUATE=TIME\nREQUEST/1, F2=SENVAL(1)\n";
@@ -327,7 +332,7 @@ fn a_sensor_fires_at_its_time() {
     );
 }
 
-/// Initial velocities, MOTION by velocity and by acceleration, and what they do after a static solution.
+/// Checks MOTIONs by velocity, acceleration and displacement, which give the same motion.
 #[test]
 fn rates_of_motions_are_integrated() {
     for motion in [
@@ -360,7 +365,7 @@ fn rates_of_motions_are_integrated() {
             near(force, 9.81 - 0.3 * t.sin(), 1e-7);
         }
     }
-    // Zero degrees of freedom and DYNAMIC: a warning in ADAMS' words, and the same numbers.
+    // For DYNAMIC without degrees of freedom, ADAMS' warning is issued and the results are the same.
     let (results, ran) = ball(
         "MOTION/1, JOINT=1, FUNCTION=1+0.3*SIN(TIME)\n",
         "SIM/DYNAMIC, END=2, STEPS=20",
@@ -378,7 +383,7 @@ fn rates_of_motions_are_integrated() {
     );
 }
 
-/// x'' = -g - c x' with an initial velocity, then a static solution on a spring, then motion from rest.
+/// Checks x'' = -g - c x' on a spring with initial velocities, over two consecutive simulations.
 #[test]
 fn simulations_follow_each_other() {
     let (results, ran) = ball(
@@ -389,7 +394,7 @@ fn simulations_follow_each_other() {
     // Times: the initial conditions, then every output once.
     let times = results.column("time", "TIME");
     assert_eq!(times.len(), 101);
-    // m x'' = -m g + k (s - 0.5) - c x', s = 2 - x from 1 at rest.
+    // m x'' = -m g + k (s - 0.5) - c x', s = 2 - x, from rest at 1.
     let (k, c, g) = (100.0, 2.0, 9.81);
     let rest = 1.5 - g / k;
     let w = (k - c * c / 4.0_f64).sqrt();
@@ -420,7 +425,7 @@ fn bad_motions_end_with_time_element_and_reason() {
         times.len() > 20 && *times.last().unwrap() < 0.4,
         "{times:?}"
     );
-    // Mass that is not there.
+    // A missing mass.
     let (_, ran) = ball(
         "PART/3, MASS=0, CM=40, QG=1,0,0\nMARKER/40, PART=3\n",
         "SIM/DYN, END=1, STEPS=10",
@@ -430,13 +435,13 @@ fn bad_motions_end_with_time_element_and_reason() {
         "{}",
         ran.stdout
     );
-    // Constraints that contradict each other.
+    // Contradictory constraints.
     let (_, ran) = ball(
         "MOTION/1, JOINT=1, FUNCTION=1\nMOTION/2, I=20, J=1, Z, FUNCTION=2\n",
         "SIM/DYN, END=1, STEPS=10",
     );
     assert!(ran.stdout.contains("violated"), "{}", ran.stdout);
-    // What is not solved in motion is refused by name, and statics goes on.
+    // Elements that are not supported in motion are refused by name, and statics continues.
     let (_, ran) = ball(
         "FRICTION/1, JOINT=1, FORMULATION=LUGRE, MU_STATIC=0.1, MU_DYNAMIC=0.1, INACTIVE=STATIC\n",
         "SIM/DYN, END=1, STEPS=10\nSPRINGDAMPER/9, K=1",
@@ -456,12 +461,12 @@ fn the_table_of_a_simulation_has_its_rows() {
         .lines()
         .take_while(|line| line.contains("E+0") || line.contains("E-0"))
         .collect();
-    // The start, every second output, the last.
+    // The start, every second output, and the last one.
     assert_eq!(rows.len(), 14, "{rows:#?}");
     assert!(ran.stdout.contains("Radau IIA order 5"));
 }
 
-/// The eigenvalues of a run, radians per time, of pairs the one above: (real, imaginary).
+/// Returns the eigenvalues of a run as (real, imaginary) in radians per time, with one of each complex pair.
 fn eigenvalues(deck: &str, commands: &str) -> (Vec<(f64, f64)>, Ran) {
     let acf = format!("\nfile/model=small\n{commands}\nstop\n");
     let folder = folder(&[("small.adm", deck), ("run.acf", &acf)]);
@@ -478,8 +483,10 @@ fn eigenvalues(deck: &str, commands: &str) -> (Vec<(f64, f64)>, Ran) {
     (found, ran)
 }
 
-/// A block on a spring: -1 +- i sqrt(99), without damping +- 10 i. A sleeping top, A 0.3 about its tip, C 0.1, m g l 4.905, spin 60:
-/// the roots of A s^2 - i C 60 s - m g l.
+/// Checks eigenvalues against closed forms.
+///
+/// The block on a spring has -1 +- i sqrt(99), without damping +- 10 i. A sleeping top with A = 0.3 about its tip, C = 0.1, m g l = 4.905
+/// and spin 60 has the roots of A s^2 - i C 60 s - m g l.
 #[test]
 fn eigenvalues_are_those_of_closed_forms() {
     let block = format!(
@@ -503,7 +510,7 @@ fn eigenvalues_are_those_of_closed_forms() {
     }
 }
 
-/// Eigenvalues of a top that sleeps upright.
+/// Returns the eigenvalues of an upright (sleeping) top.
 fn sleeping_top(spin: f64) -> (Vec<(f64, f64)>, Ran) {
     let top = format!(
         "top
@@ -521,7 +528,7 @@ END
     eigenvalues(&top, "SIM/INITIAL_CONDITIONS\nLINEAR/EIGENSOL")
 }
 
-/// Below a spin of 24.26107994 the top falls: `s = i C w / 2 A +- sqrt(m g l / A - (C w / 2 A)^2)` and their conjugates; above, not.
+/// Checks that the top is unstable below a spin of 24.26107994: `s = i C w / 2 A +- sqrt(m g l / A - (C w / 2 A)^2)` and their conjugates.
 #[test]
 fn a_slow_top_falls() {
     for spin in [5.0, 20.0, 24.2, 24.26107, 24.26109, 25.0] {
@@ -536,7 +543,7 @@ fn a_slow_top_falls() {
             (-growth, turn + apart),
             (-growth, turn - apart),
         ] {
-            // Next to the limit two values are nearly one: round-off counts by its root.
+            // Near the limit two eigenvalues nearly coincide, so that their error is the square root of the round-off.
             let off = moving
                 .iter()
                 .fold(f64::MAX, |m, v| m.min((v.0 - real).hypot(v.1 - imaginary)));
@@ -547,7 +554,8 @@ fn a_slow_top_falls() {
     }
 }
 
-/// Joints begin where their IC says, in place and in rate, and a driven joint more than half a turn away is taken nearest to its motion.
+/// Checks that joints start at their IC, in position and rate, and that a driven joint more than half a turn away starts at the nearest
+/// turn.
 #[test]
 fn joints_begin_where_they_are_told() {
     let bar = "bar

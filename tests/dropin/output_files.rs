@@ -1,4 +1,4 @@
-//! Kinds of steps in `.res`, times in `.req`, frames in `.gra`: what ADAMS writes.
+//! Kinds of steps in `.res`, times in `.req` and frames in `.gra`, as written by ADAMS.
 
 use crate::run::{SLIDER, folder, mdi, text};
 
@@ -16,7 +16,7 @@ fn run(commands: &str) -> (tempfile::TempDir, crate::run::Ran) {
     (folder, ran)
 }
 
-/// Name and type of each Data block, and how many steps it has.
+/// Returns name, type and number of steps of each Data block.
 pub fn blocks(folder: &std::path::Path, name: &str) -> Vec<(String, String, usize)> {
     let mut found: Vec<(String, String, usize)> = Vec::new();
     for line in text(folder, name).lines() {
@@ -32,14 +32,14 @@ pub fn blocks(folder: &std::path::Path, name: &str) -> Vec<(String, String, usiz
     found
 }
 
-/// The times of `slider.req`.
+/// Returns the times of `slider.req`.
 pub fn request_times(folder: &std::path::Path) -> Vec<f64> {
     let bytes = text(folder, "slider.req").into_bytes();
     let source = admire_syntax::text::Source::new("slider.req", bytes);
     admire_results::RequestFile::parse(&source).value.times
 }
 
-/// ADAMS 2020: `static_001` of type `static`, and no time twice in `.req`.
+/// Checks a single static followed by a motion as in ADAMS 2020: `static_001` of type `static`, and no repeated time in `.req`.
 #[test]
 fn a_lone_static_is_a_step_of_type_static_and_its_time_is_not_repeated() {
     let commands =
@@ -58,12 +58,12 @@ fn a_lone_static_is_a_step_of_type_static_and_its_time_is_not_repeated() {
         ]
     );
     near(&request_times(folder.path()), &[0.0, 0.1, 0.2]);
-    // Lone solutions at one time are answers of their own.
+    // Two single solutions at the same time are both output.
     let (folder, _) = run("SIM/STAT\nSFORCE/1, FUNCTION=5\nSIM/STAT");
     near(&request_times(folder.path()), &[0.0, 0.0]);
 }
 
-/// Static frames have a label in place of a time; forces have a line each, as the statement names them.
+/// Checks that static frames have a label in place of a time, and that each force has one line, at the marker of its statement.
 #[test]
 fn frames_of_graphics_have_a_line_for_each_part_and_each_force() {
     let deck = SLIDER
@@ -81,14 +81,14 @@ fn frames_of_graphics_have_a_line_for_each_part_and_each_force() {
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     let written = text(folder.path(), "slider.gra");
     let counts: Vec<&str> = written.lines().nth(2).unwrap().split_whitespace().collect();
-    // Parts with ground, then drawings and forces: shapes that are rigid on their parts are not in the file.
+    // Number of parts including ground, then of drawn shapes and of forces; shapes fixed to their parts are not in the file.
     assert_eq!(
         (counts[0], counts[2], counts[8]),
         ("3", "2", "2"),
         "{written}"
     );
     let (_, frames) = written.split_once("-9.99999E+05\n").unwrap();
-    // As read, the lone solution, and three times: two parts and two forces each, and a label but for the first.
+    // The frames are: as read, the static solution, and three times. Each has two parts and two forces, and all but the first have a label.
     assert_eq!(frames.lines().count(), 4 + 4 * 5, "{frames}");
     assert!(
         frames.lines().nth(4).unwrap().contains("-5.55555E+05"),
@@ -100,7 +100,7 @@ fn frames_of_graphics_have_a_line_for_each_part_and_each_force() {
     let file = read.value;
     assert_eq!((&*file.parts, &*file.forces), (&[2, 3][..], &[7, 8][..]));
     near(&file.times, &[0.0, 0.0, 0.5, 1.0]);
-    // 5 newton push the block; the spring gives as much to the ground.
+    // 5 newton push the block; the spring transmits the same force to the ground.
     let z: Vec<f64> = file.loads.iter().map(|loads| loads[0][2]).collect();
     near(&z, &[5.0; 4]);
     let z: Vec<f64> = file.loads.iter().map(|loads| loads[1][2]).collect();

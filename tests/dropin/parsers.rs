@@ -1,4 +1,4 @@
-//! Message files read by the regular expressions of other people's scripts: those of adamspy 0.33 (`postprocess/msg.py`).
+//! Message files read by regular expressions of existing scripts, taken from adamspy 0.33 (`postprocess/msg.py`).
 
 use regex_lite::Regex;
 
@@ -23,7 +23,7 @@ fn found<'t>(pattern: &str, text: &'t str) -> Vec<Vec<&'t str>> {
     groups.collect()
 }
 
-/// What the functions of adamspy tell of a message file: the solver, whether it finished, errors, the times of the table.
+/// Returns the results of adamspy's functions for a message file: solver, completion, errors, and the times of the table.
 fn told(messages: &str) -> (bool, bool, usize, usize, usize, usize, Vec<String>) {
     let times = found(TIMESTAMP, messages);
     (
@@ -63,7 +63,7 @@ fn errors_are_found_whole_and_name_their_objects() {
     let messages = text(folder.path(), "slider.msg");
     let (fortran, finished, starts, errors, runtime, process, _) = told(&messages);
     assert_eq!((fortran, finished, runtime, process), (false, true, 1, 1));
-    // The two, and that the model cannot be used.
+    // Two errors, and a third one that the model cannot be used.
     assert_eq!((starts, errors), (3, 3), "{messages}");
     let errors = found(FULL_ERROR, &messages);
     let of = |word: &str| errors.iter().find(|e| e[0].contains(word)).unwrap()[0];
@@ -71,7 +71,7 @@ fn errors_are_found_whole_and_name_their_objects() {
     assert!(of("MARKER/99").contains("\n  object: model.spring\n"));
 }
 
-/// A block of one on a spring of 100 and a damper of 2, and one that only a damper holds.
+/// Checks the eigenvalue table for a block of 1 kg on a spring of 100 and a damper of 2, and for a block held only by a damper.
 #[test]
 fn eigenvalues_stand_in_the_table_of_adams() {
     let deck = "two
@@ -111,7 +111,7 @@ END
         .collect();
     let turn = std::f64::consts::TAU;
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-5, "{a} {b} {rows:?}");
-    // Real ones first, then pairs: 0 and -4; -1 +- i sqrt(99).
+    // Real eigenvalues come first, then pairs: 0 and -4; -1 +- i sqrt(99).
     assert_eq!(rows.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 3]);
     assert_eq!(
         rows.iter().map(|r| r[0]).collect::<Vec<_>>(),

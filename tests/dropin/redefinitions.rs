@@ -1,4 +1,4 @@
-//! Statements redefined by commands, and the time of quasi-static runs.
+//! Redefinition of statements by commands, and the time of quasi-static runs.
 
 use crate::run::{Results, folder, mdi};
 
@@ -9,7 +9,7 @@ fn near(found: &[f64], expected: &[f64]) {
     }
 }
 
-/// What comes out of a deck and some commands.
+/// Runs a deck with some commands and returns the results.
 fn results(deck: &str, commands: &str) -> Results {
     let acf = format!("\nfile/model=deck\n{commands}\nSTOP\n");
     let folder = folder(&[("deck.adm", deck), ("run.acf", &acf)]);
@@ -23,7 +23,7 @@ const HEAD: &str = "deck\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, 
                     !                            adams_view_name='ground'\nPART/1, GROUND\nMARKER/1, PART=1\n";
 const TAIL: &str = "EQUILIBRIUM/ERROR=1E-10, IMBALANCE=1E-8\nRESULTS/XRF\nEND\n";
 
-/// Fourteen parts side by side, each on a bushing, and to each something of its own.
+/// Returns a deck of fourteen separate parts, each on a bushing and with one element of its own.
 fn deck() -> String {
     let mut out = HEAD.to_string();
     for id in 2..16 {
@@ -61,7 +61,7 @@ fn deck() -> String {
     )
 }
 
-/// A statement redefined by a command is as if the dataset had said so from the start.
+/// Checks that a statement redefined by a command acts as if it had been written so in the dataset.
 #[test]
 fn a_redefinition_is_as_if_the_dataset_had_said_so() {
     let deck = deck();
@@ -134,7 +134,7 @@ fn a_redefinition_is_as_if_the_dataset_had_said_so() {
     }
 }
 
-/// Angles count turns as the part turns in a quasi-static run: AZ is the driven angle through a turn and a half, MOD brings it back.
+/// Checks that angles count turns in a quasi-static run: AZ follows the driven angle over one and a half turns, and MOD reduces it.
 #[test]
 fn angles_count_turns() {
     let deck = format!(
@@ -154,13 +154,13 @@ fn angles_count_turns() {
     let pi = std::f64::consts::PI;
     let within: Vec<f64> = time.iter().map(|t| (t + pi) % (2.0 * pi) - pi).collect();
     near(&results.column("angles", "within"), &within);
-    // In one step of ten radians, which is gone in parts, no turn is lost.
+    // A single step of ten radians, which is solved in parts, loses no turn.
     let at_once = self::results(&deck, "SIM/STAT, END=10, STEPS=1");
     near(&at_once.column("time", "TIME"), &[0.0, 10.0]);
     near(&at_once.column("angles", "az"), &[0.0, 10.0]);
 }
 
-/// ACTIONONLY acts on I along zj alone; REACTION gives J its share back, and the line from J to I is the direction.
+/// Checks switching between ACTIONONLY, which acts on I along zj alone, and REACTION, which acts on J as well, along the line from J to I.
 #[test]
 fn a_force_gets_its_reaction_back() {
     let pair = "pair\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\n\
@@ -178,7 +178,7 @@ fn a_force_gets_its_reaction_back() {
     near(&results.column("below_XFORM", "Z"), &[0.0, -0.25, 0.0]);
 }
 
-/// Turns are counted on from the same angle, not from what another function measured before.
+/// Checks that turns are counted from the same angle and not from another function that was measured before.
 #[test]
 fn another_angle_does_not_begin_at_the_turn_of_the_one_before() {
     let deck = format!(
@@ -195,7 +195,7 @@ fn another_angle_does_not_begin_at_the_turn_of_the_one_before() {
 
 #[test]
 fn the_column_of_a_floating_marker_stays_when_a_force_is_redefined() {
-    // The first force comes from a subroutine, is switched off, and becomes one that is solved: it then stands before the other.
+    // The first force comes from a subroutine, is deactivated, and then becomes a solvable one, which precedes the other one.
     let deck = format!(
         "{HEAD}MARKER/8, PART=1, FLOATING\nMARKER/9, PART=1, FLOATING\n\
          PART/2, MASS=1, CM=20, IP=1,1,1, QG=1,2,3\nMARKER/20, PART=2\n\
@@ -215,7 +215,7 @@ fn the_column_of_a_floating_marker_stays_when_a_force_is_redefined() {
 
 #[test]
 fn columns_of_variables_states_and_requests_stay_when_others_become_solved() {
-    // What comes from subroutines at first stands before the others in the dataset.
+    // Objects that are first given by subroutines precede the others in the dataset.
     let deck = format!(
         "{HEAD}PART/2, MASS=1, CM=20, IP=1,1,1\nMARKER/20, PART=2\n\
          BUSHING/1, I=20, J=1, K=1000,1000,1000, KT=100,100,100\n\
@@ -235,7 +235,7 @@ fn columns_of_variables_states_and_requests_stay_when_others_become_solved() {
     near(&results.column("DIFF_1", "Q"), &[5.0, 3.0]);
 }
 
-/// A motion at a joint that gets a marker and no other one would move nothing: it stays as it was, and that is said.
+/// Checks that a motion at a joint is left unchanged, with a message, if a command gives it one marker without the other.
 #[test]
 fn a_command_that_leaves_an_object_without_what_it_needs_is_refused() {
     let deck = format!(

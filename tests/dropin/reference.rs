@@ -3,7 +3,7 @@ use serde_json::Value;
 use crate::common::shared;
 use crate::run::{Results, mdi};
 
-/// Positions and 3-1-3 angles of every part in every case against the independent implementation of ../shared/reference.
+/// Compares positions and 3-1-3 angles of every part in every case with the independent implementation of ../shared/reference.
 fn agrees(folder: &str, stem: &str) {
     let source = shared(&format!("reference/{folder}"));
     let Some(source) = source else { return };
@@ -67,7 +67,7 @@ fn the_multilink_axle_is_solved_in_all_cases() {
     agrees("multilink", "ocp_ref");
 }
 
-/// The lines that name columns, angles in radians: runs that SolidWorks drives have degrees.
+/// Returns the lines that name columns, with angles in radians; runs driven by SolidWorks have degrees.
 fn columns(results: &std::path::Path) -> Vec<String> {
     let bytes = std::fs::read(results).unwrap();
     String::from_utf8_lossy(&bytes)
@@ -81,8 +81,9 @@ fn columns(results: &std::path::Path) -> Vec<String> {
         .collect()
 }
 
-/// Decks that ADAMS ran, with the results it wrote: ours have the same entities and columns under the same numbers and units, in
-/// the same order, line for line.
+/// Compares our results with real ADAMS results of the same decks.
+///
+/// Entities and columns must have the same numbers, units and order, line for line.
 #[test]
 fn columns_are_those_of_adams() {
     let Some(decks) = shared("real-decks") else {
@@ -103,7 +104,7 @@ fn columns_are_those_of_adams() {
         .unwrap();
         let ran = mdi(work.path(), &["ru-s", "run"]);
         if ran.code != 0 {
-            // What only ADAMS solves is refused, and has no results.
+            // Decks that only ADAMS can solve are refused and have no results.
             continue;
         }
         let (ours, theirs) = (columns(&work.path().join("deck.res")), columns(&results));

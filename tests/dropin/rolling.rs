@@ -1,4 +1,4 @@
-//! GCONs of velocities through `mdi`: what rolls or slides without slip, in millimetres, by closed forms; what is refused, by name.
+//! Velocity GCONs through `mdi`: rolling and sliding without slip, in millimetres, compared with closed forms; and refusals by name.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use admire_syntax::text::Source;
 
 use crate::run::{Ran, Results, folder, mdi_with, text};
 
-/// A uniform ball of 2 kg and 50 mm on a plane, pulled with 7 N along x.
+/// A uniform ball of 2 kg and 50 mm radius on a plane, pulled with 7 N along x.
 const BALL: &str = "ball
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 ACCGRAV/KGRAV=-9810
@@ -40,13 +40,13 @@ fn requests(folder: &Path) -> Vec<Vec<[f64; 6]>> {
     RequestFile::parse(&source).value.values
 }
 
-/// 5 F / 7 m, and 2 F / 7 of friction that turns the ball: in the results, and in the request of the marker with what the plane adds.
+/// Checks the acceleration 5 F / 7 m and the friction 2 F / 7 that rotates the ball, in the results and in the request of the marker.
 #[test]
 fn a_ball_rolls_as_the_closed_form_has_it() {
     rolls(BALL);
 }
 
-/// The same where variables read what is held: the reaction acts on what they read.
+/// Checks rolling with variables in place of the velocities: the reaction acts on the quantities that the variables measure.
 #[test]
 fn variables_stand_for_what_they_read() {
     let through = BALL
@@ -57,7 +57,7 @@ fn variables_stand_for_what_they_read() {
     rolls(&(through + variables));
 }
 
-/// In an equilibrium too: a block that a variable's GCON holds against its weight, and lets down with the time.
+/// Checks a GCON on a variable in statics and kinematics: it holds a block against its weight, and lowers it over time.
 #[test]
 fn a_variable_holds_its_place_in_statics_and_kinematics() {
     let deck = "ball
@@ -89,7 +89,7 @@ OUTPUT/REQSAVE
     assert!((last - 2.8).abs() < 1e-5, "{places:?}");
 }
 
-/// A ball of BALL that rolls from rest.
+/// Checks that a ball of the deck BALL rolls from rest.
 fn rolls(deck: &str) {
     let (folder, ran) = run(
         deck,
@@ -114,10 +114,10 @@ fn rolls(deck: &str) {
         near(wy[k] * 50.0, vx[k], 1e-6);
         near(ax[k], acceleration, 1e-6);
         near(friction[k], -2.0, 1e-9);
-        // 2 N at 50 mm below.
+        // 2 N act at the contact 50 mm below the centre.
         near(torque[k], 100.0, 1e-7);
     }
-    // The request of marker 20 shows what its GCONs do to it.
+    // The request of marker 20 shows the forces of its GCONs.
     for row in requests(folder.path()) {
         let [fx, fy, _, _, ty, _] = row[0];
         assert!(
@@ -127,7 +127,7 @@ fn rolls(deck: &str) {
     }
 }
 
-/// A driven wheel: its turn is given, its way is not. No freedom is left, and the way is integrated.
+/// Checks a driven wheel whose angle is prescribed while its path is not: no freedom is left, and the path is integrated.
 #[test]
 fn a_driven_wheel_goes_its_way() {
     let wheel = BALL.replace(
@@ -155,7 +155,7 @@ fn a_driven_wheel_goes_its_way() {
     assert!(told.contains("holds velocities"), "{told}");
 }
 
-/// In an equilibrium it is left out and said to be; a motion after it has it again.
+/// Checks that statics ignores the GCON with a message, and that a following motion applies it again.
 #[test]
 fn statics_leaves_it_out_by_name() {
     let held = BALL.to_string()
@@ -176,7 +176,7 @@ fn statics_leaves_it_out_by_name() {
     }
 }
 
-/// What is not linear in the velocities, or reads more than places, velocities and the time, is refused by name.
+/// Checks that functions are refused by name if they are nonlinear in the velocities or read more than positions, velocities and time.
 #[test]
 fn others_are_refused_by_name() {
     for (function, told) in [
@@ -219,7 +219,7 @@ DIFF/9, IC=0, FUNCTION=ACCX(20)
     }
 }
 
-/// Switched off it holds nothing; on again, the velocities follow it at once.
+/// Checks deactivation and reactivation: after reactivation the velocities satisfy the GCON at once.
 #[test]
 fn it_is_switched_off_and_on() {
     let commands = "DEACT/GCON, ID=1\nDEACT/GCON, ID=2\nSIM/DYN, END=0.5, STEPS=5\nACT/GCON, ID=1\nACT/GCON, ID=2\nSIM/DYN, END=1, STEPS=5";
@@ -229,7 +229,7 @@ fn it_is_switched_off_and_on() {
     let part = |component: &str| results.column("PART_2_XFORM", component);
     let (time, vx, wy) = (results.column("time", "TIME"), part("VX"), part("WY"));
     let free = 7000.0 / 2.0 * 0.5;
-    // The jump keeps m v r + I w about the contact: 2 m r^2 / 5.
+    // The velocity jump conserves m v r + I w about the contact, with I = 2 m r^2 / 5.
     let after = free / 1.4;
     for (k, t) in time.iter().enumerate() {
         let (v, w) = if *t < 0.5 + 1e-9 {
@@ -243,7 +243,9 @@ fn it_is_switched_off_and_on() {
     }
 }
 
-/// A spring of 1 N/mm on the centre: k over 7/5 of the mass, by EIGENSOL and in the state matrices, whose rates are those of three freedoms of five.
+/// Checks a spring of 1 N/mm on the centre: the stiffness acts on 7/5 of the mass, by EIGENSOL and in the state matrices.
+///
+/// The rates of the states are three of the five freedoms.
 #[test]
 fn a_ball_on_a_spring_swings_as_it_rolls() {
     let deck = BALL.replace("FUNCTION=7\n", "FUNCTION=VARVAL(1)\n")
@@ -273,8 +275,10 @@ POUTPUT/1, VARIABLES=2
     assert!((least + square).abs() < 1e-9, "{a}");
 }
 
-/// A controller's state prescribes a speed or a place, through a GCON or a MOTION: as its closed form has it, with the acceleration and the
-/// force; in few steps, since the error estimate sees the rate of the state. EIGENSOL refuses it by name.
+/// Checks that a controller's state can prescribe a speed or a position through a GCON or a MOTION, compared with a closed form.
+///
+/// Acceleration and force are checked too. Few steps suffice because the error estimate uses the rate of the state. EIGENSOL refuses the
+/// model by name.
 #[test]
 fn states_drive_what_is_held() {
     let block = |constraint: &str| {
@@ -311,7 +315,7 @@ RESULTS/FORMATTED, XRF
         let (z, v, a) = (part("Z"), part("VZ"), part("ACCZ"));
         let force = results.column("drive", "FZ");
         for (k, t) in results.column("time", "TIME").iter().enumerate() {
-            // 30 sin(f t) is the place, or the speed.
+            // 30 sin(f t) is the position or the speed.
             let (sin, cos) = (f * t).sin_cos();
             let known = if rate == 0 {
                 [30.0 * sin, 30.0 * f * cos, -30.0 * f * f * sin]

@@ -1,11 +1,11 @@
-//! Runs `mdi` in a folder of its own, and reads its files the way old scripts do.
+//! Runs `mdi` in its own folder, and reads its files like existing scripts do.
 
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A slider on a spring: z = (force + weight) / 10. A force of 10 TIME newton makes z = TIME.
+/// A slider on a spring: z = (force + weight) / 10. A force of 10 TIME newton gives z = TIME.
 pub const SLIDER: &str = "\
 A slider on a spring
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
@@ -29,19 +29,19 @@ RESULTS/FORMATTED, XRF
 END
 ";
 
-/// What a process left behind.
+/// Exit code and output of a process.
 pub struct Ran {
     pub code: i32,
     pub stdout: String,
     pub stderr: String,
 }
 
-/// Runs `mdi` with these words in a folder.
+/// Runs `mdi` with some arguments in a folder.
 pub fn mdi(folder: &Path, words: &[&str]) -> Ran {
     mdi_with(folder, words, "", &[])
 }
 
-/// Runs `mdi` with text on standard input and variables in its environment.
+/// Runs `mdi` with text on standard input and environment variables.
 pub fn mdi_with(folder: &Path, words: &[&str], input: &str, variables: &[(&str, &str)]) -> Ran {
     let mut command = Command::new(env!("CARGO_BIN_EXE_mdi"));
     command
@@ -68,7 +68,7 @@ pub fn mdi_with(folder: &Path, words: &[&str], input: &str, variables: &[(&str, 
     }
 }
 
-/// A folder with files in it.
+/// Creates a temporary folder with some files.
 pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -77,7 +77,7 @@ pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     folder
 }
 
-/// Runs a deck with these commands: its results, what was said, and its message file.
+/// Runs a deck with some commands; returns its results, the process output and the message file.
 pub fn run_deck(deck: &str, commands: &str) -> (Results, Ran, String) {
     let acf = format!("deck\n\n{commands}\nSTOP\n");
     let folder = folder(&[("deck.adm", deck), ("run.acf", &acf)]);
@@ -86,14 +86,14 @@ pub fn run_deck(deck: &str, commands: &str) -> (Results, Ran, String) {
     (Results::read_all(folder.path(), "deck.res"), ran, message)
 }
 
-/// The text of a file of a run; empty if there is none. Its lines end with LF here, on Windows too.
+/// Returns the text of a file of a run, or an empty text if there is none; line ends become LF.
 pub fn text(folder: &Path, name: &str) -> String {
     std::fs::read(folder.join(name))
         .map(|bytes| String::from_utf8_lossy(&bytes).replace("\r\n", "\n"))
         .unwrap_or_default()
 }
 
-/// Message files of `generic_model`, which moves: ours, and that of real ADAMS. `None` where the shared decks are missing.
+/// Returns the message files of the moving deck `generic_model`, ours and the one of real ADAMS; `None` if the shared decks are missing.
 pub fn generic_model() -> Option<[String; 2]> {
     let real = crate::common::shared("real-decks")?.join("adamspy-generic");
     let (deck, acf) = (
@@ -105,22 +105,23 @@ pub fn generic_model() -> Option<[String; 2]> {
     Some([folder.path(), &real].map(|of| text(of, "generic_model.msg")))
 }
 
-/// The steps of a `.res`, read as the readers in the wild do (guide/formats.md 12): ids from the lines after `<Entity name=`, values
-/// from the numeric lines after each `"quasiStatic"`, indexed by id.
+/// The steps of a `.res`, read like existing readers do (guide/formats.md 12).
+///
+/// Ids come from the lines after `<Entity name=`, and values from the numeric lines after each step tag, indexed by id.
 pub struct Results {
     ids: BTreeMap<(String, String), usize>,
     pub steps: Vec<Vec<f64>>,
 }
 
 impl Results {
-    /// The steps of a static or quasi-static run.
+    /// Reads the steps of a static or quasi-static run.
     pub fn read(folder: &Path, name: &str) -> Self {
         Self::read_steps(folder, name, |line| {
             line.contains("\"quasiStatic\"") || line.contains("\"static\"")
         })
     }
 
-    /// The steps of a run of any kind.
+    /// Reads the steps of a run of any kind.
     pub fn read_all(folder: &Path, name: &str) -> Self {
         Self::read_steps(folder, name, |line| !line.contains("\"input\""))
     }
@@ -158,14 +159,14 @@ impl Results {
         Self { ids, steps }
     }
 
-    /// The entities that have components.
+    /// Returns the names of the entities that have components.
     pub fn entities(&self) -> Vec<String> {
         let mut names: Vec<String> = self.ids.keys().map(|(entity, _)| entity.clone()).collect();
         names.dedup();
         names
     }
 
-    /// A component in every step.
+    /// Returns the values of a component in every step.
     pub fn column(&self, entity: &str, component: &str) -> Vec<f64> {
         let id = self.ids[&(entity.to_string(), component.to_string())];
         self.steps.iter().map(|step| step[id - 1]).collect()

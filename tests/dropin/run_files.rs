@@ -1,4 +1,4 @@
-//! What an external solver is given, where its runs are kept, and recordings of them.
+//! Files given to an external solver, the folders of its runs, and recordings of runs.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ fn runs_are_kept_where_they_are_wanted_and_nowhere_else() {
         "{names:?}"
     );
 
-    // A temporary folder of a good run is gone: the program says where it ran.
+    // The temporary folder of a good run is removed; the program writes down its path.
     if cfg!(unix) {
         let note = place.path().join("where");
         let mut backend = backend(after(&format!("pwd > '{}'", note.display())));
@@ -56,7 +56,7 @@ fn recorded_runs_are_served_by_their_content() {
     assert_eq!(replay.sweep(&task.request()).unwrap(), recorded);
     assert!(replay.remarks()[0].contains("ground axes"));
 
-    // Another stiffness, or another load, is another run.
+    // Another stiffness or load is another run.
     task.theta = vec![(task.at("BUSHING/1.K.1"), 101.0)];
     let missing = replay.sweep(&task.request()).unwrap_err();
     assert!(missing.is_lasting());
@@ -70,7 +70,7 @@ fn recorded_runs_are_served_by_their_content() {
     assert!(replay.sweep(&task.request()).is_err());
     task.programme.cases[1].values[0] = 200.0;
 
-    // A recording that somebody damaged is no answer either.
+    // A damaged recording is not accepted either.
     let run = std::fs::read_dir(&recording.folder)
         .unwrap()
         .next()
@@ -91,7 +91,7 @@ fn recorded_runs_are_served_by_their_content() {
     );
 }
 
-/// Runs a program that only writes down what it was given, and returns deck and command file.
+/// Returns the deck and command file of a task, from the files kept after a program that cannot be started.
 fn given(task: &Task) -> (String, String) {
     let mut backend = backend(words(&["no-such-program-anywhere"]));
     let error = task.sweep(&mut backend).unwrap_err();
@@ -108,7 +108,7 @@ fn the_deck_is_the_users_own_but_for_the_lines_that_are_meant() {
     let mut task = Task::new();
     let (deck, commands) = given(&task);
     assert_eq!(deck, DECK);
-    // A blank first line, then the model: what ADAMS/View writes for the C++ solver.
+    // A blank first line and then the model, as ADAMS/View writes for the C++ solver.
     assert!(commands.starts_with("\nfile/model=run\n"), "{commands}");
     assert_eq!(
         commands.lines().skip(2).collect::<Vec<_>>(),
@@ -138,7 +138,7 @@ fn the_deck_is_the_users_own_but_for_the_lines_that_are_meant() {
     );
     assert_eq!(deck.lines().count(), DECK.lines().count());
 
-    // XRF is asked for where the deck does not.
+    // XRF results are requested if the deck does not request them.
     let of = |text: &str| {
         let dataset = Dataset::parse(Source::new("block.adm", text.as_bytes())).value;
         let model = Model::lower(&dataset).value;
@@ -192,7 +192,7 @@ fn files_that_a_deck_names_come_along() {
     let mut first = backend(mdi());
     first.keep = Some(place.path().join("runs"));
     let sweep = task.sweep(&mut first).unwrap();
-    // Along z the spring of the file gives 100 newton per millimetre beside the 400 of the bushing.
+    // Along z the spring of the file adds 100 newton per millimetre to the 400 of the bushing.
     let p = sweep.equilibrium(0).unwrap().poses[1].p;
     assert!((p.z - 100.0 / 500.0).abs() < 1e-6, "{p}");
     let run = std::fs::read_dir(place.path().join("runs"))

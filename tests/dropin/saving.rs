@@ -1,4 +1,4 @@
-//! SAVE and RELOAD: states and whole systems, in the same run and in another one.
+//! SAVE and RELOAD of states and whole systems, in the same run and in another one.
 
 use crate::run::{Results, SLIDER, folder, mdi};
 
@@ -16,7 +16,7 @@ fn run(commands: &str) -> (tempfile::TempDir, crate::run::Ran) {
     (folder, ran)
 }
 
-/// A buffer holds states alone and ends with the run (`com_reload`): the model stays as it was redefined in between.
+/// Checks that a buffer holds only states and ends with the run (`com_reload`): redefinitions of the model in between remain.
 #[test]
 fn buffers_hold_states_without_the_model() {
     let (folder, ran) = run(
@@ -25,7 +25,7 @@ fn buffers_hold_states_without_the_model() {
     );
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     let results = Results::read(folder.path(), "slider.res");
-    // The redefined model begins with an output of its own; it stays redefined at the time that came back: z = F / K.
+    // The redefined model starts with its own output, and it stays redefined at the restored time: z = F / K.
     near(&results.column("time", "TIME"), &[0.0, 1.0, 1.0, 2.0, 1.0]);
     near(
         &results.column("block_XFORM", "Z"),
@@ -35,7 +35,7 @@ fn buffers_hold_states_without_the_model() {
     assert!(ran.stdout.contains("buffer `never`"), "{}", ran.stdout);
 }
 
-/// From a RELOAD or FILE with OUTPUT_PREFIX on output goes to files of that name (`com_reload`, `com_file`); what was written before stays.
+/// Checks that RELOAD or FILE with OUTPUT_PREFIX redirects later output to new files (`com_reload`, `com_file`); earlier files remain.
 #[test]
 fn output_goes_to_a_new_name_from_a_command_on() {
     let z = |folder: &tempfile::TempDir, name: &str| {
@@ -59,7 +59,7 @@ fn output_goes_to_a_new_name_from_a_command_on() {
             assert!(folder.path().join(name).is_file(), "{command}: {name}");
         }
     }
-    // The name that the files have changes nothing.
+    // A prefix equal to the current name changes nothing.
     let (folder, ran) = run(
         "SAVE/SYSTEM, FILE=here.sav\nSIM/STAT\nRELOAD/SYSTEM, FILE=here.sav, OUTPUT_PREFIX=slider\nSFORCE/1, FUNCTION=5\nSIM/STAT",
     );
@@ -67,7 +67,7 @@ fn output_goes_to_a_new_name_from_a_command_on() {
     near(&z(&folder, "slider.res"), &[0.0, 0.5]);
 }
 
-/// What ADAMS ends a name of a file at does not become a part of it.
+/// Checks that characters at which ADAMS ends a file name do not become part of the name.
 #[test]
 fn no_comma_in_the_name_of_a_saved_state() {
     let (folder, ran) = run("SAVE/SYSTEM, FILE=here.sav, FORMATTED\nSIM/STAT");
@@ -101,7 +101,7 @@ fn saved_states_come_back() {
     );
 }
 
-/// A system that was saved brings its model with all redefinitions into a run that reads none (`com_reload`): the dataset is not even there.
+/// Checks that a saved system brings its model with all redefinitions into a run without a dataset (`com_reload`).
 #[test]
 fn a_saved_system_brings_its_model() {
     let (folder, ran) = run(
@@ -119,18 +119,18 @@ fn a_saved_system_brings_its_model() {
     );
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     let results = Results::read(folder.path(), "second.res");
-    // The lone solution, then the sequence with its start.
+    // The single solution, then the sequence with its start.
     near(&results.column("block_XFORM", "Z"), &[0.25, 0.25, 0.25]);
     near(&results.column("time", "TIME"), &[1.0, 1.0, 2.0]);
     assert!(folder.path().join("second.msg").exists());
-    // Without a prefix the outputs have the name of the dataset.
+    // Without a prefix the output files have the name of the dataset.
     let ran = again("RELOAD/FILE=here.sav\nSIM/STAT");
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     near(
         &Results::read(folder.path(), "slider.res").column("block_XFORM", "Z"),
         &[0.25],
     );
-    // States bring no model, and a file that was cut says so.
+    // Saved states contain no model, and a truncated file is reported.
     let ran = again("RELOAD/FILE=place.sav\nSIM/STAT");
     assert!(
         ran.code == 1 && ran.stdout.contains("no model was read"),
@@ -153,7 +153,7 @@ fn a_saved_system_brings_its_model() {
     );
 }
 
-/// The model of a file takes the place of another one until the output files have columns of that.
+/// Checks that the model of a saved system replaces another one only until the output files have columns of the other model.
 #[test]
 fn a_saved_system_replaces_another_model() {
     let (folder, ran) = run("SFORCE/1, FUNCTION=5\nSAVE/SYSTEM, FILE=here.sav");

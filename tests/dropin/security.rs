@@ -63,7 +63,7 @@ fn absurd_sizes_are_refused_at_once() {
     }
 }
 
-/// Everything below a folder, as paths.
+/// Returns all paths below a folder.
 fn listing(folder: &Path) -> Vec<String> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -77,7 +77,7 @@ fn listing(folder: &Path) -> Vec<String> {
     found
 }
 
-/// The files of the program itself.
+/// Returns the source files of the program itself.
 fn sources() -> Vec<String> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let all = listing(&src).into_iter();
@@ -85,7 +85,7 @@ fn sources() -> Vec<String> {
         .collect()
 }
 
-/// A folder `run` with the slider and a command file, beside a folder `victim` with a file of somebody else.
+/// Creates a folder `run` with the slider and a command file, beside a folder `victim` with a foreign file.
 fn beside_a_victim(commands: &str) -> tempfile::TempDir {
     let place = folder(&[]);
     for name in ["run", "victim", "victim/deeper"] {
@@ -109,7 +109,7 @@ fn no_spelling_of_a_path_leads_out_of_the_folders_of_a_run() {
         "slider\n../victim/mine\nSIM/STAT\n",
         "\nfile/model=slider\nSIM/STAT\nSAVE/FILE=PLACE/victim/new\n",
         "\nfile/model=slider\nSIM/STAT\nSAVE/FILE=../victim/mine.res\n",
-        // A command file or model elsewhere, by whatever name, opens no folder.
+        // A command file or model elsewhere, under any name, does not open its folder for writing.
         "\nFILE/COMMAND=PLACE/victim/mine.res\nfile/model=slider, output_prefix=PLACE/victim/mine\nSIM/STAT\n",
         "\nfile/model=PLACE/victim/mine.res, output_prefix=PLACE/victim/new\nSIM/STAT\n",
     ] {
@@ -130,7 +130,7 @@ fn no_spelling_of_a_path_leads_out_of_the_folders_of_a_run() {
 fn links_are_followed_before_they_are_judged() {
     use std::os::unix::fs::symlink;
     let commands = "\nfile/model=slider\nSIM/STAT\nSTOP\n";
-    // The results file itself, a folder on the way, and a link to nothing yet.
+    // Links in place of the results file, to a file that does not exist, and to a folder.
     for (link, to) in [
         ("slider.res", "victim/mine.res"),
         ("slider.msg", "victim/new"),
@@ -199,8 +199,8 @@ fn decks_and_command_files_start_no_process() {
     mdi(folder.path(), &["ru-s", "run; touch pwned"]);
     mdi(folder.path(), &["ru-s", "run"]);
     assert!(!folder.path().join("pwned").exists());
-    // What starts programs, and ends what they started, is reached by a study or by a person's own command only; the script that builds
-    // the program asks git for the commit.
+    // Code that starts programs or ends their processes is reached only by a study or by a user's own command; the build script asks git
+    // for the commit.
     let allowed = [
         "src/session/backend/process",
         "src/cli/doctor.rs",
@@ -256,7 +256,7 @@ fn interfaces_that_only_unix_has_are_in_four_files() {
 
 #[test]
 fn nothing_endless_is_read_or_tried() {
-    // A device never ends; a matrix of four thousand million rows is not made; MAXIT is no way to hang.
+    // A device never ends, a matrix with four thousand million rows is not created, and a large MAXIT must not hang.
     let matrix = "MATRIX/1, SPARSE, ROWS=4294967296, COLUMNS=4294967296, I=1, J=1, VALUES=1\nARRAY/1, X, SIZE=4000000000\n\
         ARRAY/2, U, SIZE=1, VARIABLES=1\nVARIABLE/1, FUNCTION=0\nLSE/1, X=1, U=2, A=1, B=1\nREQUEST/1";
     for (deck, command) in [
@@ -363,7 +363,8 @@ fn property_files_are_read_in_the_folders_of_the_deck() {
     }
 }
 
-/// A title, a path and a command of somebody else's files are shown on the console, not obeyed; the message file has them as they are.
+/// Checks that control sequences in titles, paths and commands are displayed on the console and not executed; the message file keeps them
+/// unchanged.
 #[test]
 fn the_console_of_a_run_commands_no_terminal() {
     let deck = SLIDER.replace("A slider", "A \u{1b}]0;owned\u{7}slider");
@@ -381,7 +382,7 @@ fn the_console_of_a_run_commands_no_terminal() {
     assert_eq!(obeyed, None, "{all:?}");
 }
 
-/// Names and titles are text in a page, never a part of it; a browser reads the pages in `tests/pages`.
+/// Checks that names and titles are inserted into HTML pages as text; a browser reads the pages in `tests/pages`.
 #[test]
 fn no_name_becomes_a_part_of_a_page() {
     let place = folder(&[("run.acf", "\nfile/model=model\nSIM/STAT\nSTOP\n")]);

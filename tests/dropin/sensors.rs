@@ -1,15 +1,15 @@
-//! SENSORs act on static and quasi-static simulations after each output step.
+//! SENSORs in static and quasi-static simulations, evaluated after each output step.
 
 use crate::run::{Ran, Results, SLIDER, folder, mdi, run_deck};
 
-/// The slider, which is at z = TIME, with a sensor.
+/// Runs the slider, which is at z = TIME, with a sensor, and asserts success.
 fn run(sensor: &str, commands: &str) -> (Results, Ran) {
     let (results, ran) = run_any(sensor, commands);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
     (results, ran)
 }
 
-/// The same, however it ends.
+/// Runs the slider with a sensor, with any exit code.
 fn run_any(sensor: &str, commands: &str) -> (Results, Ran) {
     let deck = SLIDER.replacen("REQUEST/1", &format!("{sensor}\nREQUEST/1"), 1);
     let acf = format!("\nfile/model=slider\n{commands}\n");
@@ -31,7 +31,7 @@ const RUN: &str = "SIM/STAT, END=1, STEPS=10\nSIM/STAT\nSTOP";
 #[test]
 fn return_ends_the_simulation_and_halt_the_run() {
     let to = |end: usize| -> Vec<f64> { (0..=end).map(|k| k as f64 / 10.0).collect() };
-    // The lone static after it runs at the time that was reached.
+    // The following single static runs at the time that was reached.
     let (results, ran) = run(
         "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, RETURN, FUNCTION=DZ(20,1)",
         RUN,
@@ -55,10 +55,10 @@ fn return_ends_the_simulation_and_halt_the_run() {
     assert!(
         ran.stdout.contains("it halts the run") && !ran.stdout.contains(" command: SIM/STAT\n")
     );
-    // The file is whole all the same.
+    // The file is complete nevertheless.
     assert!(ran.stdout.contains("Finished -----"));
 
-    // EQ needs to be met within ERROR; LE and a function of time alone.
+    // EQ must be met within ERROR; LE, and a function of time alone.
     for (event, last) in [
         ("EQ, VALUE=0.35, ERROR=0.01", 10),
         ("EQ, VALUE=0.35, ERROR=0.06", 3),
@@ -75,7 +75,7 @@ fn return_ends_the_simulation_and_halt_the_run() {
     }
 }
 
-/// Motion that follows from its drive alone goes on from where the sensor fired, between two outputs.
+/// Checks that kinematics continues from the time at which the sensor fired, between two outputs.
 #[test]
 fn a_sensor_fires_at_its_time_in_kinematics() {
     let sensor = "SENSOR/1, GE, VALUE=0.0625, ERROR=1E-9, RETURN, FUNCTION=DZ(20,1)**2\nMOTION/1, JOINT=1, FUNCTION=TIME";
@@ -107,14 +107,14 @@ fn a_sensor_that_is_switched_off_senses_nothing() {
     let sensor = "SENSOR/1, GE, VALUE=0.5, ERROR=0.001, HALT, FUNCTION=TIME";
     let (results, _) = run(sensor, &format!("DEACTIVATE/SENSOR, ID=1\n{RUN}"));
     assert_eq!(times(&results).len(), 12);
-    // And one that is redefined senses something else.
+    // A redefined sensor uses its new value.
     let (results, _) = run(sensor, &format!("SENSOR/1, VALUE=0.25\n{RUN}"));
     assert_eq!(times(&results).last(), Some(&0.3));
 }
 
 #[test]
 fn evaluate_is_kept_for_senval() {
-    // Once it fired at 0.5 the force is 5 (ten times the z of that time), whatever the time.
+    // After firing at 0.5, SENVAL keeps the force at 5 (ten times z at that time), whatever the time.
     let deck = "SENSOR/1, EQ, VALUE=0.5, ERROR=0.001, FUNCTION=TIME\\, EVALUATE=10*DZ(20,1)\nREQUEST/9, F2=SENVAL(1)\\";
     let (results, _) = run(
         deck,
@@ -136,7 +136,7 @@ fn dt_changes_the_steps_that_follow() {
         "SIM/STAT, END=1, STEPS=10",
     );
     assert_eq!(times(&results), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.75, 1.0]);
-    // A step that never ends is refused.
+    // A step that would never end is refused.
     let (results, ran) = run_any(
         "SENSOR/1, EQ, VALUE=0.5, ERROR=0.001, DT=1E-12, FUNCTION=TIME",
         "SIM/STAT, END=1, STEPS=10",
@@ -156,7 +156,7 @@ fn a_value_may_be_given_in_degrees() {
     assert_eq!(times(&results).last(), Some(&0.2));
 }
 
-/// 0.25 m above ground after sqrt(1.5/g), in a step that ends at the next kink of a function of the time.
+/// Checks a sensor at 0.25 m above ground, at time sqrt(1.5/g), inside a step that ends at the next kink of a function of time.
 #[test]
 fn a_sensor_fires_in_a_step_that_ends_at_a_kink_in_time() {
     let deck = "ball\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nACCGRAV/KGRAV=-9.81\nPART/1, GROUND\nMARKER/1, PART=1\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,1\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION=STEP(TIME,0.392,0,0.5,1)\nSENSOR/1, LE, VALUE=0.25, ERROR=1E-6, RETURN, FUNCTION=DZ(20,1), EVALUATE=TIME\nEND\n";
@@ -168,9 +168,11 @@ fn a_sensor_fires_in_a_step_that_ends_at_a_kink_in_time() {
     assert!(ran.stdout.contains(&said), "{}", ran.stdout);
 }
 
-/// A pendulum of 1 m and 2 kg, 0.1 kg m2 about its centre, let go level: with `I = 2.1` about the pin the rate is `w^2 = 2 (2 g / I) sin q`, the force
-/// along the arm is `2 (w^2 + g sin q)` and across `2 g cos q (1 - 2 / I)`. Sensors find the angle at which the sum is 30 N, and at which the acceleration is
-/// 12 m/s2.
+/// Checks sensors on a reaction and on an acceleration, for a pendulum (1 m, 2 kg, 0.1 kg m2 about its centre) released from the
+/// horizontal.
+///
+/// With `I = 2.1` about the pin, the rate is `w^2 = 2 (2 g / I) sin q`. The force along the arm is `2 (w^2 + g sin q)`, and across it `2 g
+/// cos q (1 - 2 / I)`. The sensors must find the angles at which the total force is 30 N and the acceleration is 12 m/s2.
 #[test]
 fn a_sensor_of_a_reaction_or_an_acceleration_fires_at_its_time() {
     let g = 9.81;
@@ -222,7 +224,7 @@ fn a_sensor_of_a_reaction_or_an_acceleration_fires_at_its_time() {
     }
 }
 
-/// A block that glides at 1 m/s from 0.5 m, in the SLIDER's place.
+/// Runs a block that moves at 1 m/s from 0.5 m, with a sensor.
 fn glide(sensor: &str, commands: &str) -> (Results, Ran) {
     let deck = format!(
         "block\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n\
@@ -235,7 +237,7 @@ fn glide(sensor: &str, commands: &str) -> (Results, Ran) {
     (Results::read_all(folder.path(), "block.res"), ran)
 }
 
-/// `EVALUATE` where the time is zero keeps the place at the start, as a real deck has it; without `VALUE` the value is zero.
+/// Checks EVALUATE at time zero, which stores the initial position, as in a real deck; without `VALUE` the value is zero.
 #[test]
 fn a_sensor_that_is_at_its_value_acts_where_the_motion_begins() {
     for value in ["VALUE=0, ", ""] {
@@ -251,13 +253,13 @@ fn a_sensor_that_is_at_its_value_acts_where_the_motion_begins() {
             assert!((time - travel).abs() < 1e-12, "{time} {travel}");
         }
     }
-    // One that ends the simulation lets it do its first step, again and again; it is not missed.
+    // A sensor with RETURN at the start allows the first step of each simulation and is not missed.
     let run = "SIM/DYN, END=1, STEPS=4\nSIM/DYN, END=1, STEPS=4\nSIM/INITIAL";
     let (results, ran) = glide("SENSOR/1, GE, RETURN, FUNCTION=DZ(20,1)", run);
     assert_eq!(ran.stdout.matches("has become active").count(), 2);
     let end = *results.column("time", "TIME").last().unwrap();
     assert!(end > 0.0 && end < 0.25, "{end}");
-    // An interval between outputs holds from the start.
+    // An output interval set by a sensor applies from the start.
     let (results, _) = glide("SENSOR/1, DT=0.5, FUNCTION=TIME", "SIM/DYN, END=1, STEPS=4");
     assert_eq!(times(&results), [0.0, 0.5, 1.0]);
 }

@@ -24,7 +24,7 @@ fn installed_shims_run_under_every_name() {
         ]);
         for name in ["mdi", "adams2024_1"] {
             let _ = std::fs::remove_file(run.path().join("slider.res"));
-            // As MATLAB's system() does: by name, through a shell and the PATH.
+            // Started by name through a shell and the PATH, as by MATLAB's system().
             let status = Command::new("sh")
                 .args(["-c", &format!("{name} ru-standard run > log.txt")])
                 .current_dir(run.path())
@@ -40,7 +40,7 @@ fn installed_shims_run_under_every_name() {
         }
     }
 
-    // A file of somebody else is not replaced unless told so.
+    // A foreign file is replaced only with an explicit option.
     let name = if cfg!(windows) { "mdi.bat" } else { "mdi" };
     std::fs::write(bin.join(name), "mine").unwrap();
     let refused = Command::new(env!("CARGO_BIN_EXE_admire"))
@@ -52,7 +52,7 @@ fn installed_shims_run_under_every_name() {
     assert_eq!(std::fs::read(bin.join(name)).unwrap(), b"mine");
 }
 
-/// The folder of the programs is one word for the shell, whatever stands in its name.
+/// Checks that the folder of the programs is a single word for the shell, whatever its name contains.
 #[cfg(unix)]
 #[test]
 fn no_name_becomes_a_command_of_the_shell() {

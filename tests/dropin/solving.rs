@@ -1,4 +1,4 @@
-//! `admire solve` of command files: another deck, columns as CSV and as pictures, Ctrl-C.
+//! `admire solve` with command files: another deck, columns as CSV and as plots, Ctrl-C.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -68,9 +68,9 @@ fn columns_become_a_table_and_a_page() {
         let page = std::fs::read_to_string(folder.path().join("swing.html")).unwrap();
         assert_eq!(page.matches("<figure>").count(), 2, "metres and newtons");
         assert!(page.contains("PART_2_XFORM.X") && page.contains("time [sec]"));
-        // The dataset's own step is no place that the motion was at: its joint forces are zero.
+        // The step of the dataset itself is left out, because its joint forces are zero.
         assert!(page.contains("21 steps"), "the start and twenty outputs");
-        // A file of the user's stays.
+        // An existing file of the user is kept.
         let ran = solve(
             folder.path(),
             &[&words[..], &["--csv", "mine.csv"]].concat(),
@@ -79,13 +79,13 @@ fn columns_become_a_table_and_a_page() {
         let mine = std::fs::read_to_string(folder.path().join("mine.csv")).unwrap();
         assert_eq!(mine, "mine");
     }
-    // Columns are those of a run.
+    // Columns are available only for a run of a command file.
     let folder = folder(&[("swing.adm", SWING)]);
     let ran = solve(folder.path(), &["swing.adm", "--csv", "a.csv"]);
     assert_eq!(ran.status.code(), Some(2));
 }
 
-/// Ctrl-C ends a run after the present output; what it wrote is whole.
+/// Checks that Ctrl-C ends a run after the current output, and that its files are complete.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_whole_files() {

@@ -1,8 +1,8 @@
-//! What a joint begins with, alone and beside a MOTION on the same freedom.
+//! Initial conditions of a joint, alone and with a MOTION on the same freedom.
 
 use crate::run::{Ran, Results, folder, mdi};
 
-/// A part on a joint with `start`, driven by `motion`, for a second of two steps.
+/// Runs a part on a joint, driven by a motion, for one second in two steps.
 fn run(joint: &str, motion: &str) -> (Results, Ran) {
     let deck = format!(
         "joint\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND\nPART/1, GROUND\nMARKER/1, PART=1\n\
@@ -15,7 +15,7 @@ fn run(joint: &str, motion: &str) -> (Results, Ran) {
     (Results::read_all(folder.path(), "joint.res"), ran)
 }
 
-/// Displacements and rates at 0, 0.5 and 1 s.
+/// Compares displacements and rates at 0, 0.5 and 1 s.
 fn check(results: &Results, (place, rate): (&str, &str), places: [f64; 3], rates: [f64; 3]) {
     for (column, expected) in [(place, places), (rate, rates)] {
         let found = results.column("REQUEST_1", column);
@@ -44,7 +44,7 @@ fn a_motion_counts_before_the_initial_conditions_of_its_joint() {
         told(&ran, "displacement and velocity");
         check(&results, SLIDE, [0.0, 0.25, 0.5], [0.5; 3]);
     }
-    // A rate without ICDISP begins where the joint says.
+    // A velocity MOTION without ICDISP starts at the joint's initial position.
     let (results, ran) = run(
         "REVOLUTE, IC=1,2",
         "MOTION/1, JOINT=1, VELOCITY, FUNCTION=0.5",
@@ -63,7 +63,7 @@ fn a_motion_counts_before_the_initial_conditions_of_its_joint() {
     check(&results, TURN, [0.25, 0.5, 0.75], [0.5; 3]);
 }
 
-/// The other freedom of the joint keeps what it begins with.
+/// Checks that the other freedom of the joint keeps its initial conditions.
 #[test]
 fn a_motion_along_a_joint_leaves_its_turn_alone() {
     let joint = "CYLINDRICAL, ICTRAN=0.1,0.2, ICROT=1,2";

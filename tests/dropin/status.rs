@@ -1,4 +1,4 @@
-//! What a run ends with: the exit code, the status in the results, the last line.
+//! End of a run: the exit code, the status in the results, and the last line.
 
 use crate::run::{Results, SLIDER, folder, mdi, mdi_with, text};
 
@@ -15,7 +15,7 @@ fn status(folder: &std::path::Path) -> String {
     rest.split('"').next().unwrap_or_default().to_string()
 }
 
-/// What carries load and is not solved ends the simulation by name: no step, code 1 in both modes, no success in the results.
+/// Checks that an unsupported element with load ends the simulation by name: no step, code 1 in both modes, no success in the results.
 #[test]
 fn what_is_not_solved_ends_the_simulation_by_name() {
     let tyre = "TIRE/3, I=20, J=1\n";
@@ -36,7 +36,7 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
                 &[("MDI_STRICT", strict)],
             );
             assert_eq!(ran.code, 1, "{}", ran.stdout);
-            // Named once; neither of the two simulations is executed.
+            // The element is named once, and neither of the two simulations is executed.
             assert_eq!(
                 ran.stdout.matches(&format!("{names} ")).count(),
                 1,
@@ -65,7 +65,7 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
         assert!(z.len() == 4 && (z[0] - 0.5).abs() < 1e-9, "{z:?}");
         assert_eq!(status(folder.path()), "Successful");
 
-        // Switched off it ends nothing; switched on again it does.
+        // A deactivated element does not end the simulation; a reactivated one does.
         let acf = acf.replacen(
             "SIM/STAT",
             &format!("DEACTIVATE/{kind}, ID=3, 7\nSIM/STAT"),
@@ -94,7 +94,7 @@ fn what_is_not_solved_ends_the_simulation_by_name() {
     );
 }
 
-/// `admire solve` takes the same, and its JSON says what was left out.
+/// Checks the same options of `admire solve`, whose JSON lists the elements left out.
 #[test]
 fn admire_solve_leaves_out_what_it_is_told_to() {
     let folder = folder(&[
@@ -128,7 +128,7 @@ fn admire_solve_leaves_out_what_it_is_told_to() {
     );
 }
 
-/// The table of the documentation, row by row.
+/// Checks every row of the table in the documentation.
 #[test]
 fn codes_and_statuses_are_those_of_the_table() {
     for (commands, usual, strict, run_status) in [
@@ -184,13 +184,13 @@ fn codes_and_statuses_are_those_of_the_table() {
     }
 }
 
-/// A disk that is full is told in the last line.
+/// Checks that a full disk is reported in the last line.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_said_in_the_last_line() {
     let acf = "\nfile/model=slider\nSIM/STAT, END=1, STEPS=500\nSTOP\n";
     let folder = folder(&[("slider.adm", SLIDER), ("run.acf", acf)]);
-    // No file may grow beyond 8 blocks; the signal of it is ignored, as that of a full disk does not exist.
+    // No file may exceed 8 blocks; the signal of this limit is ignored, because a full disk sends none.
     let script = format!(
         "trap '' XFSZ; ulimit -f 8; exec '{}' ru-s run",
         env!("CARGO_BIN_EXE_mdi")
@@ -209,7 +209,7 @@ fn a_full_disk_is_said_in_the_last_line() {
     );
 }
 
-/// A model of the same name elsewhere is named; several are refused.
+/// Checks that a model of the same name elsewhere is mentioned, and that several candidates are refused.
 #[test]
 fn a_wrong_path_is_told_and_never_guessed() {
     let folder = folder(&[("slider.adm", SLIDER)]);

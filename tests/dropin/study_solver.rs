@@ -1,11 +1,11 @@
-//! `[solver]` of a study: an external program by one line, announced; its runs recorded and replayed.
+//! Section `[solver]` of a study: an external program in one line, announced before its start; its runs are recorded and replayed.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::run::{folder, text};
 
-/// Lays the study of the corpus in a folder, with a section `[solver]` and a loop of three rounds.
+/// Copies the study of the corpus into a folder, with a `[solver]` section and at most three iterations of the loop.
 fn study(folder: &Path, solver: &str, identify: &str) {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     for name in [
@@ -26,7 +26,7 @@ fn study(folder: &Path, solver: &str, identify: &str) {
 }
 
 fn admire(folder: &Path, words: &[&str], path: &str) -> Output {
-    // A study that names a program of its own is that of somebody else here.
+    // A study that names its own program counts as foreign here.
     let starts = ["identify", "diagnose", "record"].contains(&words[0]);
     Command::new(env!("CARGO_BIN_EXE_admire"))
         .current_dir(folder)
@@ -34,7 +34,7 @@ fn admire(folder: &Path, words: &[&str], path: &str) -> Output {
         .args(starts.then_some("--allow-command"))
         .env("NO_COLOR", "1")
         .env("PATH", path)
-        // Folders of failed runs are kept, here not longer than the study.
+        // Folders of failed runs are kept, but here not longer than the study.
         .env("TMPDIR", folder)
         .output()
         .unwrap()
@@ -75,12 +75,12 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
     let folder = place.path();
     let path = folder_of_mdi();
     study(folder, "", REGRESSION);
-    // Three rounds do not converge, and say so.
+    // Three iterations do not converge, which is reported.
     let native = admire(folder, &["identify", ".", "--out", "native"], "");
     assert_eq!(native.status.code(), Some(3), "{}", errors(&native));
     assert!(!errors(&native).contains("[runs-program]"));
 
-    // The default command is ADAMS' own; the PATH decides whose `mdi` it is, and `admire` says so before it starts it.
+    // The default command is the one of ADAMS; the PATH determines its `mdi`, and `admire` announces it before the start.
     study(folder, "[solver]\nbackend = \"command\"", REGRESSION);
     for format in ["text", "plain", "json"] {
         let run = admire(
@@ -141,7 +141,7 @@ fn one_line_changes_the_solver_and_a_recording_needs_none() {
         text(&folder.join("replay"), "identification.json").contains("\"backend\": \"replay\"")
     );
 
-    // A deck that was changed since has no recording.
+    // A deck that has changed since has no recording.
     let deck = text(folder, "model.adm");
     std::fs::write(
         folder.join("model.adm"),
@@ -189,7 +189,7 @@ fn the_global_fit_says_why_it_got_no_answer() {
     );
 }
 
-/// A link may lead out although its name does not, also to what is not there yet.
+/// Checks that links out of the study are detected, including links to files that do not exist yet.
 #[cfg(unix)]
 #[test]
 fn no_link_leads_recordings_out_of_the_study() {
@@ -270,7 +270,7 @@ fn no_file_of_a_study_lies_outside_of_it() {
     }
 }
 
-/// An `adams` in the folder that solves the deck of a run as `edit`, a command of sed, leaves it, and puts the deck back.
+/// Writes an `adams` script that solves the deck of a run after an `edit` by sed, and then restores the deck.
 #[cfg(unix)]
 fn stand_in(folder: &Path, edit: &str) {
     let mdi = env!("CARGO_BIN_EXE_mdi");
@@ -287,7 +287,7 @@ fn stand_in(folder: &Path, edit: &str) {
     assert!(executable.success());
 }
 
-/// The deck of the study with a force that only a subroutine of ADAMS knows.
+/// A force that only a subroutine of ADAMS defines, to be added to the deck.
 const USER_FORCE: &str = "SFORCE/99, TRANSLATIONAL, I=20, J=48\n, FUNCTION=USER(1)\nEND";
 
 #[cfg(unix)]
@@ -306,7 +306,7 @@ fn what_only_adams_solves_is_left_to_it() {
     assert_eq!(alone.status.code(), Some(1), "{}", errors(&alone));
     assert!(errors(&alone).contains("user-written subroutine"));
 
-    // An ADAMS that has the subroutine, whose force is zero, beside the study: a relative path is one from there.
+    // An ADAMS with the subroutine, whose force is zero, beside the study; a relative path starts there.
     stand_in(folder, "s/USER(1)/0/");
     let solver = "[solver]\nbackend = \"command\"\ncommand = [\"./adams\", \"{acf}\"]";
     let toml = text(folder, "study.toml").replacen("[loads]", &format!("{solver}\n[loads]"), 1);
@@ -326,7 +326,7 @@ fn what_only_adams_solves_is_left_to_it() {
     }
 }
 
-/// While a licence is waited for a line says so, with what the program said.
+/// Checks that waiting for a licence is reported, with the message of the program.
 #[cfg(unix)]
 #[test]
 fn waiting_for_a_licence_is_told() {
@@ -345,8 +345,9 @@ fn waiting_for_a_licence_is_told() {
     assert!(folder.join("out/identification.json").exists());
 }
 
-/// The diagnosis searches with the built-in solver and says first how far the solver of the study is from it: a stand-in with another
-/// spring by much, `mdi` itself by nothing.
+/// Checks that a diagnosis, which searches with the built-in solver, first reports the difference from the study's solver.
+///
+/// The difference is large for a stand-in with another spring, and zero for `mdi` itself.
 #[cfg(unix)]
 #[test]
 fn a_diagnosis_says_first_how_the_solvers_differ() {
@@ -375,7 +376,7 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
     );
     let [own, foreign] = [0, 1].map(|k| other["solver"]["residual_rms"][k].as_f64().unwrap());
     assert!(foreign > 1.2 * own, "{own} {foreign}");
-    // The numbers are fitted to the other one, and meet the readings as well as its law can.
+    // The parameters are fitted to the other solver and explain the readings as well as its law permits.
     let refitted = other["solver"]["refitted_rms"].as_f64().unwrap();
     assert!(refitted < 0.9 * foreign, "{refitted} {foreign}");
 
@@ -384,7 +385,7 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
         "same",
     );
     assert_eq!(same["solver"]["solver"], "command");
-    // The digits of a .res.
+    // Agreement to the digits of a .res.
     assert!(
         same["solver"]["rms"].as_f64().unwrap() < 1e-5,
         "{}",
@@ -399,11 +400,11 @@ fn a_diagnosis_says_first_how_the_solvers_differ() {
         let ([a, sd], [b, _]) = (of(&same, k), of(&other, k));
         (a - b).abs() / sd
     });
-    // With the built-in solver alone they would be the same.
+    // With the built-in solver alone the parameters would be equal.
     assert!(apart.fold(0.0, f64::max) > 0.02);
 }
 
-/// A study may name any program. One that came from elsewhere starts it only where that is allowed; without a terminal the option is named.
+/// Checks that the program of a foreign study is started only with permission; without a terminal the option is named.
 #[cfg(unix)]
 #[test]
 fn a_program_of_a_study_from_elsewhere_needs_permission() {
@@ -463,7 +464,7 @@ fn a_program_of_a_study_from_elsewhere_needs_permission() {
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("--allow-command") && !mark.exists(), "{said}");
 
-    // The option starts it, this time only.
+    // The option starts the program, for this call only.
     let (code, said) = run(
         &foreign,
         &["identify", ".", "--out", "out", "--allow-command"],
@@ -473,7 +474,7 @@ fn a_program_of_a_study_from_elsewhere_needs_permission() {
     std::fs::remove_file(&mark).unwrap();
     assert_eq!(run(&foreign, &["identify", ".", "--out", "out"]).0, Some(2));
 
-    // A study that was begun here is the user's own; a copy of it somewhere else is not.
+    // A study created here is the user's own; a copy of it elsewhere is not.
     let deck = foreign.join("model.adm").display().to_string();
     let (code, said) = run(all, &["new", "own", "--from", &deck]);
     assert_eq!(code, Some(0), "{said}");

@@ -9,7 +9,7 @@ use admire_solver::model::Model;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};
 
-/// A block on a bushing whose J marker is turned by a quarter about z, so that ground axes and J axes differ.
+/// A block on a bushing whose J marker is rotated by a quarter turn about z, so that ground axes and J axes differ.
 pub const DECK: &str = "\
 A block on a bushing
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
@@ -29,7 +29,7 @@ RESULTS/XRF
 END
 ";
 
-/// A deck, its cases and what is changed of it between runs.
+/// A deck, its load cases, and the values that change between runs.
 pub struct Task {
     pub dataset: Dataset,
     pub model: Model,
@@ -96,7 +96,7 @@ pub fn mdi() -> Vec<String> {
     ])
 }
 
-/// A program that runs `mdi` and then a piece of shell.
+/// Returns a command that runs `mdi` and then a piece of shell script.
 pub fn after(script: &str) -> Vec<String> {
     let mdi = env!("CARGO_BIN_EXE_mdi");
     words(&[

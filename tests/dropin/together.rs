@@ -1,20 +1,20 @@
-//! Runs at the same time that write the same files.
+//! Simultaneous runs that write the same files.
 
 use std::fs::File;
 
 use crate::run::{Results, SLIDER, folder, mdi, text};
 
-/// Runs of one prefix come one after the other: every file is whole, and all are of the run that came last.
+/// Checks that runs with one prefix are serialised: every file is complete, and all belong to the last run.
 #[test]
 fn runs_in_one_folder_do_not_mix_their_files() {
-    // A locked file could not be polled there, so none is locked.
+    // On Windows files are not locked, because a locked file could not be polled.
     if cfg!(windows) {
         return;
     }
     let place = folder(&[("slider.adm", SLIDER)]);
     let runs = 1..=6_u32;
     for run in runs.clone() {
-        // The more steps, the longer the file.
+        // More steps give longer files.
         let acf = format!(
             "\nfile/model=slider\nSFORCE/1, FUNCTION={run}\nSIM/STAT, END=1, STEPS={}\nSTOP\n",
             300 * run
@@ -49,10 +49,10 @@ fn runs_in_one_folder_do_not_mix_their_files() {
     assert_eq!(written.matches("<TerminationStatus").count(), 1);
 }
 
-/// A run that goes on keeps its files: the other one says so and touches nothing.
+/// Checks that a run in progress keeps its files: the other one reports it and changes nothing.
 #[test]
 fn files_of_a_run_that_goes_on_are_left_alone() {
-    // A locked file could not be polled there, so none is locked.
+    // On Windows files are not locked, because a locked file could not be polled.
     if cfg!(windows) {
         return;
     }

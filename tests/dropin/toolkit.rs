@@ -167,7 +167,7 @@ fn a_study_is_identified_into_a_deck_numbers_and_a_report() {
     let json: serde_json::Value = serde_json::from_str(&text(&out, "identification.json")).unwrap();
     let parameters = json["parameters"].as_array().unwrap();
     assert_eq!(parameters.len(), 12);
-    // The stiffest information of the study: Kx of B is known to 0.2 percent, its reference value is 310 N/mm.
+    // The best-determined stiffness of the study: Kx of B is known to 0.2 percent, with the reference value 310 N/mm.
     let kx = parameters
         .iter()
         .find(|p| p["address"] == "BUSHING/2.K.1")
@@ -182,7 +182,7 @@ fn a_study_is_identified_into_a_deck_numbers_and_a_report() {
     assert!(changed.clone().count() == 4 && changed.clone().all(|(_, b)| b.contains('K')));
     assert_eq!(deck.lines().count(), identified.lines().count());
     let report = text(&out, "report.html");
-    // The links of a page hold its data; none leads out of it.
+    // The links of a page contain its data; none leads out of it.
     let links = report.matches("href=").count();
     assert_eq!(links, report.matches("href=\"data:text/csv").count());
     assert!(report.contains("B (BUSHING/2.K.1)") && !report.contains("src="));

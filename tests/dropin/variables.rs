@@ -1,11 +1,11 @@
-//! VARIABLEs as parameters, as measures and as expressions of each other.
+//! VARIABLEs as parameters, as measures, and as expressions of each other.
 
 use std::fmt;
 use std::time::{Duration, Instant};
 
 use crate::run::run_deck as run;
 
-/// A part of 1 kg on a bushing of 1000 N/m, with further statements.
+/// Returns a deck of a part of 1 kg on a bushing of 1000 N/m, with further statements.
 fn on_a_bushing(statements: &str) -> String {
     format!(
         "variables
@@ -90,7 +90,7 @@ SFORCE/2, TRANS, ACTIONONLY, I=40, J=1, FUNCTION=JOINT(1,0,4,0)/JOINT(1,0,1,0)
             );
         }
     }
-    // x' = -x + u is 1 at rest, and 0 before anything is solved.
+    // x' = -x + u is 1 at rest, and 0 before the first solution.
     let linear = "ARRAY/1, X, SIZE=1
 ARRAY/2, U, VARIABLES=1
 ARRAY/3, Y, SIZE=1
@@ -107,7 +107,7 @@ VARIABLE/2, FUNCTION=1/ARYVAL(3,1)
     assert!((z - 3e-3).abs() < 1e-9, "{z}");
     let value = *results.column("VARIABLE_2", "Q").last().unwrap();
     assert!((value - 1.0).abs() < 1e-9, "{value}");
-    // What only shows a value is no obstacle where it has none.
+    // A variable that is only output may have no value at the start.
     let deck = on_a_bushing(linear);
     let (_, ran, _) = run(&deck, "SIM/DYN, END=1, STEPS=2");
     assert_eq!(ran.code, 0);
@@ -131,21 +131,21 @@ END
 ";
     let (results, ran, _) = run(deck, "SIM/STAT");
     assert!(!ran.stdout.contains("ERROR"), "{}", ran.stdout);
-    // 10 z / sqrt(z^2 + 1) = -9.80665
+    // Equilibrium: 10 z / sqrt(z^2 + 1) = -9.80665
     let s = 0.980665_f64;
     let z = *results.column("PART_2_XFORM", "Z").last().unwrap();
     assert!((z + s / (1.0 - s * s).sqrt()).abs() < 1e-4, "{z}");
 }
 
-/// A small expression, as text and as a value.
+/// A small expression that can be printed and evaluated.
 enum Node {
     Number(f64),
     Time,
     Variable(usize),
     Binary(char, Box<Self>, Box<Self>),
-    /// LOG(2 + x^2), SQRT(1 + x^2), EXP(-x^2)
+    /// One of LOG(2 + x^2), SQRT(1 + x^2) and EXP(-x^2).
     Call(&'static str, Box<Self>),
-    /// STEP(TIME, a^2, 1, 1 + a^2 + b^2, 2)
+    /// The function STEP(TIME, a^2, 1, 1 + a^2 + b^2, 2).
     Step(Box<Self>, Box<Self>),
 }
 
@@ -188,7 +188,7 @@ impl Node {
     }
 }
 
-/// A small congruential generator.
+/// A small linear congruential generator.
 struct Draw(u64);
 
 impl Draw {
@@ -200,7 +200,7 @@ impl Draw {
         (self.0 >> 33) as usize % count
     }
 
-    /// An expression of the TIME and these VARIABLEs.
+    /// Returns a random expression of TIME and the given VARIABLEs.
     fn node(&mut self, depth: usize, read: &[usize]) -> Node {
         let inner = |draw: &mut Self| Box::new(draw.node(depth - 1, read));
         match self.below(if depth == 0 { 3 } else { 9 }) {
@@ -225,7 +225,7 @@ fn random_expressions_of_variables_are_what_they_say() {
     const COUNT: usize = 6;
     for seed in 0..60 {
         let mut draw = Draw(seed);
-        // Each reads those behind it in an order that is not that of their ids.
+        // Each variable reads only later ones of a random order, which differs from the order of ids.
         let mut order: Vec<usize> = (1..=COUNT).collect();
         for k in (1..COUNT).rev() {
             order.swap(k, draw.below(k + 1));
@@ -239,7 +239,7 @@ fn random_expressions_of_variables_are_what_they_say() {
         for (k, node) in variables.iter().enumerate() {
             statements += &format!("\nVARIABLE/{}, FUNCTION={node}", k + 1);
         }
-        // Lines of a deck are short.
+        // Lines of a deck must be short.
         let deck = on_a_bushing(&folded(&statements));
         for command in ["SIM/STAT, END=2, STEPS=4", "SIM/DYN, END=2, STEPS=4"] {
             let (results, ran, _) = run(&deck, command);
@@ -274,7 +274,7 @@ fn random_expressions_of_variables_are_what_they_say() {
     }
 }
 
-/// Statements with long lines continued.
+/// Breaks long lines of statements into continuation lines.
 fn folded(statements: &str) -> String {
     let mut out = String::new();
     for line in statements.lines() {
@@ -283,7 +283,7 @@ fn folded(statements: &str) -> String {
             out.push(c);
             length += 1;
             if length > 60 && "()+-*,".contains(c) {
-                // A comma at the start of a line only continues it.
+                // A comma at the start of a line only marks a continuation.
                 out.push_str("\n,");
                 length = 0;
             }
@@ -293,7 +293,7 @@ fn folded(statements: &str) -> String {
     out
 }
 
-/// A chain of bodies on ball joints, each with these measures.
+/// Returns a deck of a chain of bodies on ball joints, each with the given measures.
 fn chain(measures: &[&str]) -> String {
     let mut deck = "measures
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=METER, TIME=SECOND
@@ -324,7 +324,7 @@ JOINT/{k}, SPHERICAL, I={a}, J={before}
     deck + "RESULTS/FORMATTED, XRF\nEND\n"
 }
 
-/// What nothing reads is evaluated where it is shown: the motion takes the same steps, and hardly longer.
+/// Checks that variables which nothing reads are evaluated only for output: the motion takes the same steps in nearly the same time.
 #[test]
 fn what_only_measures_costs_no_steps() {
     const MEASURES: [&str; 12] = [
@@ -353,7 +353,7 @@ fn what_only_measures_costs_no_steps() {
             messages[k] = message;
         }
     }
-    // Simulation time, step, function evaluations and steps of every row of the table.
+    // Simulation time, step size, function evaluations and steps of every row of the table.
     let table = |message: &str| -> Vec<Vec<String>> {
         let rows = message
             .lines()
@@ -369,7 +369,7 @@ fn what_only_measures_costs_no_steps() {
 
 #[test]
 fn a_variable_that_reads_itself_is_solved_for() {
-    // v = 1 + v/2, w = v - u/4, u = w: 2 and 1.6; the force reads itself through w.
+    // v = 1 + v/2, w = v - u/4, u = w: 2 and 1.6; the force reads itself through variable 4.
     let deck = on_a_bushing(&format!(
         "VARIABLE/1, FUNCTION=1+0.5*VARVAL(1)
 VARIABLE/2, FUNCTION=VARVAL(1)-0.25*VARVAL(3)
@@ -420,7 +420,7 @@ END
     );
     assert!(!ran.stdout.contains("ERROR"), "{}", ran.stdout);
     let z = results.column("PART_2_XFORM", "Z");
-    // The integral of TIME to 2, then three more.
+    // The integral of TIME up to 2 s, then three more.
     assert!(
         (z[z.len() - 3] - 2.0).abs() < 1e-9 && (z[z.len() - 1] - 5.0).abs() < 1e-9,
         "{z:?}"

@@ -1,4 +1,4 @@
-//! What only Windows does: batch files, jobs, files that are held, names that are devices, long paths.
+//! Behaviour specific to Windows: batch files, jobs, open files, device names, long paths.
 
 use std::os::windows::fs::OpenOptionsExt;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn admire(folder: &Path, words: &[&str]) -> (Option<i32>, String) {
 
 #[test]
 fn a_batch_file_ends_with_all_it_started() {
-    // Each goes round for ever and leaves a trace in every round.
+    // Each loop runs for ever and writes a trace in every pass.
     let spin = ":again\r\n@echo x>>%1\r\n@goto again\r\n";
     let tools = folder(&[("spin.bat", spin)]);
     let (first, second) = (tools.path().join("first"), tools.path().join("second"));
@@ -55,7 +55,7 @@ fn a_file_that_somebody_reads_is_replaced_when_he_lets_go_and_told_of_if_he_does
     let place = folder(&[("a.adm", SLIDER)]);
     let path = place.path().join("a.adm");
     let held = || {
-        // As the runtime of C opens files, and with it MATLAB: others may read and write, not remove.
+        // Opened like the C runtime, and thus MATLAB, does: others may read and write the file, but not remove it.
         let mut options = std::fs::File::options();
         options.read(true).share_mode(1 | 2).open(&path).unwrap()
     };
@@ -168,7 +168,7 @@ fn files_of_a_run_have_the_line_ends_of_windows() {
     let place = folder(&[("slider.adm", SLIDER), ("run.acf", acf)]);
     let ran = mdi(place.path(), &["ru-s", "run"]);
     assert_eq!(ran.code, 0, "{}", ran.stdout);
-    // Names of files differ in capitals on Windows without a word.
+    // On Windows, file names that differ in case give no warning.
     assert!(!ran.stdout.contains("WARNING"), "{}", ran.stdout);
     for extension in ["res", "msg", "req"] {
         let text =

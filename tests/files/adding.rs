@@ -1,4 +1,4 @@
-//! Statements added to and removed from a deck by the command line.
+//! Adding statements to a deck and removing them on the command line.
 
 use super::commands::{DECK, Folder};
 
@@ -6,7 +6,7 @@ use super::commands::{DECK, Folder};
 fn statements_come_and_go_from_the_command_line() {
     let folder = Folder::new();
     let deck = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("there");
-    // In the style of the deck: CR LF, and its layout of arguments; in front of what follows the last marker.
+    // The new statement has the style of the deck (CR LF, layout of arguments) and follows the last marker.
     let (code, _, said) = folder.said(&[
         "add",
         "a.adm",
@@ -28,10 +28,10 @@ fn statements_come_and_go_from_the_command_line() {
     assert_eq!(added.replace(new, ""), DECK);
     let (code, value, _) = folder.said(&["get", "b.adm", "tip.QP"]);
     assert_eq!((code, value.trim()), (0, "1.0, 2.0, -3.0"));
-    // Gone without a trace.
+    // Removal leaves no trace.
     assert_eq!(folder.said(&["remove", "b.adm", "tip", "-o", "c.adm"]).0, 0);
     assert_eq!(deck("c.adm"), DECK);
-    // A function on one line with what follows it: on lines of its own it needs a backslash.
+    // A function that another argument follows needs a backslash if arguments have their own lines, but not on a single line.
     let force = "SFORCE/2, FUNCTION=3*TIME, I=20, J=10, TRANSLATIONAL";
     folder.write(
         "lines.adm",
@@ -48,7 +48,7 @@ fn statements_come_and_go_from_the_command_line() {
         let (_, checked, _) = folder.said(&["check", "d.adm", "--format", "plain"]);
         assert!(!checked.contains("backslash"), "{checked}");
     }
-    // An argument alone.
+    // Removal of a single argument.
     let (code, out, _) = folder.said(&["remove", "a.adm", "MARKER/10.REULER"]);
     assert_eq!((code, out), (0, DECK.replace(", REULER = 90D, 0, 0", "")));
 }
@@ -62,7 +62,7 @@ fn nothing_is_added_or_removed_that_leaves_a_fault() {
             1,
             "MARKER/99",
         ),
-        // Where it would stand would say what it is on.
+        // The body of the new marker would depend on its position.
         (
             &["add", "a.adm", "MARKER/5, QP=1, 2, 3"],
             1,
@@ -101,7 +101,7 @@ fn nothing_is_added_or_removed_that_leaves_a_fault() {
         (forced.0, forced.1),
         (0, DECK.replace("MARKER/20, PART=2\r\n", ""))
     );
-    // Together they leave nothing behind.
+    // Removed together, the statements leave no dangling reference.
     let (code, out, said) = folder.said(&[
         "remove",
         "a.adm",

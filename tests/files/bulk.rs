@@ -1,4 +1,5 @@
-//! Work on many things at once: patterns, arithmetic, command files, removal with all that hangs on it, extracts, other units, results.
+//! Tests of commands that treat many values or objects at once: patterns, arithmetic, command files, cascading removal, extracts, unit
+//! conversion and results.
 
 use std::path::Path;
 
@@ -100,7 +101,7 @@ fn commands_are_read_and_changed_like_statements() {
     assert_eq!(folder.read("r.acf"), expected);
     let (code, _, _) = folder.run(&["set", "r.acf", "SIMULATE#1.STEPS=many", "--in-place"]);
     assert_eq!((code, folder.read("r.acf")), (1, expected.clone()));
-    // Arithmetic, on one command and on all of a kind.
+    // Arithmetic applies to a single command or to all commands of a kind.
     let words = [
         "set",
         "r.acf",
@@ -116,7 +117,7 @@ fn commands_are_read_and_changed_like_statements() {
         .replace("error=1E-3", "error=1E-4")
         .replace("end=4", "end=5");
     assert_eq!(folder.read("r.acf"), expected);
-    // A new fault is refused, and written where that is asked for; what could not be read never is.
+    // A change that introduces a fault is refused unless `--force` is given. Text that cannot be parsed is refused even with `--force`.
     let backwards = ["set", "r.acf", "EQUIL.ERROR=-1", "--in-place"];
     let (code, _, err) = folder.run(&backwards);
     assert!(code == 1 && err.contains("--force"), "{err}");
@@ -153,7 +154,7 @@ fn a_part_goes_with_all_that_hangs_on_it() {
     assert_eq!(code, 0, "{said}");
 }
 
-/// What acts on the part in the extract is what acts on it in the whole model at the design position.
+/// Checks that the forces on the extracted part equal its forces in the whole model at the design position.
 #[test]
 fn an_extract_feels_the_forces_of_the_whole() {
     let folder = Folder::with(DECK);
@@ -202,7 +203,7 @@ fn unit(table: &[Unit], name: &str) -> Unit {
         .expect("a unit")
 }
 
-/// The equilibrium of a deck: positions of all parts in metres.
+/// Returns the positions of all parts of a deck at equilibrium, in metres.
 fn equilibrium(text: &[u8]) -> Vec<[f64; 3]> {
     let dataset = Dataset::parse(Source::new("x", text)).value;
     let model = Model::lower(&dataset);
@@ -225,7 +226,7 @@ fn equilibrium(text: &[u8]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The same mechanism in other units is in equilibrium at the same place.
+/// Checks that a deck converted to other units has the same equilibrium positions in metres.
 #[test]
 fn other_units_are_the_same_mechanism() {
     let deck = DECK
@@ -299,11 +300,12 @@ fn graphs_name_bodies_and_what_joins_them() {
     );
 }
 
-/// Degrees of freedom are counted where a function has no value at the design position, and in decks with faults.
+/// Checks that degrees of freedom are counted even if a function has no value at the design position, and in decks with errors.
 #[test]
 fn freedoms_are_always_counted() {
     let folder = Folder::with(DECK);
-    // Two parts, twelve freedoms, none taken; DM of coincident markers divides by zero.
+    // The two moving parts have twelve degrees of freedom and no constraints. DX from a marker to itself is zero, so the function divides
+    // by zero.
     let broken = DECK.replace("-0.5*(DM(30,10)-150)+VARVAL(1)", "1/DX(20,20)");
     folder.write("x.adm", &broken);
     let (_, out, _) = folder.run(&["summary", "x.adm"]);
@@ -388,7 +390,7 @@ fn results_are_filtered_and_rewritten() {
     );
     assert_eq!(code, 0, "{err}");
     assert!(err.contains("1 values changed"), "{err}");
-    // A file of several names stays one file.
+    // Editing in place through one hard link changes the file for both names.
     let (first, second) = (here.path().join("a.res"), here.path().join("b.res"));
     std::fs::copy(&file, &first).expect("a copy");
     std::fs::hard_link(&first, &second).expect("a second name");
@@ -434,7 +436,7 @@ fn results_are_filtered_and_rewritten() {
         2,
         "results need a place to go"
     );
-    // Without a change the copy is identical.
+    // An edit that changes no value writes an identical copy.
     let same = ["results", name, "--set", "PART_2.Y*=1", "-o", "same.res"];
     assert_eq!(run(here.path(), &same).0, 0);
     assert!(std::fs::read(here.path().join("same.res")).expect("written") == before);
@@ -469,7 +471,7 @@ fn graphics_show_the_same_motion_as_results() {
     let drawn = column("test.gra", &[]);
     let solved = column("test.res", &["--kind", StepKind::Dynamic.step_type()]);
     assert!(drawn.len() > 20);
-    // Graphics have six digits; either file may hold the start apart.
+    // Graphics files have six digits. The initial position, 0, may be absent from the dynamic steps.
     for place in &drawn {
         let near = solved
             .iter()
@@ -478,8 +480,8 @@ fn graphics_show_the_same_motion_as_results() {
     }
 }
 
-/// Every real message file is summed up as its text says: analyses as many as begin, warnings as many as frames, and the times of
-/// its last line.
+/// Checks the summary of every real message file against its text: the numbers of analyses, message frames and commands, the convergence of
+/// static solutions, and the closing lines.
 #[test]
 fn messages_of_real_runs_are_summed_up() {
     let Some(folder) = shared("real-decks") else {

@@ -1,4 +1,5 @@
-//! `admire check` as a user calls it: command files against their deck, statements ADAMS rejects, and what is shown to whom.
+//! Tests of `admire check` from the command line: command files with their decks, statements that ADAMS rejects, and the filters and
+//! formats of the output.
 
 use std::path::Path;
 
@@ -10,26 +11,26 @@ MARKER/10, PART=1\nPART/2, MASS=1.5, CM=20, IP=1E4, 1E4, 1E4\nMARKER/20, PART=2\
 JOINT/7, REVOLUTE, I=20, J=10\nSFORCE/3, I=20, J=10, ROTATIONAL, FUNCTION=2*AZ(20,10)\nACCGRAV/KGRAV=-9806.65\nEND\n";
 
 impl Folder {
-    /// Exit code and all that is said.
+    /// Runs `admire` and returns the exit code and the text of both output streams.
     fn said(&self, words: &[&str]) -> (i32, String) {
         let (code, out, errors) = self.run(words);
         (code, out + &errors)
     }
 
-    /// The complaints about a command file beside the deck, one line each.
+    /// Checks a command file in the folder of the deck. Returns the exit code and the diagnostics, one per line.
     fn commands(&self, commands: &str) -> (i32, String) {
         self.write("r.acf", &format!("\nfile/model=d\n{commands}"));
         self.said(&["check", "r.acf", "--format", "plain"])
     }
 
-    /// The complaints about a deck, one line each.
+    /// Checks a deck. Returns the exit code and the diagnostics, one per line.
     fn deck(&self, text: &str) -> (i32, String) {
         self.write("x.adm", text);
         self.said(&["check", "x.adm", "--format", "plain"])
     }
 }
 
-/// Exit code and all that is said.
+/// Runs `admire` in a folder and returns the exit code and the text of both output streams.
 fn said(folder: &Path, words: &[&str]) -> (i32, String) {
     let (code, out, errors) = run(folder, words);
     (code, out + &errors)
@@ -106,7 +107,7 @@ fn times_of_simulations_go_on() {
         let (found, said) = folder.commands(wrong);
         assert!(found == code && said.contains(message), "{wrong}: {said}");
     }
-    // A sensor may end a simulation early: the same END again goes on.
+    // A sensor may end a simulation early, so a second simulation to the same END is allowed.
     folder.write(
         "d.adm",
         &DECK.replace("END\n", "SENSOR/1, FUNCTION=TIME, VALUE=1, RETURN\nEND\n"),
@@ -176,7 +177,7 @@ fn unsafe_fixes_write_what_alone_was_meant() {
     assert_eq!(folder.said(&["fix", "x.adm", "--write"]).0, 0);
     assert_eq!(folder.read("x.adm"), broken, "nothing of it is safe");
     assert_eq!(folder.said(&["fix", "x.adm", "--write", "--unsafe"]).0, 0);
-    // Three arguments are as near to GGRAV: nobody knows which was meant.
+    // GGRAV is equally close to three arguments, so it stays unfixed.
     let mended = DECK
         .replace("MARKER/20, PART=2", "MARKER/20, PART=2\n, QP=0, 0, 0")
         .replace("KGRAV", "GGRAV");
@@ -207,7 +208,7 @@ fn codes_profiles_and_comments_say_what_is_shown() {
     };
     folder.write("x.adm", &deck);
     assert_eq!(count(&[], "user-subroutine"), 1);
-    // Missing pictures are one note, however many they are.
+    // All missing graphics files are reported in a single note.
     assert_eq!(count(&[], "cannot-read"), 1);
     assert_eq!(count(&[], "unreferenced"), 0, "a subroutine may read them");
     assert_eq!(count(&["--for", "adams"], "user-subroutine"), 0);
@@ -311,8 +312,8 @@ fn folders_and_patterns_name_files_and_other_programs_read_the_answer() {
     assert!(said.contains("no file is called"), "{said}");
 }
 
-/// No command file of other people's is told of an error it has not: those that ran in ADAMS name what their decks have. One was never
-/// run on the deck it names: two variables of it are in the deck of another run only.
+/// Checks that real command files, which ran in ADAMS, raise no error or warning. The exception names two variables that only the deck of
+/// another run contains.
 #[test]
 fn real_command_files_are_fine() {
     let Some(folder) = shared("real-decks") else {
@@ -329,7 +330,7 @@ fn real_command_files_are_fine() {
         let bad: Vec<&str> = said
             .lines()
             .filter(|line| line.contains(" error[") || line.contains(" warning["))
-            // Written on another computer, and found beside the command file.
+            // These warnings concern model paths from another computer; the model was found in the folder of the command file.
             .filter(|line| !line.contains("[foreign-path]"))
             .collect();
         if file.ends_with("adamspy-drill/test.acf") {
@@ -341,7 +342,7 @@ fn real_command_files_are_fine() {
     }
 }
 
-/// A folder with a study is checked as a study too, so that a misspelt key is not found by the first fit only.
+/// Checks that `admire check` on a folder also checks its study, so that a misspelt key is reported before the first fit.
 #[test]
 fn a_study_is_checked_with_its_folder() {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");

@@ -1,4 +1,4 @@
-//! The toolkit's commands as a user runs them: what they refuse, what they say, what they leave alone.
+//! Tests of the toolkit's commands as a user runs them: refusals, messages, and text that must stay unchanged.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -36,7 +36,7 @@ impl Folder {
             .expect("admire runs")
     }
 
-    /// Exit code, standard output, standard error.
+    /// Runs `admire` and returns the exit code, standard output and standard error.
     pub(super) fn said(&self, arguments: &[&str]) -> (i32, String, String) {
         let output = self.run(arguments);
         (
@@ -60,7 +60,7 @@ fn get_prints_values_and_refuses_places_that_are_not_there() {
         ("REQUEST/1.CNAMES.3", "dy"),
         ("UNITS.LENGTH", "MILLIMETER"),
         ("JOINT/1.REVOLUTE", "true"),
-        // What is not written has its default, whether its statement is there or not.
+        // An argument that is not written has its default value, even if its statement is missing.
         ("EQUILIBRIUM.ERROR", "0.0001"),
     ] {
         let (code, out, err) = folder.said(&["get", "a.adm", address]);
@@ -70,7 +70,7 @@ fn get_prints_values_and_refuses_places_that_are_not_there() {
             "{address}: {err}"
         );
     }
-    // All of several values or none, and every fault at once.
+    // If one address is wrong, no value is printed, and the error message lists all wrong addresses.
     let (code, out, err) = folder.said(&["get", "a.adm", "arm.IP.9", "arm.MASS", "leg", "PART/3"]);
     assert_eq!((code, out.as_str()), (1, ""));
     for said in ["arm.IP.9", "`leg`", "`PART/3`"] {
@@ -135,7 +135,7 @@ fn flags_titles_and_degrees_are_set() {
         .replace("90D, 0, 0", "90D, 0, 45D")
         .replace("3.0E+04", "3.1E+04");
     assert_eq!(out, wanted);
-    // A deck in Latin-1 stays one.
+    // A Latin-1 deck is written in Latin-1.
     folder.write("latin.adm", &[b"caf\xe9\n", DECK.as_bytes()].concat());
     let output = folder.run(&["set", "latin.adm", "TITLE=th\u{e9}"]);
     assert!(output.stdout.starts_with(b"th\xe9\n"));
@@ -170,7 +170,7 @@ fn a_number_is_written_as_typed_and_an_angle_reads_back_to_the_last_bit() {
         ("SFORCE/1.FUNCTION.1=+3", "FUNCTION=3*AZ"),
         ("PART/2.QG.1=-3", "QG = -3, 0"),
         ("MARKER/10.REULER.2=-30D", "REULER = 90D, -30D, 0"),
-        // Nothing is edited where the value is the same.
+        // A value equal to the present one causes no edit.
         ("PART/2.MASS=1.50", "MASS = 1.5,"),
         ("arm.IP.1=10000", "IP = 1.0E+04,"),
     ] {
@@ -178,7 +178,7 @@ fn a_number_is_written_as_typed_and_an_angle_reads_back_to_the_last_bit() {
         assert_eq!(code, 0, "{err}");
         assert!(out.contains(written), "{assignment}: {out}");
     }
-    // 0.1 is in degrees what 5.729577951308232 is; some radians no double of degrees reads back to.
+    // The angle is written in degrees only if the degrees convert back to exactly the given radians. For some values no double does.
     let mut suffixes = 0;
     for k in 1..=40 {
         let value = f64::from(k) * 0.0731;
@@ -207,11 +207,11 @@ fn a_field_is_turned_from_its_length_and_a_picture_carries_no_load() {
                 ),
             )
     };
-    // I is turned by -30 degrees about x of J, as LENGTH says.
+    // I is rotated by -30 degrees about the x axis of J, which equals the relaxed orientation given by LENGTH.
     folder.write("relaxed.adm", deck("-30D", "30D").as_bytes());
     let (code, out, _) = folder.said(&["check", "relaxed.adm"]);
     assert!(!out.contains("FIELD/1 is turned"), "{out}");
-    // Nothing of a picture is an error.
+    // Faults in graphics are never errors.
     assert!(out.contains("RADIUS of GRAPHICS/1") && code == 0, "{out}");
     folder.write("turned.adm", deck("0", "30D").as_bytes());
     let (_, out, _) = folder.said(&["check", "turned.adm"]);
@@ -240,7 +240,7 @@ fn standard_input_is_never_replaced() {
     assert!(!folder.path().join("-").exists());
 }
 
-/// A full disk must not look like a deck that was written.
+/// Checks that a command fails if its output cannot be written, for example on a full disk.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_answer_that_is_lost_is_no_success() {
@@ -264,7 +264,7 @@ fn an_answer_that_is_lost_is_no_success() {
             .stderr(std::process::Stdio::null())
             .status()
             .expect("admire runs");
-        // A deck without complaints prints nothing that could be lost.
+        // `check` prints nothing for a clean deck, so it loses nothing and succeeds.
         let silent = arguments[0] == "check";
         assert_eq!(status.code(), Some(i32::from(!silent)), "{arguments:?}");
     }
@@ -315,7 +315,7 @@ fn json_brings_back_what_it_says_or_nothing() {
     } else {
         part + 1
     };
-    // Names change, come and go with their comments.
+    // Names can be changed, removed and added, and their comment lines follow.
     let (_, out, _) = with(&|all| all[part]["name"] = "leg".into());
     assert_eq!(out, DECK.replace("'arm'", "'leg'"));
     let (_, out, _) = with(&|all| {
@@ -330,14 +330,14 @@ fn json_brings_back_what_it_says_or_nothing() {
         out.contains("adams_view_name='hinge'\r\nJOINT/1, REVOLUTE"),
         "{out}"
     );
-    // A list of quoted texts stays one.
+    // A list of quoted strings stays a list of quoted strings.
     let (_, out, _) =
         with(&|all| all[request]["arguments"]["CNAMES"] = serde_json::json!(["", "u", "v", "w"]));
     assert!(
         out.contains("CNAMES=\"\", \"u\", \"v\", \"w\"\r\n"),
         "{out}"
     );
-    // What cannot be said so is refused, and nothing is written.
+    // Invalid changes are refused, and nothing is written.
     let refusals: [&dyn Fn(&mut serde_json::Value); 8] = [
         &|all| all[joint]["kind"] = "JIONT".into(),
         &|all| all[joint]["id"] = serde_json::json!(4_294_967_297_u64),
@@ -373,7 +373,8 @@ fn what_stands_twice_goes_through_json_unchanged() {
 #[test]
 fn thousands_of_complaints_are_placed_in_time_that_grows_with_their_number() {
     let folder = Folder::new();
-    // 3 MB in 180,000 lines with as many complaints: counted from the start each time, this took minutes.
+    // The deck has 180,000 lines (3 MB) with a diagnostic on nearly every line. Counting lines from the start for each diagnostic took
+    // minutes.
     let deck = format!("t\n{}END\n", "MARKER/1, PART=1\n".repeat(180_000));
     folder.write("twice.adm", deck.as_bytes());
     let (code, out, _) = folder.said(&["check", "twice.adm", "--format", "plain"]);
@@ -509,14 +510,14 @@ fn what_is_misspelt_is_suggested() {
         assert_eq!(code, 1, "{arguments:?}");
         assert!((out + &err).contains(said), "{arguments:?}: {err}");
     }
-    // A word of 10 MB is not compared letter by letter with all words there are.
+    // A word of 10 MB is rejected quickly: it is not compared letter by letter with every known word.
     let kind = "A".repeat(10_000_000);
     let json = serde_json::json!({ "statements": [{ "kind": kind }] });
     folder.write("a.json", json.to_string().as_bytes());
     assert_eq!(folder.said(&["import", "a.adm", "a.json"]).0, 1);
 }
 
-/// Names and titles of a deck come from anybody: what they hold is shown, and the terminal does not obey it.
+/// Checks that control characters in the names and titles of an untrusted deck are escaped in terminal output.
 #[test]
 fn nothing_a_deck_holds_commands_the_terminal() {
     let folder = Folder::new();
@@ -566,7 +567,7 @@ fn nothing_a_deck_holds_commands_the_terminal() {
     let (_, out, _) = folder.said(&["get", "hostile.adm", "TITLE", "--format", "json"]);
     let value: serde_json::Value = serde_json::from_str(&out).expect("JSON");
     assert_eq!(value["TITLE"], format!("a title{hostile}"));
-    // A file gets the bytes themselves.
+    // Output of a deck contains the original bytes, without escapes.
     let output = folder.run(&["set", "hostile.adm"]);
     assert_eq!(output.stdout, deck.as_bytes());
 }
@@ -581,7 +582,7 @@ fn what_is_no_file_is_not_replaced_and_what_is_too_large_is_not_read() {
         .status()
         .expect("mkfifo runs");
     assert!(made.success());
-    // A pipe would wait for a writer.
+    // Opening a named pipe would block until a writer appears.
     let (code, out, err) = folder.said(&["set", "pipe", "PART/2.MASS=2", "--in-place"]);
     assert_eq!((code, out.as_str()), (1, ""));
     assert!(err.contains("no file that could be replaced"), "{err}");

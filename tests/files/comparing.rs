@@ -1,4 +1,4 @@
-//! Differences, new ids, JSON and summaries of decks.
+//! Tests of diffs, renumbering, JSON and summaries of decks.
 
 use admire_solver::model::{Model, summary::summary};
 use admire_syntax::diff::{DiffKind, DiffTolerance, diff};
@@ -43,7 +43,8 @@ fn layout_spelling_order_and_defaults_are_no_differences() {
     assert_eq!(changes(b, a), Vec::<String>::new());
 }
 
-/// Bytes that are not UTF-8 are shown as Latin-1: blanks of a function may then stand inside of a character.
+/// Checks the comparison of functions with bytes that are not UTF-8. Decoded as Latin-1, such a byte becomes two bytes, so that the offset
+/// of a blank may fall inside a character.
 #[test]
 fn latin_1_in_functions_is_compared() {
     let deck = |inside: &[u8]| {
@@ -85,7 +86,7 @@ fn differences_are_told_per_object() {
     );
 }
 
-/// A person compares what stands in the files: degrees stay degrees, and small numbers short.
+/// Checks that a diff shows numbers as written in the files: degrees keep their suffix, and small numbers stay short.
 #[test]
 fn numbers_are_shown_as_they_are_written() {
     let a = dataset("t\nMARKER/5, PART=1, REULER=90D,0,0\nEND\n").value;
@@ -175,7 +176,7 @@ fn the_reference_deck_in_numbers() {
     let mass: f64 = model.parts.iter().map(|part| part.mass).sum();
     assert_eq!(summary.mass, mass);
     let cm = summary.centre_of_mass.unwrap();
-    // The left front wheel is on the negative y side, about half a metre out.
+    // The left front wheel is at negative y, about half a metre from the centre plane.
     assert!(cm[1] < -300.0 && cm[1] > -800.0, "{cm:?}");
     assert!(!summary.calls_subroutines && summary.unsolved.is_empty());
 }

@@ -1,11 +1,11 @@
-//! Completion as bash asks for it, with the script that `admire completions bash` prints.
+//! Tests of bash completion with the script printed by `admire completions bash`.
 
 use std::path::Path;
 use std::process::Command;
 
 use crate::common::shared;
 
-/// What bash offers for the last of the words; `None` where there is no bash.
+/// Returns the completions that bash offers for the last word, or `None` if bash is not available.
 fn offered(words: &[&str]) -> Option<Vec<String>> {
     let program = Path::new(env!("CARGO_BIN_EXE_admire"));
     let mut paths = vec![program.parent()?.to_path_buf()];

@@ -1,4 +1,4 @@
-//! Numbers, functions and statements of decks are changed as edits of their text.
+//! Tests of text edits that change numbers, functions and statements of decks.
 
 use std::collections::BTreeMap;
 
@@ -25,7 +25,7 @@ fn set(text: &str, address: &str, value: f64) -> String {
     shown(text, &edits)
 }
 
-/// Every number a deck has, by address: values of arguments, and literals of functions.
+/// Returns the address of every number of a deck: argument values and function literals. The flag marks integers and object ids.
 fn numbers(dataset: &Dataset) -> Vec<(Address, bool)> {
     let mut all = Vec::new();
     for statement in dataset.statements() {
@@ -65,7 +65,7 @@ fn numbers(dataset: &Dataset) -> Vec<(Address, bool)> {
     all
 }
 
-/// Another value of the same kind.
+/// Returns a different value of the same kind, integer or real.
 fn another(value: f64, whole: bool) -> f64 {
     if whole {
         value + 1.0
@@ -95,7 +95,8 @@ fn any_number_of_any_real_deck_can_be_set_and_nothing_else_changes() {
                 panic!("{address}: {edits:?}");
             };
             assert_eq!(edit.span, number.span, "{address}");
-            // Points that give the axes of a marker move along with it; here they have values of their own.
+            // Moving the origin of a marker also shifts the points that define its axes. Those further edits are dropped here, because each
+            // point has its own test value.
             let moves = address.kind == "MARKER" && address.argument.as_deref() == Some("QP");
             let span = dataset
                 .statement("MARKER", address.id)
@@ -110,12 +111,12 @@ fn any_number_of_any_real_deck_can_be_set_and_nothing_else_changes() {
             wanted.push((address, new, number.degrees));
             all.push(edit.clone());
         }
-        // All of them at once, and every one is read back.
+        // All edits are applied together, and every number is read back.
         let after = dataset.edited(&all).unwrap().value;
         assert_dataset(&after, &apply_edits(&bytes, &all).unwrap());
         for (address, new, degrees) in &wanted {
             let read = after.number_at(address).unwrap();
-            // A value that no number of degrees reads back to loses its D, and nothing else.
+            // A number keeps the suffix D only if some number of degrees converts to exactly the new value.
             assert!(*degrees || !read.degrees, "{address}");
             let tolerance = if *degrees && read.degrees {
                 new.abs() * f64::EPSILON
@@ -127,7 +128,7 @@ fn any_number_of_any_real_deck_can_be_set_and_nothing_else_changes() {
                 "{name} {address} {new} {read:?}"
             );
         }
-        // The same through the typed model, for the real numbers: whole ones hold the deck together.
+        // The typed model is compared for real numbers only, because changed integers and ids would break the references of the deck.
         let reals: Vec<Edit> = numbers
             .iter()
             .filter(|(_, whole)| !whole)
@@ -151,7 +152,7 @@ fn any_number_of_any_real_deck_can_be_set_and_nothing_else_changes() {
     println!("{count} numbers");
 }
 
-/// The number of the model an address of a simple kind stands for.
+/// Returns the number of the typed model at an address, for the kinds of statement that this test covers.
 fn typed(model: &Model, address: &Address) -> Option<f64> {
     let id = address.id?;
     let at = address.index? - 1;
@@ -240,7 +241,7 @@ fn a_number_is_spelled_like_the_old_one() {
     assert!(dataset.set(&inside, f64::NAN).is_err());
 }
 
-/// The sign of a number inside of a function comes and goes with it.
+/// Checks that a negative number of a function is set in parentheses, and that the parentheses stay when it becomes positive again.
 #[test]
 fn numbers_of_functions_change_sign_and_back() {
     let negative = shown(DECK, &{
@@ -268,7 +269,7 @@ fn functions_are_replaced_whole() {
         []
     );
     assert!(dataset.set_text(&at("SFORCE/4"), "2*DX(1,2").is_err());
-    // A function ends with a backslash before the next argument, and only with one.
+    // A backslash ends a function that another argument follows. A function at the end of its statement has none.
     let edits = dataset.set_text(&at("SFORCE/4.ROUTINE"), "lib::f").unwrap();
     assert!(shown(DECK, &edits).contains("+3\\, ROUTINE=lib::f\r\n"));
     let edits = dataset.set_text(&at("SFORCE/3.ROUTINE"), "lib::f").unwrap();
@@ -296,7 +297,7 @@ fn statements_come_and_go_in_the_style_of_the_file() {
     let with = dataset.edited(&edits).unwrap().value;
     let address = Address::parse("spring", &with).unwrap();
     assert_eq!(address.to_string(), "SPRINGDAMPER/5");
-    // Removed again, the file is what it was.
+    // Removing the added statement restores the original file.
     assert_eq!(shown(&after, &with.remove(&address).unwrap()), DECK);
     let marker = Address::parse("MARKER/10", &dataset).unwrap();
     let left = shown(DECK, &dataset.remove(&marker).unwrap());
@@ -343,7 +344,7 @@ fn what_is_no_address_is_refused_with_a_suggestion() {
     );
 }
 
-/// Markers that name no body are on the body before them: an edit leaves them there.
+/// Checks that edits keep implicit markers on their bodies. A marker without a body argument belongs to the body statement before it.
 #[test]
 fn a_body_comes_and_goes_without_taking_others_markers() {
     let text = "deck\nPART/1, GROUND\nMARKER/1\nPART/2, MASS=1, CM=20\nMARKER/20\nMARKER/10, PART=1\nMARKER/21\nEND\n";

@@ -1,10 +1,10 @@
-//! Files that others made: pipes in place of files, and records of real runs.
+//! Tests of inputs from outside: named pipes in place of files, and message files of real runs.
 
 use std::process::Command;
 
 use super::commands::Folder;
 
-/// A named pipe without a writer as deck, table or property file ends a command at once; a pipe of the shell has a writer.
+/// Checks that a named pipe as deck, results file or study table is refused at once, while a process substitution of the shell is accepted.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_named_pipe_is_refused_and_not_waited_for() {
@@ -28,7 +28,7 @@ fn a_named_pipe_is_refused_and_not_waited_for() {
         assert_eq!(code, 1, "{words:?}: {err}");
         assert!(err.contains("named pipe"), "{words:?}: {err}");
     }
-    // The table of a study.
+    // The last named pipe replaces a table of a study.
     let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/pseudo-mcpherson");
     std::fs::create_dir(folder.path().join("study")).expect("created");
     for name in [
@@ -55,7 +55,8 @@ fn a_named_pipe_is_refused_and_not_waited_for() {
     assert!(!said.contains("cannot be read"), "{said}");
 }
 
-/// A real co-simulation (Adams 2014 under Simulink): 28 simulations of 5 ms each, none of them echoed.
+/// Checks the commands recovered from a real co-simulation (Adams 2014 with Simulink): 28 simulations of 5 ms, none of them echoed in the
+/// message file.
 #[test]
 fn commands_of_a_real_co_simulation_have_its_simulations() {
     let folder = Folder::new();
@@ -80,7 +81,7 @@ fn commands_of_a_real_co_simulation_have_its_simulations() {
         29
     );
     assert!(err.contains("28 of 28 simulations"), "{err}");
-    // The inputs of an exchange stand before its simulation.
+    // The inputs of each exchange are set before its simulation.
     let at = |text: &str| out.lines().position(|line| line == text).expect("there");
     assert!(at("simulate/initial_conditions") < at(simulated[0]));
     assert!(
@@ -89,7 +90,7 @@ fn commands_of_a_real_co_simulation_have_its_simulations() {
             .expect("more")
             .starts_with("var/7")
     );
-    // Without any simulation there is nothing to repeat, and that is no good end.
+    // A message file without simulations gives no command file, which is an error.
     folder.write(
         "ic.msg",
         b" command: simulate/initial_conditions\n\n  Begin Displacement Initial Conditions\n",

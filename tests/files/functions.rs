@@ -1,4 +1,4 @@
-//! The functions of real decks: every one is read, and compiled or refused by name.
+//! Tests of the functions of all real decks: each is parsed, and either compiled or refused by name.
 
 use std::collections::BTreeMap;
 
@@ -33,7 +33,7 @@ fn functions_of_real_decks_compile_or_are_refused_by_name() {
             }
         }
     }
-    // Only one deck, of a feeding machine, asks for forces of contacts, which the built-in solver does not find.
+    // Only the deck of a feeding machine uses contact forces, which the built-in solver does not compute.
     assert!(compiled >= 2159, "{compiled}");
     let expected = [(
         "CONTACT: the built-in solver does not solve the element".to_string(),

@@ -1,4 +1,4 @@
-//! Graphics files of ADAMS.
+//! Tests of ADAMS graphics files.
 
 use admire_results::{
     GraphicsFile, GraphicsHead, GraphicsJoint, GraphicsMarker, GraphicsShape, GraphicsWriter,
@@ -9,8 +9,8 @@ use admire_syntax::text::Source;
 use super::results::units;
 use crate::common::shared;
 
-/// A real file with joints, springs and the arrows of six forces comes out byte by byte: what is read of it, and what its head says in
-/// numbers of lines.
+/// Checks that a real graphics file with joints, springs and six force arrows is reproduced byte for byte. The frames come from the reader,
+/// the head from known line numbers of the file.
 #[test]
 fn a_real_graphics_file_with_forces_is_read_and_comes_out_again() {
     let Some(path) = shared("real-car-files/handspring.gra") else {
@@ -18,18 +18,18 @@ fn a_real_graphics_file_with_forces_is_read_and_comes_out_again() {
     };
     let text = std::fs::read_to_string(path).unwrap();
     let read = GraphicsFile::parse(&Source::new("handspring.gra", text.as_bytes()));
-    // It is from Windows.
+    // The file has Windows line ends.
     let text = text.replace("\r\n", "\n");
     assert_eq!(read.diagnostics, []);
     let file = read.value;
     assert_eq!(file.parts, [2, 3, 4, 5, 6, 7, 8, 9, 10]);
     assert_eq!(file.forces, [70, 71, 72, 73, 81, 82]);
-    // The co-simulation has 28 steps; its start is there twice, after the initial conditions and with the first step.
+    // The co-simulation has 28 steps. Its initial state appears twice: after the initial conditions and with the first step.
     assert_eq!(file.times.len(), 30);
     assert_eq!((file.times[1], file.times[29]), (0.0, 0.14));
     assert_eq!(file.poses[29][0][1], 0.14326);
     assert_eq!(file.loads[29][2][..3], [2.12619e-11, -6.00207, 1.56255e-5]);
-    // What one of the pair gets, the other gives.
+    // The two forces of the pair are equal and opposite.
     assert_eq!(file.loads[29][3][1], 6.00207);
 
     let lines: Vec<Vec<f64>> = text
@@ -86,7 +86,7 @@ fn a_real_graphics_file_with_forces_is_read_and_comes_out_again() {
         markers: markers.clone(),
         input: lines[168..177].iter().map(|line| six(line)).collect(),
     };
-    // 2016-08-10 19:39:59.
+    // The date is 2016-08-10 19:39:59.
     let when = Timestamp::from_unix(1_470_857_999);
     let mut writer = GraphicsWriter::create(Vec::new(), when, &head).unwrap();
     for frame in 0..file.times.len() {

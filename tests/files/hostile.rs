@@ -1,4 +1,4 @@
-//! Any bytes give a document and complaints: never a panic, a hang, or time that grows faster than the file.
+//! Tests that any bytes give a document and diagnostics, without a panic or a hang, in time at most proportional to the file size.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::lossless::{assert_commands, assert_dataset, real_files};
 
-/// Deletes, inserts, truncates, doubles, or turns line ends.
+/// Applies one to four random changes: truncation, deletion, insertion, duplication, or another line end.
 fn mutate(bytes: &[u8], random: &mut impl Rng) -> Vec<u8> {
     const SPICE: &[u8] = b",,,;&\\/=()\"'!:+-*.0123456789EDed \t\r\n\0\x1a\xff\xb7AKPFUNCTION";
     let mut out = bytes.to_vec();
@@ -68,7 +68,7 @@ fn ten_thousand_mutations_of_real_files_are_read_without_loss() {
             return;
         }
         let (name, bytes) = &decks[random.random_range(0..decks.len())];
-        // Of a long deck a window: the mutation then meets other neighbours too.
+        // A long deck is cut to a random window, so that its end too falls at random places.
         let from = random.random_range(0..bytes.len());
         let window = if bytes.len() > 60_000 {
             &bytes[from..(from + 30_000).min(bytes.len())]
@@ -161,8 +161,9 @@ fn time_grows_with_the_file_and_not_faster() {
             bytes
         };
         let (short, long) = (make(200_000), make(1_600_000));
-        // Eight times the bytes; quadratic time would take sixty-four times as long. Other programs make a measurement too long, never too
-        // short: of the short file the best of three counts, of the long one a good one of several is enough, and seconds more say nothing.
+        // The long text has eight times the bytes of the short one, so quadratic time would be 64 times as long. Other programs can only
+        // lengthen a measurement. The short text therefore counts with its best of three, and one good measurement of the long text is
+        // enough. Two seconds are added as slack.
         let mut seen = Vec::new();
         let linear = (0..18).any(|_| {
             let of_short = (0..3).map(|_| time(&short)).min().unwrap();
@@ -174,7 +175,7 @@ fn time_grows_with_the_file_and_not_faster() {
     }
 }
 
-/// A file of nonsense is not answered with more complaints than anybody reads, and none is taken for good.
+/// Checks that the number of diagnostics of a nonsense file is limited, and that a last message reports the unlisted ones.
 #[test]
 fn complaints_are_counted_not_kept_without_end() {
     for line in ["A\n", "XYZ/1\n", "PART/1\n", "VARIABLE/1, FUNCTION=SIN(\n"] {

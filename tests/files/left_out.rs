@@ -1,4 +1,4 @@
-//! Arguments that only real ADAMS follows are named; those that hold states are obeyed.
+//! Tests that arguments which only real ADAMS supports are reported, and that DYNAMIC_HOLD and switched states are obeyed.
 
 use std::process::Command;
 
@@ -15,7 +15,7 @@ MARKER/1, PART=1
 MARKER/20, PART=2
 ";
 
-/// A statement of a kind that a further argument may follow, and what must stand beside it.
+/// Returns a statement of a kind, to which an argument can be appended, and the further statements that its deck needs.
 fn statement(kind: &str) -> (String, &'static str) {
     let (text, beside) = match kind {
         "JOINT" => ("JOINT/1, REVOLUTE, I=20, J=1", ""),
@@ -26,7 +26,7 @@ fn statement(kind: &str) -> (String, &'static str) {
     (text.to_string(), beside)
 }
 
-/// One deck for each argument of the grammar that is left out: `check`, the solver's message file and JSON name it.
+/// Checks every unsupported argument of the grammar in a deck of its own: `check`, the JSON of `solve` and the message file report it.
 #[test]
 fn every_argument_that_is_left_out_is_named() {
     let mut count = 0;
@@ -68,7 +68,7 @@ fn every_argument_that_is_left_out_is_named() {
     assert!(!said.contains("MU_DYN_ROT"), "{said}");
 }
 
-/// The last value of VARIABLE/1 after each simulation.
+/// Returns the time and the value of VARIABLE/1 at every output step.
 fn values(deck: &str, commands: &str) -> Vec<(f64, f64)> {
     let run = Deck::parse("d.adm", deck.as_bytes()).run_watched(
         "r.acf",
@@ -111,7 +111,7 @@ fn a_state_is_held_in_motion() {
     }
 }
 
-/// A statement that is switched off is not there; switched on it begins as it stands in the dataset.
+/// Checks that a deactivated state is zero, and that it restarts from its initial value in the dataset when activated.
 #[test]
 fn states_are_switched_off_and_on() {
     let found = values(
@@ -124,7 +124,7 @@ fn states_are_switched_off_and_on() {
         assert_eq!(at(&found, time), 0.0, "{found:?}");
     }
     assert!((at(&found, 2.5) - 2.0).abs() < 1e-6, "{found:?}");
-    // x' = -2 x + u, y = 3 x.
+    // The filter is x' = -2 x + u, y = 3 x.
     let filter = "VARIABLE/2, FUNCTION=1\nARRAY/1, X, SIZE=1\nARRAY/2, U, SIZE=1, VARIABLES=2\nARRAY/3, Y, SIZE=1\n\
         TFSISO/1, X=1, U=2, Y=3, NUMERATOR=3, DENOMINATOR=2,1";
     let deck = with_state(filter).replace("FUNCTION=DIF(1)", "FUNCTION=ARYVAL(3,1)");
@@ -137,18 +137,18 @@ fn states_are_switched_off_and_on() {
     assert_eq!(at(&found, 1.5), 0.0, "{found:?}");
 }
 
-/// Arguments of statements that are solved, which nothing reads and which change no answer.
+/// Arguments of solved statements that no code reads and that change no result.
 const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
-    // For graphics, and for masses in ADAMS/View.
+    // Used for graphics and for masses computed by ADAMS/View.
     ("PART", &["MATERIAL"]),
-    // They place a marker on a flexible body, which is not solved.
+    // Places a marker on a flexible body, which is not solved.
     ("MARKER", &["NODE_ID", "NODE_LABEL"]),
-    // They say how AUTOBALANCE trims.
+    // Settings of AUTOBALANCE trimming.
     ("VARIABLE", &["BEST", "WEIGHT", "PENALTY", "PENALTY1"]),
-    // They choose a part of a file that is not read.
+    // Selects a part of a file that is not read.
     ("MATRIX", &["NAME"]),
     ("SPLINE", &["CHANNEL"]),
-    // The event is found in time by the step that ends there, and the integrator begins anew.
+    // Accuracy of event location. The event is located by an integration step that ends at it, and the integrator restarts there.
     (
         "SENSOR",
         &[
@@ -159,7 +159,7 @@ const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
             "RESTART",
         ],
     ),
-    // They belong to formulations that are refused by name.
+    // Parameters of formulations that are refused by name.
     ("FIELD", &["LENGTH_TOL"]),
     (
         "FRICTION",
@@ -171,9 +171,9 @@ const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
             "DAMPING_EXPONENT",
         ],
     ),
-    // It takes ACTIONONLY away.
+    // The default; ACTIONONLY is its opposite.
     ("SFORCE", &["REACTION"]),
-    // They say what is written.
+    // Selection of the output that is written.
     (
         "OUTPUT",
         &[
@@ -190,7 +190,7 @@ const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
         &["NODATASTRUCTURES", "NOLINEAR", "NOTIRES", "NOCONTACTS"],
     ),
     ("REQUEST", &["CLABELS"]),
-    // They belong to DYNAMIC, or say how exactly ADVANCED solves.
+    // Settings of DYNAMIC equilibrium, or tolerances of ADVANCED equilibrium.
     (
         "EQUILIBRIUM",
         &[
@@ -206,11 +206,11 @@ const WITHOUT_EFFECT: &[(&str, &[&str])] = &[
             "ETA",
         ],
     ),
-    // Named in the message file as they stand: all conditions are met to round-off.
+    // Named in the message file but without effect: initial conditions are met to rounding error.
     ("IC", &["AERROR", "AMAXIT", "APATTERN", "VERROR"]),
 ];
 
-/// An argument of a statement that is solved is read somewhere, named as left out, or known to change no answer.
+/// Checks that every argument of a solved statement is read by some code, is reported as unsupported, or is listed as without effect.
 #[test]
 fn no_argument_is_dropped_without_a_word() {
     use admire_syntax::grammar::{Role, Solved};
@@ -218,7 +218,7 @@ fn no_argument_is_dropped_without_a_word() {
     let mut read = String::new();
     for folder in ["solver/model/lower", "session", "solver/system"] {
         let files = crate::common::files_below(&root.join(folder), "rs");
-        // Who solves, and what a check says, reads nothing for an answer.
+        // The selection of the solver and the `check` command do not count: an argument that only they name has no effect on a solution.
         let aside = ["backend", "check"].map(|room| root.join("session").join(room));
         for file in files
             .into_iter()

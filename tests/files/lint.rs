@@ -1,4 +1,4 @@
-//! Every lint code on a deck of its own, and no false alarm on real decks.
+//! Tests of every lint code on a deck of its own, and of false alarms on real decks.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -13,7 +13,8 @@ use admire_syntax::text::Source;
 
 use crate::common::{files_below, shared};
 
-/// What the reader and the rules say of a deck. The one rule that is off by default is on for its own fixture.
+/// Returns the diagnostics of the reader, the lint rules and the model rules. The rule that is off by default is enabled for its own deck
+/// only.
 fn findings(path: &Path) -> (Dataset, Vec<Diagnostic>) {
     let name = path
         .file_name()
@@ -32,7 +33,7 @@ fn findings(path: &Path) -> (Dataset, Vec<Diagnostic>) {
     (read.value, found)
 }
 
-/// One complaint for a snapshot: place, code, the text it points at, message, help, fix.
+/// Formats a diagnostic for a snapshot: severity, code, message, labelled positions and text, help, and fix.
 fn shown(dataset: &Dataset, diagnostic: &Diagnostic) -> String {
     let source = dataset.source();
     let severity = match diagnostic.severity {
@@ -114,7 +115,7 @@ fn each_code_has_a_deck_that_shows_it() {
     }
 }
 
-/// `deck code count` of everything found in the real decks, against the list of what was looked at and why it is right.
+/// Checks the number of diagnostics for each real deck and code against a reviewed list, which gives the reason for each entry.
 #[test]
 fn real_decks_show_only_what_was_reviewed() {
     let Some(folder) = shared("real-decks") else {
@@ -159,8 +160,8 @@ fn real_decks_show_only_what_was_reviewed() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// ADAMS warns of joints whose markers "are not initially coincident" and prints the distance to four decimals: the same joints
-/// and the same distances.
+/// Checks that the misaligned joints and their distances agree with ADAMS, which warns that their markers "are not initially coincident".
+/// The warning prints the distance to four decimals.
 #[test]
 fn joints_apart_are_those_adams_warns_of() {
     let Some(folder) = shared("real-decks/adamspy-feed") else {
@@ -208,7 +209,7 @@ fn joints_apart_are_those_adams_warns_of() {
     assert_eq!((ours.len(), theirs), (5, 5));
 }
 
-/// The project's own decks are clean: nothing worse than a note.
+/// Checks that the decks of the project and of the reference have no diagnostic more severe than a note.
 #[test]
 fn shipped_and_reference_decks_are_clean() {
     let mut folders = vec![

@@ -1,4 +1,4 @@
-//! Bytes, tokens and statements of every real deck and command file.
+//! Tests that bytes, tokens and statements of every real deck and command file are preserved.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ fn every_real_command_file_is_tiled_by_its_commands() {
         let file = &checked.value;
         assert_commands(file, &bytes);
         assert_eq!(checked.diagnostics, [], "{name}");
-        // Every command is made to happen by exactly one line.
+        // Every command belongs to exactly one line, the line that completes it.
         let mut happened = Vec::new();
         for line in file.lines() {
             happened.extend(line.commands.clone());
@@ -32,7 +32,7 @@ fn every_real_command_file_is_tiled_by_its_commands() {
     }
 }
 
-/// Counts statements the crude way: lines that begin with a letter at the front of a physical line.
+/// Counts statements in a simple independent way: by lines that begin with a letter and do not follow a continued line.
 fn crude_counts(bytes: &[u8]) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
     let mut continued = false;

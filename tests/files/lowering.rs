@@ -1,4 +1,4 @@
-//! The typed model of real decks and of small ones.
+//! Tests of the typed model, built from real decks and from small ones.
 
 use admire_solver::model::{Definitions, Function, JointKind, Model, Orientation, RequestKind};
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
@@ -81,7 +81,7 @@ fn a_small_deck_is_read_with_its_units_names_and_frames() {
     let hub = &model.markers[1];
     assert_eq!(hub.header.name, "hub");
     assert_eq!(hub.orientation, Orientation::Points);
-    // z along x of the part, x along y of the part.
+    // The z axis is along x of the part, and the x axis along y of the part.
     assert!((hub.R.column(2) - nalgebra::Vector3::x()).norm() < 1e-15);
     assert!((hub.R.column(0) - nalgebra::Vector3::y()).norm() < 1e-15);
     assert_eq!(
@@ -177,14 +177,14 @@ fn a_command_is_put_over_its_statement_which_is_lowered_again() {
         (unsolved, model.vector_forces.len())
     };
     assert_eq!(names(&model), (vec!["GFORCE"], 0));
-    // Statements of one dataset, too.
+    // Repeated INTEGRATOR statements of a dataset are merged as well.
     assert_eq!(
         (model.integrator.method, model.integrator.hmax),
         ("WSTIFF", Some(0.1))
     );
     let mut redefine = |model: &mut Model, text: &str| redefine(model, &mut definitions, text);
 
-    // What excludes the old argument takes its place.
+    // A new argument that excludes the old one replaces it.
     assert_eq!(
         redefine(
             &mut model,
@@ -205,7 +205,7 @@ fn a_command_is_put_over_its_statement_which_is_lowered_again() {
         ("GSTIFF", Some(1e-5), Some(0.1))
     );
 
-    // Markers stay in the frame they were given in, and objects off that were switched off.
+    // A redefined marker keeps its reference frame, and a redefined object stays deactivated.
     let before = model.markers[2].qp;
     assert_eq!((before.x, before.y, before.z), (1.0, 3.0, 3.0));
     assert_eq!(
@@ -220,7 +220,7 @@ fn a_command_is_put_over_its_statement_which_is_lowered_again() {
     assert_eq!(model.joints[0].kind, JointKind::Revolute);
     assert!(!model.joints[0].header.active);
 
-    // With an error nothing is changed.
+    // A command with an error changes nothing.
     let before = model.clone();
     assert_eq!(
         redefine(&mut model, "PART/2, GROUND\nSPLINE/1, X=1,2"),
@@ -254,7 +254,8 @@ fn undefined_and_duplicate_ids_are_located() {
     );
 }
 
-/// The page of MARKER: without PART it is on the PART, POINT_MASS or FLEX_BODY before it; on a CURVE it is on none.
+/// Checks the rule of the ADAMS manual for a MARKER without PART: it belongs to the PART, POINT_MASS or FLEX_BODY before it. A marker on a
+/// CURVE belongs to no body.
 #[test]
 fn markers_that_name_no_body_are_on_the_one_before_them() {
     let text = "deck
@@ -328,7 +329,7 @@ fn a_joint_of_marker_zero_is_no_joint_that_may_be_forgotten() {
     );
 }
 
-/// What `check` and a solution find in a statement by the grammar alone is one complaint, in one text and at one place.
+/// Checks that `check` and the lowering report the faults found from the grammar alone with the same messages and positions.
 #[test]
 fn lint_and_lowering_tell_faults_in_the_same_words() {
     let text = "t
@@ -365,7 +366,7 @@ END
     let lowered = told(Model::lower(&parsed).diagnostics);
     assert_eq!(lowered.len(), 12, "{lowered:#?}");
     assert_eq!(lowered, told(lint::check(&parsed, &Options::default())));
-    // Texts, fractions in what is drawn and what is printed change no answer: only lint tells of them.
+    // Faults of strings, of graphics and of print options change no result, so only `check` reports them.
     let drawn = "GRAPHICS/1, CIRCLE, CM=10, RADIUS=1, SEG=2.5\nDEBUG/EPRINT, NOEPRINT\nEND";
     let harmless = text.replace("END", drawn);
     let harmless = dataset(&harmless).value;

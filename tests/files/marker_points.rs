@@ -1,4 +1,4 @@
-//! Markers that are moved: points that give their axes, and markers that are given in their frames.
+//! Tests of moved markers: markers with axes from points, and markers placed in the frame of another marker.
 
 use admire::Deck;
 use admire_solver::model::Model;
@@ -7,8 +7,8 @@ use admire_syntax::{Address, Dataset};
 
 use super::folder::Folder;
 
-/// A block on bushings. MARKER/1 and MARKER/3 have their axes from points, MARKER/1, MARKER/6 and MARKER/7 are given in frames of
-/// others.
+/// A block on bushings. MARKER/1 and MARKER/3 take their axes from points. MARKER/1, MARKER/6 and MARKER/7 are placed in the frame of
+/// another marker.
 const DECK: &str = "block
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 !                      adams_view_name='ground'
@@ -38,7 +38,7 @@ fn model(text: &[u8]) -> Model {
     Model::lower(&dataset.value).value
 }
 
-/// Where a marker is on its part, and its axes.
+/// Returns the position and the rotation matrix of a marker on its part.
 fn frame(model: &Model, id: u32) -> ([f64; 3], Vec<f64>) {
     let marker = &model.markers[model.marker(id).unwrap().0];
     (marker.qp.into(), marker.R.iter().copied().collect())
@@ -99,7 +99,7 @@ fn a_point_with_a_value_of_its_own_stays_and_the_marker_turns() {
     assert!(deck != DECK && !said.contains("turns"), "{said}");
 }
 
-/// Derivatives by the numbers of a deck are those of editing the deck and solving it again.
+/// Checks sensitivities to numbers of the deck against central differences of edited and solved decks.
 #[test]
 fn sensitivities_are_what_edits_give() {
     let deck = Deck::parse("d.adm", DECK.as_bytes());
@@ -150,7 +150,7 @@ fn sensitivities_are_what_edits_give() {
         }
     }
     assert!(largest > 0.1);
-    // Angles that points give instead have no number.
+    // A marker with axes from points has no REULER value, so no sensitivity to it exists.
     let refused = deck.sensitivity(
         &["block".to_string()],
         &["MARKER/3.REULER".to_string()],

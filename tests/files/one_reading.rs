@@ -1,4 +1,4 @@
-//! One judgement of a deck, whoever reads it: values, editors, `admire check` and the solver.
+//! Tests that values, editors, `admire check` and the solver agree about a deck.
 
 use std::process::Command;
 
@@ -19,7 +19,7 @@ fn deck(more: &str) -> String {
     format!("{HEAD}{more}END\n")
 }
 
-/// Exit code and output of the drop-in solver on `d.adm`.
+/// Runs the drop-in solver on `d.adm` and returns its exit code and output.
 fn mdi(folder: &Folder, commands: &str) -> (i32, String) {
     folder.write("r.acf", &format!("d\n\n{commands}\nSTOP\n"));
     let output = Command::new(env!("CARGO_BIN_EXE_mdi"))
@@ -31,7 +31,8 @@ fn mdi(folder: &Folder, commands: &str) -> (i32, String) {
     (output.status.code().expect("no signal"), said)
 }
 
-/// 9.80665 N on 200 N/mm; the first K would give ten times as much or a tenth.
+/// Checks that every reader uses the last of a repeated argument. The part sinks by 9.80665 N / (200 N/mm); with the first K it would sink
+/// by a tenth of this.
 #[test]
 fn the_last_of_a_repeated_argument_counts_for_everyone() {
     let folder = Folder::with(&deck(

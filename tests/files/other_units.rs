@@ -1,9 +1,9 @@
-//! Datasets in other units: what moves, moves alike, and settings keep their meaning or are named.
+//! Tests of unit conversion: motions stay the same, and settings either keep their meaning or are named.
 
 use super::bulk::DECK;
 use super::folder::Folder;
 
-/// What a deck does in a second, in seconds, metres and radians: columns of its variables.
+/// Solves a deck dynamically up to a time in its own units. Returns the columns of its variables, converted by the given factors.
 fn motion(folder: &Folder, deck: &str, (second, variables): (f64, &[(&str, f64)])) -> Vec<f64> {
     let deck = admire::Deck::parse("d.adm", folder.read(deck).as_bytes());
     let commands = format!("SIMULATE/DYNAMIC, END={second}, STEPS=4\n");
@@ -17,7 +17,8 @@ fn motion(folder: &Folder, deck: &str, (second, variables): (f64, &[(&str, f64)]
     found
 }
 
-/// Rates of initial conditions have the unit of time, and velocities that adapt do not depend on units.
+/// Checks that converted decks move alike. Initial rates are converted with the unit of time, and adjusted initial velocities do not depend
+/// on the units.
 #[test]
 fn other_units_move_alike() {
     let ics = "ics
@@ -56,7 +57,7 @@ END
         "VARIABLE_4",
         "VARIABLE_5",
     ];
-    // Variables keep their numbers in other units.
+    // The value of a VARIABLE is not converted.
     let units: Vec<(&str, f64)> = names.into_iter().zip([1e-3, 1.0, 1e-3, 1.0, 1.0]).collect();
     let plain = motion(&folder, "d.adm", (1.0, &units));
     let expected = |from: f64, rate: f64| [0.25, 0.5, 0.75, 1.0].map(|t| from + rate * t);
@@ -73,7 +74,8 @@ END
     {
         assert!((plain[k] - exact).abs() < 1e-6, "{k}: {} {exact}", plain[k]);
     }
-    // The least (v + r w)^2 + w^2 in metres and radians, where v + r w is the velocity of the mass centre 50 mm from a point of 0.1 m/s.
+    // The initial rate minimises (v + r w)^2 + w^2 in metres and radians. Here v + r w is the velocity of the mass centre, 50 mm from a
+    // point that moves at 0.1 m/s.
     let rate = 0.1 * 0.05 / (1.0 + 0.05 * 0.05);
     let begins = plain[16] / 0.25;
     assert!((begins.abs() / rate - 1.0).abs() < 1e-2, "{begins} {rate}");
@@ -92,8 +94,8 @@ END
     }
 }
 
-/// Limits in units of force and length keep their meaning, defaults that are numbers of a unit are written out, and what judges lengths
-/// and angles alike is named.
+/// Checks that limits in units of force or length are converted and that defaults which depend on the unit are written out. A tolerance
+/// shared by lengths and angles is named.
 #[test]
 fn settings_are_converted_or_named() {
     let deck = DECK.replace(

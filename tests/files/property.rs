@@ -1,4 +1,4 @@
-//! Property files as other programs write and read them (grammar/NOTES.md, Sources).
+//! Tests of property files as other programs write and read them (grammar/NOTES.md, Sources).
 
 use admire_syntax::property::{PropertyFile, PropertyKind};
 use admire_syntax::text::Source;
@@ -10,7 +10,7 @@ fn read(text: &str) -> PropertyFile {
     read.value
 }
 
-/// Rows straight behind the name of the block, without a line of headings.
+/// Checks a bushing file whose rows directly follow the block name, without a heading line.
 #[test]
 fn a_bushing_file_may_leave_out_the_headings() {
     let file = read(
@@ -27,7 +27,7 @@ fn a_bushing_file_may_leave_out_the_headings() {
     assert!((damping[3] - 20.0 / 1f64.to_radians()).abs() < 1e-9);
 }
 
-/// What a reader in the wild takes from a spring file: FREE_LENGTH, and the two columns behind the line in braces.
+/// Checks the items that other programs read from a spring file: FREE_LENGTH, and the two columns after the line in braces.
 #[test]
 fn a_spring_file_has_a_free_length_and_one_curve() {
     let file = read(

@@ -1,4 +1,4 @@
-//! Every command of the toolkit on every real deck, as a user would call it, and the loss list of the guide.
+//! Tests of every toolkit command on every real deck, as a user would call it, and of the loss list in the guide.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -34,7 +34,7 @@ fn dataset(name: &str, bytes: &[u8]) -> Dataset {
     Dataset::parse(Source::new(name, bytes)).value
 }
 
-/// Every number of a deck in order, bit by bit.
+/// Returns the bit patterns of all numbers of a deck, in order.
 fn numbers(dataset: &Dataset) -> Vec<u64> {
     dataset
         .statements()
@@ -48,7 +48,7 @@ fn numbers(dataset: &Dataset) -> Vec<u64> {
         .collect()
 }
 
-/// The decks, each with a folder of its own for what the commands write.
+/// Returns the real decks, each with a temporary folder for the files that the commands write.
 fn decks() -> Vec<(PathBuf, Vec<u8>, tempfile::TempDir)> {
     real_files("adm")
         .into_iter()
@@ -64,7 +64,7 @@ fn every_command_works_on_every_real_deck() {
     decks().par_iter().for_each(|(path, bytes, folder)| {
         let deck = path.to_str().expect("a name");
         let at = |name: &str| folder.path().join(name).display().to_string();
-        // What is added goes again without a trace.
+        // Adding a marker and removing it again restores the original bytes.
         let marker = "MARKER/987654, PART=1, QP=1, 2, 3";
         let added = admire(&["add", deck, marker, "--name", "new", "-o", &at("added.adm")]);
         assert_eq!(code(&added), 0, "{deck}: {}", text(&added));
@@ -192,7 +192,7 @@ fn every_real_command_file_and_result_is_read_by_its_commands() {
             let compared = admire(&["compare", file, file]);
             assert_eq!(code(&compared), 0, "{compared:?}");
             let all = admire(&["results", file, "--get", "*", "--json"]);
-            // A request file may hold no request.
+            // `--get` may fail for a request file, because such a file may contain no request.
             assert!(code(&all) == 0 || ending == "req", "{file}: {all:?}");
             if code(&all) == 0 {
                 let columns: serde_json::Value = serde_json::from_str(&text(&all)).expect("JSON");
@@ -202,7 +202,7 @@ fn every_real_command_file_and_result_is_read_by_its_commands() {
     }
 }
 
-/// Numbers 1000, 1010, ... for markers and others for everything a model is made of.
+/// Returns new ids for all objects, from 100003 on for parts and from a slightly different start for each other kind.
 fn everything_anew(dataset: &Dataset) -> Renumbering {
     let kinds = [
         "PART",
@@ -237,7 +237,7 @@ fn everything_anew(dataset: &Dataset) -> Renumbering {
     all
 }
 
-/// The residual of the equilibrium at the design position, if the model can be compiled.
+/// Returns the residual of the equilibrium at the design position, or `None` if the model cannot be compiled.
 fn residual(dataset: &Dataset) -> Option<Vec<f64>> {
     let model = Model::lower(dataset);
     if model.has_errors() {
@@ -256,7 +256,7 @@ fn residual(dataset: &Dataset) -> Option<Vec<f64>> {
     Some(g)
 }
 
-/// New ids for everything leave the mechanics as they are: the same forces on the same parts.
+/// Checks that renumbering all objects leaves the residual of the equilibrium unchanged.
 #[test]
 fn a_renumbered_deck_has_the_same_equations() {
     let mut compared = 0;
@@ -275,7 +275,7 @@ fn a_renumbered_deck_has_the_same_equations() {
     println!("{compared} decks compared");
 }
 
-/// Everything the toolkit does with a file that should lose nothing, and what it loses: one line each.
+/// Tries every operation that should preserve a file. Returns one line for each loss, or `None` without real decks.
 fn losses() -> Option<Vec<String>> {
     let decks = real_files("adm");
     if decks.is_empty() {
@@ -328,7 +328,7 @@ fn losses() -> Option<Vec<String>> {
             .value
             .dataset;
         let home = apply_edits(moved.bytes(), &edits).expect("no conflict");
-        // Leading zeros of ids are the only thing a longer id does not keep.
+        // Only numbers are compared here, because renumbering drops leading zeros of ids.
         let same = numbers(&dataset(name, &home)) == numbers(&before);
         check(name, "numbers, renumbered and back", same);
     }
@@ -358,7 +358,7 @@ fn the_loss_list_of_the_guide_is_what_the_real_decks_give() {
     assert_eq!(page[begin..end].replace("\r\n", "\n"), list);
 }
 
-/// A spline whose points are in a property file beside the deck bends a spring as if they stood in the deck.
+/// Checks that a spline from a property file gives the same solution as the same points written in the deck.
 #[test]
 fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -380,7 +380,7 @@ fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
     let inside = solve("a.adm", "X=-100,-50,0,100, Y=-1000,-600,0,1500");
     let outside = solve("b.adm", "FILE=soft.spr, BLOCK=CURVE");
     assert_eq!(inside, outside);
-    // Without the file the answer would not be the one meant: it is refused.
+    // A missing property file is reported.
     let missing = folder.path().join("c.adm");
     std::fs::write(&missing, deck("FILE=hard.spr")).expect("writable");
     let refused = admire(&[
@@ -395,7 +395,7 @@ fn a_spline_of_a_property_file_is_the_spline_of_the_deck() {
     );
 }
 
-/// Kinds, single objects and named ones get new ids; the command file beside the deck follows.
+/// Checks that kinds, single objects and named objects are renumbered, and that the references of a command file follow.
 #[test]
 fn renumber_follows_references_into_functions_and_commands() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -438,7 +438,7 @@ fn renumber_follows_references_into_functions_and_commands() {
     assert_eq!(code(&admire(&["renumber", &adm, "MARKER"])), 2);
 }
 
-/// Degrees of freedom by count and by rank: a four-bar linkage of revolute joints counts -2 and has one.
+/// Checks the degrees of freedom of a four-bar linkage with revolute joints: -2 by the Gruebler count, 1 by rank.
 #[test]
 fn a_planar_linkage_is_overconstrained_and_moves() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! Results on real files and on broken ones.
+//! Tests of results files, both real and damaged.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ fn real_files() -> Vec<PathBuf> {
     shared("real-decks").map_or_else(Vec::new, |folder| files_below(&folder, "res"))
 }
 
-/// Two bodies, a bushing and a variable; `steps` quasi-static steps of made-up numbers.
+/// Returns a results file with two parts, a bushing and a variable. An input step precedes `steps` quasi-static steps of artificial values.
 fn small_file(steps: usize) -> Vec<u8> {
     let units = Units::default();
     let mut numbering = Numbering::new(units, Stored::default());
@@ -67,7 +67,7 @@ fn writing_what_was_read_gives_the_same_bytes() {
         assert_eq!(reader.run_status(), Some("Successful"));
         assert!(reader.diagnostics().is_empty());
         let first = String::from_utf8_lossy(&bytes);
-        // Files before 2017 are those with exponents of three digits.
+        // Exponents of three digits identify files written before 2017.
         let old = first.contains("E-0") && reader.line_end() == LineEnd::CrLf;
         let style = Style {
             numbers: if old {
@@ -136,7 +136,7 @@ fn editing_one_value_changes_its_span_only() {
             .zip(bytes.iter().rev())
             .take_while(|(a, b)| a == b)
             .count();
-        // The old spelling has at most 24 characters, the new one is `0.125`.
+        // The old number has at most 24 characters; the new number is `0.125`.
         assert!(front + back + 24 >= bytes.len() && front + back + 5 >= out.len());
         let (_, before) = read_all(&bytes);
         let (_, after) = read_all(&out);
@@ -156,7 +156,7 @@ fn editing_one_value_changes_its_span_only() {
 
 #[test]
 fn columns_of_a_real_suspension_are_those_of_its_header() {
-    // guide/formats.md 12: an Adams/Car 2020 result of 101 quasi-static steps.
+    // The file is an Adams/Car 2020 result of 101 quasi-static steps (guide/formats.md 12).
     let Some(path) = shared("real-decks/kinbench-kc/NRAC_G023_Lat_static_load.res") else {
         return;
     };
@@ -198,7 +198,7 @@ fn columns_of_a_real_suspension_are_those_of_its_header() {
         assert_eq!((*kind, values[0]), (StepKind::QuasiStatic, at as f64 + 1.0));
         assert_eq!(values.len(), 1315);
     }
-    // The kinds this file holds are numbered by us in the same order.
+    // The order of entity kinds in this file equals the order of [`Numbering`].
     let kinds: Vec<&str> = catalogue
         .entities
         .iter()
@@ -265,7 +265,7 @@ fn cut_files_give_their_whole_steps_and_a_warning() {
             if let Some(warning) = reader.diagnostics().first() {
                 assert_eq!(warning.code, Code::TruncatedResults);
             }
-            // A cut file is rewritten as it is.
+            // A truncated file is copied byte for byte.
             let mut out = Vec::new();
             rewrite("cut.res", &bytes[..cut], &bytes[..cut], &mut out, &[]).unwrap();
             assert!(out == bytes[..cut]);
@@ -376,7 +376,7 @@ impl ReplaceEnd for Vec<u8> {
 
 #[test]
 fn tags_may_share_lines_and_attributes_may_change_places() {
-    // XML does not care for lines; ADAMS writes one tag per line, other tools need not.
+    // XML ignores line breaks. ADAMS writes one tag per line, but other tools may not.
     let text = "<?xml version='1.0'?><Results><Analysis><StepMap name='m'><Entity name='time'><Component id='1' \
                 name='TIME'/></Entity><Entity name='v'><Component name='Q' id='2'></Component></Entity></StepMap><Data \
                 name='s'><Step type='static'>0 1e-3</Step><!-- <Step> --><Step type='static'> 1\t2 </Step></Data>\
@@ -432,7 +432,7 @@ fn comparing_finds_the_column_the_step_and_the_amount() {
     let same = compare(&mut open(a), &mut open(a), strict).unwrap();
     assert!(same.agrees());
     assert_eq!(same.steps, 4);
-    // Step 3 of the file is the third quasi-static one; id 38 is FX of the bushing.
+    // Step 3 of the file is the third quasi-static step, and id 38 is FX of the bushing.
     let (_, steps) = read_all(a);
     let old = steps[3].1[37];
     let mut changed = Vec::new();
@@ -474,7 +474,7 @@ fn comparing_finds_the_column_the_step_and_the_amount() {
             .unwrap()
             .agrees()
     );
-    // Fewer steps, another unit and another name are differences too.
+    // A missing step, a different unit and a different name count as differences too.
     let fewer: &'static [u8] = small_file(3).leak();
     let report = compare(&mut open(a), &mut open(fewer), wide).unwrap();
     assert_eq!(
@@ -501,7 +501,7 @@ fn comparing_finds_the_column_the_step_and_the_amount() {
     );
 }
 
-/// Units of a deck by their keywords, seconds.
+/// Returns the units with these keywords and seconds.
 pub(super) fn units(force: &str, mass: &str, length: &str) -> Units {
     let find = |units: &[Unit], word| *units.iter().find(|u| u.keyword == word).unwrap();
     Units::new(
@@ -516,7 +516,7 @@ pub(super) fn units(force: &str, mass: &str, length: &str) -> Units {
 fn request_and_graphics_files_have_the_bytes_of_real_ones() {
     let inch = units("POUND_FORCE", "POUND_MASS", "INCH");
     let title = "Adams View model name: MODEL_1";
-    // 2023-06-13 22:52:01 and 2021-02-05 19:56:30 as if they were UTC.
+    // The times of the two files are 2023-06-13 22:52:01 and 2021-02-05 19:56:30, taken as UTC.
     let when = Timestamp::from_unix(1_686_696_721);
     if let Some(path) = shared("real-decks/aview-hpc/test.req") {
         let bytes = std::fs::read(path).unwrap();

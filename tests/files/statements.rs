@@ -1,4 +1,4 @@
-//! One small deck or command file per statement and command: read with meaning, written back unchanged, edited in place.
+//! Tests of one small deck or command file for each statement and command: it is parsed, written back unchanged and edited in place.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ fn source(path: &Path) -> Source {
     Source::new(name, std::fs::read(path).expect("readable file"))
 }
 
-/// A statement as it was understood: whole keywords, typed values.
+/// Formats a parsed statement with full keywords and typed values.
 fn understood(source: &Source, statement: &Statement) -> String {
     let kind = statement.kind().unwrap_or("?");
     let mut out = match statement.number() {
@@ -62,7 +62,7 @@ fn understood(source: &Source, statement: &Statement) -> String {
     out
 }
 
-/// Complaints that say something is wrong, not that only real ADAMS solves it.
+/// Returns the diagnostics above note level, except for the diagnostics of elements that only real ADAMS solves.
 fn faults(found: Vec<Diagnostic>) -> Vec<String> {
     found
         .into_iter()
@@ -72,7 +72,7 @@ fn faults(found: Vec<Diagnostic>) -> Vec<String> {
         .collect()
 }
 
-/// Every number set to another value changes its own bytes only and reads back.
+/// Checks that setting any number changes only the bytes of that number and reads back as the new value.
 fn assert_numbers_are_editable(
     source: &Source,
     statements: &[Statement],
@@ -141,7 +141,7 @@ fn decks_are_understood_and_written_back_unchanged() {
             Dataset::parse(source).value.statements().to_vec()
         });
         let mut text = format!("title {}\n", read.value.title());
-        // The frame that all decks share is shown once, by the deck of TITLE.
+        // The statements common to all decks are shown only in the snapshots of TITLE and UNITS.
         let skip = if matches!(stem.as_str(), "TITLE" | "UNITS") {
             0
         } else {

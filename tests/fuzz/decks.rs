@@ -1,4 +1,4 @@
-//! Datasets and command files.
+//! Fuzz targets for datasets, command files and property files.
 
 use admire_solver::model::Model;
 use admire_solver::system::System;
@@ -15,7 +15,7 @@ use crate::harness::{assert_inside, fuzz};
 use crate::mutation::{drawn, grammar_words};
 use crate::seeds;
 
-/// What is read and said of a deck, what is made of it, and how it is edited.
+/// Parses, checks, lowers and compiles a deck, and then edits, lays out and renumbers it.
 pub fn deck(bytes: &[u8]) {
     let read = Dataset::parse(Source::new("a.adm", bytes));
     let dataset = &read.value;
@@ -38,14 +38,14 @@ pub fn deck(bytes: &[u8]) {
     what_is_renumbered_is_read(dataset);
 }
 
-/// Numbers of a deck, with the place of each.
+/// Returns the addresses of the numbers of a deck, each with the span of its argument.
 fn numbers(dataset: &Dataset) -> Vec<(Address, Span)> {
     let mut all = Vec::new();
     for (at, statement) in dataset.statements().iter().enumerate() {
         let Some(object) = Address::of(statement) else {
             continue;
         };
-        // An address is that of the first statement of a kind and id.
+        // An address refers to the first statement with its kind and id.
         if dataset.position(&object.kind, object.id) != Some(at) {
             continue;
         }
@@ -75,7 +75,7 @@ fn numbers(dataset: &Dataset) -> Vec<(Address, Span)> {
     all
 }
 
-/// A number that is set has the new value, and no byte outside of its argument has changed.
+/// Checks that setting a number gives the new value and changes only its argument. Also checks layout and removal.
 fn edits_are_local(dataset: &Dataset) {
     let mut random = drawn(dataset.bytes());
     let numbers = numbers(dataset);
@@ -85,7 +85,7 @@ fn edits_are_local(dataset: &Dataset) {
         let Ok(edits) = dataset.set(address, value) else {
             continue;
         };
-        // The points of a marker move along with it.
+        // The points that define the axes of a marker move with its origin, so their arguments change too.
         let has_points = address.kind == "MARKER" && address.argument.as_deref() == Some("QP");
         assert!(
             has_points || edits.len() <= 1 && edits.iter().all(|edit| place.contains(edit.span)),
@@ -113,7 +113,7 @@ fn edits_are_local(dataset: &Dataset) {
             "{address}"
         );
     }
-    // What is removed is gone. Behind END, once that is gone, more may be read.
+    // Removing an object reduces the number of statements. END is skipped, because its removal may expose further statements after it.
     let objects = dataset.statements().iter().filter_map(Address::of);
     if let Some(object) = objects.into_iter().find(|object| object.kind != "END")
         && let Ok(edits) = dataset.remove(&object)
@@ -129,7 +129,7 @@ fn edits_are_local(dataset: &Dataset) {
     }
 }
 
-/// New ids are read as such, and the old ones given back give the old bytes where no number was spelled in another way.
+/// Checks that each renumbered marker is found under its new id at its old position.
 fn what_is_renumbered_is_read(dataset: &Dataset) {
     let renumbering = in_order(dataset, "MARKER", 1_000_001, 3);
     let Ok(edits) = renumber(dataset, &[], &renumbering) else {
@@ -162,7 +162,7 @@ pub fn commands(bytes: &[u8]) {
 }
 
 pub fn property(bytes: &[u8]) {
-    // The bytes decide, or the ending of the name where they do not.
+    // The kind follows from the bytes if possible, and otherwise from the file name extension.
     for name in ["a.bus", "a.spr"] {
         let read = PropertyFile::parse(Source::new(name, bytes));
         assert_inside(&read.diagnostics, name, bytes);

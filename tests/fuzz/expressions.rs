@@ -1,4 +1,4 @@
-//! Functions, and the short texts of a command line.
+//! Fuzz targets for function expressions and for short texts of the command line.
 
 use std::sync::LazyLock;
 
@@ -21,7 +21,8 @@ static DATASET: LazyLock<Dataset> =
     LazyLock::new(|| Dataset::parse(Source::new("a.adm", MODEL)).value);
 static LOWERED: LazyLock<Model> = LazyLock::new(|| Model::lower(&DATASET).value);
 
-/// An expression is read at every place of its text, means the same when its own text is read, and has a value or none.
+/// Checks an expression: its spans lie inside the text, its own text parses to the same tree, and evaluation with and without derivatives
+/// agrees.
 pub fn expression(bytes: &[u8]) {
     let model = &*LOWERED;
     let Ok(text) = str::from_utf8(bytes) else {
@@ -78,7 +79,7 @@ pub fn expression(bytes: &[u8]) {
     }
 }
 
-/// What a tree is made of but for the places in its text.
+/// Returns the structure of a tree without the spans.
 fn shape(node: &Node) -> String {
     let own = match node {
         Node::Literal(at) => format!("literal {at}"),
@@ -90,7 +91,7 @@ fn shape(node: &Node) -> String {
     format!("{own}({})", children.join(","))
 }
 
-/// An address says itself again, and whatever it names can be asked for.
+/// Checks that an address is reproduced from its own text, and that reading, setting and removing it never panics.
 pub fn address(bytes: &[u8]) {
     let dataset = &*DATASET;
     let text = String::from_utf8_lossy(bytes);

@@ -1,4 +1,4 @@
-//! What was found, each with the smallest input that shows it.
+//! Regression tests for faults found by fuzzing, each with the smallest input that showed it.
 
 use admire_kc as kc;
 use admire_results::{RequestFile, rewrite};
@@ -8,7 +8,8 @@ use admire_syntax::text::{Source, Span};
 
 use crate::{results, studies};
 
-/// A run that diverged leaves infinities and NaN; copying or editing its results panicked on the exponent they do not have.
+/// Checks the results of a diverged run, which contain infinities and NaN. Copying or editing them panicked, because these values have no
+/// exponent.
 #[test]
 fn results_of_a_diverged_run_are_copied_as_they_are() {
     for value in ["inf", "-inf", "nan", "1.#INF", "-1.#IND"] {
@@ -25,7 +26,7 @@ fn results_of_a_diverged_run_are_copied_as_they_are() {
     }
 }
 
-/// A name that was no number until its control character had become a blank was read as one.
+/// Checks a request whose name reads as a number once its control character is replaced by a blank. The name was then taken for a number.
 #[test]
 fn a_request_whose_name_becomes_a_number_keeps_its_values() {
     results::requests(
@@ -33,7 +34,7 @@ fn a_request_whose_name_becomes_a_number_keeps_its_values() {
     );
 }
 
-/// A model without a title: its line is blank, and the one behind it was taken for it.
+/// Checks a file of a model without a title. The blank title line was skipped, and the next line was taken for the title.
 #[test]
 fn a_title_of_blanks_is_one() {
     for title in ["", "\x01\x04"] {
@@ -45,7 +46,8 @@ fn a_title_of_blanks_is_one() {
     }
 }
 
-/// Numbers that fill their columns were written without a blank between them, and read as one or as none.
+/// Checks numbers that fill their columns. They were written without a blank between them, so that they were read as one number or not at
+/// all.
 #[test]
 fn numbers_that_fill_their_columns_stay_two() {
     for text in [
@@ -56,7 +58,7 @@ fn numbers_that_fill_their_columns_stay_two() {
     }
 }
 
-/// A quote within a cell is a letter; the places of the cells behind it were lost.
+/// Checks that a quotation mark inside a cell is an ordinary character. The spans of later cells were wrong.
 #[test]
 fn a_quote_within_a_cell_ends_no_cell() {
     for text in [
@@ -73,7 +75,7 @@ fn a_quote_within_a_cell_ends_no_cell() {
     }
 }
 
-/// The mark of UTF-8 stands in front of a file; three bytes of it elsewhere are text.
+/// Checks that a byte order mark is skipped only at the start of a file. Elsewhere its three bytes are text.
 #[test]
 fn a_mark_of_utf_8_within_a_table_is_text() {
     let text = "0\n\u{feff}\n";
@@ -82,7 +84,7 @@ fn a_mark_of_utf_8_within_a_table_is_text() {
     assert_eq!(table.rows()[0][0].span, Span::new(2, 5));
 }
 
-/// A table in Latin-1 names the parts that a deck in Latin-1 does.
+/// Checks that names in a Latin-1 table match names in a Latin-1 deck.
 #[test]
 fn a_table_in_latin_1_has_the_names_of_the_deck() {
     let text = b"case,part\n1,Quertr\xe4ger\n";
@@ -90,7 +92,7 @@ fn a_table_in_latin_1_has_the_names_of_the_deck() {
     assert_eq!(table.rows()[0][1].text, "Quertr\u{e4}ger");
 }
 
-/// Settings in Latin-1 were read as if each such byte were two, and complaints stood behind the end of the file.
+/// Checks settings in Latin-1, which are refused at the first invalid byte. Each such byte was counted as two, so spans exceeded the file.
 #[test]
 fn settings_that_are_not_utf_8_are_refused_at_the_byte() {
     let bytes = b"# \xe4\n\xe4";

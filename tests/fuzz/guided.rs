@@ -1,6 +1,6 @@
-//! The readers under libFuzzer, which follows what each input reaches: `tests/fuzz/guided.sh dataset`.
+//! Coverage-guided fuzzing of the readers under libFuzzer: `tests/fuzz/guided.sh dataset`.
 //!
-//! Built in the usual way it reads the files that are named to it, and so shows again what was found.
+//! In an ordinary build, the program runs the reader on the files named as arguments, which reproduces a finding.
 #![cfg_attr(fuzzing, no_main)]
 #![allow(dead_code, unused_imports)] // Seeds, words and tests are those of `cargo test --test fuzz`.
 
@@ -15,7 +15,7 @@ mod results;
 mod seeds;
 mod studies;
 
-/// The reader that `FUZZ_READER` names.
+/// The reader named by the environment variable `FUZZ_READER`.
 static READER: std::sync::LazyLock<fn(&[u8])> = std::sync::LazyLock::new(|| {
     readers::reader(&std::env::var("FUZZ_READER").expect("FUZZ_READER names a reader"))
 });

@@ -1,4 +1,4 @@
-//! Runs many cases of one reader on all processors, and keeps the smallest input of each failure it meets.
+//! Runs many cases of one reader on all processors and keeps the smallest failing input for each failure.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -16,19 +16,19 @@ use rayon::prelude::*;
 use crate::mutation::mutated;
 use crate::readers::reader;
 
-/// A case of a few thousand bytes that takes longer is a failure, on a busy machine too.
+/// Time limit of a case, generous enough for a busy machine. A case of a few thousand bytes that takes longer is a failure.
 const SLOW: Duration = Duration::from_secs(20);
-/// A case that is still going after this ends the program, so that a hang is a failure and not a test without an end.
+/// Time after which a running case aborts the program, so that a hang becomes a failure and not an endless test.
 const HUNG: Duration = Duration::from_secs(180);
-/// Runs of a reader spent on making one failing input smaller.
+/// Maximum number of runs spent on shrinking one failing input.
 const SHRINKING: usize = 400;
 
 thread_local! {
-    /// Where and why the last case of this thread panicked; `None` outside of a case.
+    /// Location and message of the last panic in the current case of this thread; `None` outside a case.
     static LAST: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Panics of cases are noted, not printed; all others are shown as ever.
+/// Installs a panic hook that records panics inside a case and prints all others as usual.
 fn note_panics() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -51,7 +51,7 @@ fn note_panics() {
     });
 }
 
-/// Why a reader fails at an input, or `None`.
+/// Returns the reason why a reader fails on an input, or `None` if it succeeds.
 fn failure(target: impl Fn(&[u8]), bytes: &[u8]) -> Option<String> {
     LAST.set(Some(String::new()));
     let start = Instant::now();
@@ -59,7 +59,7 @@ fn failure(target: impl Fn(&[u8]), bytes: &[u8]) -> Option<String> {
     let why = LAST.take().unwrap_or_default();
     match ended {
         Err(payload) if why.is_empty() => {
-            // It happened on a thread that helped.
+            // A panic on a helper thread leaves no record on this thread.
             let text = payload.downcast_ref::<String>().cloned();
             Some(text.unwrap_or_else(|| "a panic on another thread".to_string()))
         }
@@ -69,12 +69,12 @@ fn failure(target: impl Fn(&[u8]), bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// The place of a failure, which is what two failures of one cause have in common.
+/// Returns the source location of a failure. Failures at the same location count as the same.
 fn place(why: &str) -> &str {
     why.split(": ").next().unwrap_or_default()
 }
 
-/// The input with everything taken out that the failure does not need.
+/// Returns a smaller input with the same failure, by removing pieces of decreasing length.
 fn shrunk(target: impl Fn(&[u8]), bytes: &[u8], why: &str) -> Vec<u8> {
     let mut best = bytes.to_vec();
     let (mut piece, mut runs) = (best.len() / 2, 0);
@@ -98,7 +98,7 @@ fn shrunk(target: impl Fn(&[u8]), bytes: &[u8], why: &str) -> Vec<u8> {
     best
 }
 
-/// Where an input that fails is kept.
+/// Saves a failing input and returns its path.
 fn kept(name: &str, bytes: &[u8]) -> PathBuf {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
     for byte in bytes {
@@ -113,7 +113,7 @@ fn variable(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// Ends the program when a case does not end.
+/// Background thread that aborts the program if a case hangs.
 struct Watch {
     running: Arc<Mutex<BTreeMap<u64, (Instant, Vec<u8>)>>>,
     over: Arc<AtomicBool>,
@@ -149,7 +149,7 @@ impl Drop for Watch {
     }
 }
 
-/// Seeds and words for a fuzzer that looks at coverage, as files below a folder.
+/// Writes the seeds and the dictionary of a reader to files below a folder, for a coverage-guided fuzzer.
 fn given_away(folder: &Path, name: &str, seeds: &[Vec<u8>], words: &[String]) {
     let place = folder.join(name).join("seeds");
     std::fs::create_dir_all(&place).expect("a folder for seeds");
@@ -168,8 +168,8 @@ fn given_away(folder: &Path, name: &str, seeds: &[Vec<u8>], words: &[String]) {
     std::fs::write(folder.join(name).join("words"), dictionary).expect("a dictionary");
 }
 
-/// Every seed as it is, and then `cases` mutations of the seeds (or `FUZZ_CASES`), through a reader that panics where something does
-/// not hold. With `FUZZ_SEEDS` seeds and words go into that folder instead.
+/// Runs a reader on every seed and then on `cases` mutations of the seeds; `FUZZ_CASES` overrides the number. The reader panics if a
+/// property is violated. If `FUZZ_SEEDS` names a folder, the seeds and words are written to it instead.
 pub fn fuzz(name: &'static str, cases: u64, seeds: &[Vec<u8>], words: &[String]) {
     let target = reader(name);
     if let Some(folder) = std::env::var_os("FUZZ_SEEDS") {
@@ -219,7 +219,7 @@ pub fn fuzz(name: &'static str, cases: u64, seeds: &[Vec<u8>], words: &[String])
     assert!(told.is_empty(), "{name}:\n{}", told.join("\n"));
 }
 
-/// Complaints point into the file they are about.
+/// Checks that the labels of diagnostics about `file` lie inside its bytes.
 pub fn assert_inside(diagnostics: &[Diagnostic], file: &str, bytes: &[u8]) {
     for diagnostic in diagnostics {
         for label in &diagnostic.labels {

@@ -1,7 +1,11 @@
-//! Mutations of real files, of a fixed seed, through every reader: no panic, no hang, nothing lost, complaints inside the file, edits
-//! local, and what is written is read back.
+//! Fuzz tests of all readers with mutations of real files, reproducible from fixed random seeds. They check:
 //!
-//! `guided.sh` runs the same readers under libFuzzer. `FUZZ_CASES=20000 cargo test --test fuzz` runs as many cases for every reader; `FUZZ_FROM=N` begins with case N.
+//! - no panic and no hang;
+//! - lossless reading, and diagnostics inside the file;
+//! - local edits, and output that reads back as written.
+//!
+//! `guided.sh` runs the same readers under libFuzzer. `FUZZ_CASES=20000 cargo test --test fuzz` runs 20000 cases for each reader.
+//! `FUZZ_FROM=N` begins with case N.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,16 +1,17 @@
-//! Changes of files: of bytes, of words, by words of the grammar, and two files made one.
+//! Mutations of files: changes of bytes, words and lines, insertion of grammar words, and splicing of two files.
 
 use admire_syntax::grammar::{FUNCTIONS, STATEMENTS};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Of a longer file a piece is taken: the change then meets other neighbours too, and a case stays short.
+/// Maximum length of a seed, in bytes. A random piece of a longer file is used: it keeps a case short, and cuts the file at random
+/// places.
 const LONGEST: usize = 24_000;
 
 const MARKS: &[u8] =
     b",,,;&\\/=()\"'!:+-*.0123456789EDed \t\r\n\0\x1a\x1b\xff\xb7\xc3\xef\xbb\xbf<>[]{}#$%KP";
 
-/// Numbers at the edges of what a reader may take for one.
+/// Numbers at the edges of the accepted ranges and spellings.
 pub const NUMBERS: &[&str] = &[
     "0",
     "-0",
@@ -57,7 +58,7 @@ fn pick<'a, T>(all: &'a [T], random: &mut Pcg64) -> &'a T {
     &all[random.random_range(0..all.len())]
 }
 
-/// A file of the seeds, or two made one, changed in one to five places.
+/// Returns a seed, or two spliced seeds, with one to five random changes.
 pub fn mutated(seeds: &[Vec<u8>], words: &[String], random: &mut Pcg64) -> Vec<u8> {
     let mut out = window(pick::<Vec<u8>>(seeds, random), random);
     if random.random_range(0..5) == 0 {
@@ -70,13 +71,14 @@ pub fn mutated(seeds: &[Vec<u8>], words: &[String], random: &mut Pcg64) -> Vec<u
             1 => change_words(&mut out, words, random),
             _ => change_lines(&mut out, random),
         }
-        // A line many times, many times, would be a file of gigabytes.
+        // The length is limited because repeated duplication of lines could produce gigabytes.
         out.truncate(2 * LONGEST);
     }
     out
 }
 
-/// A file, or a piece of a long one: its beginning half of the time, since a reader that finds no head looks no further.
+/// Returns a file, or a random piece of a long one. Half of the pieces start at the beginning, because readers reject a file without its
+/// header.
 fn window(bytes: &[u8], random: &mut Pcg64) -> Vec<u8> {
     if bytes.len() <= LONGEST {
         return bytes.to_vec();
@@ -90,7 +92,7 @@ fn window(bytes: &[u8], random: &mut Pcg64) -> Vec<u8> {
     bytes[from..(from + length).min(bytes.len())].to_vec()
 }
 
-/// The beginning of one and the end of another, cut at line ends.
+/// Joins the beginning of one file and the end of another, both cut at line ends.
 fn spliced(a: &[u8], b: &[u8], random: &mut Pcg64) -> Vec<u8> {
     let cut = |bytes: &[u8], random: &mut Pcg64| {
         let at = random.random_range(0..=bytes.len());
@@ -124,7 +126,8 @@ fn change_bytes(out: &mut Vec<u8>, random: &mut Pcg64) {
     }
 }
 
-/// The words of a text: letters with digits, numbers, and every mark by itself.
+/// Returns the ranges of the words of a text. A word is a run of letters, digits, `_`, `.` and `-`; any other visible character is a word by
+/// itself.
 fn words_of(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
     let belongs = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'.' | b'-');
     let mut all = Vec::new();
@@ -156,7 +159,7 @@ fn change_words(out: &mut Vec<u8>, words: &[String], random: &mut Pcg64) {
         2 => pick(NUMBERS, random).as_bytes().to_vec(),
         3 if !words.is_empty() => pick(words, random).as_bytes().to_vec(),
         _ => {
-            // Two of them change places.
+            // Two words are swapped.
             let other = pick(&all, random).clone();
             let (a, b) = (out[at.clone()].to_vec(), out[other.clone()].to_vec());
             let (first, then) = if at.start < other.start {
@@ -192,14 +195,14 @@ fn change_lines(out: &mut Vec<u8>, random: &mut Pcg64) {
             lines.insert(b, line);
         }
         3 => {
-            // A line many times: many rows, many objects of one id.
+            // A line is repeated, to produce many rows or many objects with the same id.
             let line = lines[a].clone();
             for _ in 0..random.random_range(2..30) {
                 lines.insert(b, line.clone());
             }
         }
         _ => {
-            // Other line ends, of some lines only.
+            // The line ends are changed from some line on.
             let dos = random.random();
             for line in lines.iter_mut().skip(a) {
                 line.retain(|byte| *byte != b'\r');
@@ -212,7 +215,7 @@ fn change_lines(out: &mut Vec<u8>, random: &mut Pcg64) {
     *out = lines.concat();
 }
 
-/// Every word of the dataset language, with the marks that make them mean something.
+/// Returns every word of the dataset language, both alone and with the punctuation of its usual context.
 pub fn grammar_words() -> Vec<String> {
     let mut all = Vec::new();
     for statement in STATEMENTS {
@@ -229,7 +232,7 @@ pub fn grammar_words() -> Vec<String> {
     all
 }
 
-/// The functions of the language.
+/// Returns every function name, both alone and as a call, and further words of expressions.
 pub fn function_words() -> Vec<String> {
     let mut all: Vec<String> = FUNCTIONS
         .iter()
@@ -249,7 +252,7 @@ pub fn function_words() -> Vec<String> {
     all
 }
 
-/// Random numbers for what a reader is asked of a case: the same for the same bytes.
+/// Returns a random number generator seeded by the bytes, so that the choices of a case are reproducible.
 pub fn drawn(bytes: &[u8]) -> Pcg64 {
     Pcg64::seed_from_u64(bytes.iter().fold(7, |sum: u64, byte| {
         sum.wrapping_mul(31).wrapping_add(u64::from(*byte))

@@ -1,10 +1,10 @@
-//! Every reader that is fuzzed, by its name: for the mutations of `cargo test` and for a fuzzer that looks at coverage.
+//! Table of the fuzzed readers by name, for the mutations of `cargo test` and for a coverage-guided fuzzer.
 
 use crate::{decks, expressions, results, studies};
 
 type Reader = fn(&[u8]);
 
-/// Each panics where something does not hold.
+/// Readers by name. Each panics if a checked property is violated.
 const READERS: [(&str, Reader); 17] = [
     ("dataset", decks::deck),
     ("command-file", decks::commands),
@@ -25,7 +25,7 @@ const READERS: [(&str, Reader); 17] = [
     ("kc.toml", studies::settings),
 ];
 
-/// The reader of a name.
+/// Returns the reader with this name.
 pub fn reader(name: &str) -> Reader {
     let found = READERS.iter().find(|(known, _)| *known == name);
     let known = READERS.map(|(known, _)| known);

@@ -1,4 +1,4 @@
-//! Result files of every kind.
+//! Fuzz targets for results files of every format.
 
 use admire_results::{
     FormattedResults, GraphicsFile, Header, MessageFile, NumberStyle, RequestFile, RequestWriter,
@@ -12,7 +12,7 @@ use crate::harness::{assert_inside, fuzz};
 use crate::mutation::drawn;
 use crate::seeds;
 
-/// An XRF file as it was read: its steps, and whether it was read to its end.
+/// Steps of a results file: the kind and the values of each.
 type Steps = Vec<(admire_results::StepKind, Vec<f64>)>;
 
 fn steps(reader: &mut dyn ResultsReader) -> (Steps, bool) {
@@ -32,7 +32,7 @@ fn steps(reader: &mut dyn ResultsReader) -> (Steps, bool) {
     }
 }
 
-/// What there is, with the blanks that stand for control characters in XML.
+/// Formats a value for comparison, with each control character replaced by a blank as in XML output.
 fn shown(of: &impl std::fmt::Debug) -> String {
     let text = format!("{of:?}");
     let mut out = String::new();
@@ -53,7 +53,7 @@ fn shown(of: &impl std::fmt::Debug) -> String {
     out + rest
 }
 
-/// What is read is copied without a change of a byte, and what is written of it is read as the same.
+/// Checks that an XRF file is copied byte for byte, and that its content is the same after writing and reading again.
 pub fn xrf(bytes: &[u8]) {
     let Ok(mut reader) = XrfReader::open("a.res", bytes) else {
         return;
@@ -83,7 +83,7 @@ pub fn xrf(bytes: &[u8]) {
     }
     let written = writer.finish("Successful").expect("memory");
     let mut again = XrfReader::open("b.res", written.as_slice()).expect("what is written is read");
-    // The comment is of whole lines.
+    // The end of the comment is trimmed, because a comment is written as whole lines.
     let of_lines = |header: &Header| Header {
         comment: header
             .comment
@@ -100,15 +100,15 @@ pub fn xrf(bytes: &[u8]) {
     assert!(whole && back == kept, "what is written is read back");
 }
 
-/// The same, and read from the disk.
+/// Checks the bytes as an XRF file in memory, and then as a file of any format on disk.
 pub fn xrf_or_other(bytes: &[u8]) {
     xrf(bytes);
     any(bytes);
 }
 
-/// The files that are shown as if they were XRF are, whatever is in them.
+/// Reads a file on disk in any format that is presented as XRF.
 fn any(bytes: &[u8]) {
-    // From the disk it takes long: one of eight.
+    // Only one case in eight is run, because disk access is slow.
     if drawn(bytes).random_range(0..8) > 0 {
         return;
     }
@@ -133,7 +133,7 @@ pub fn requests(bytes: &[u8]) {
             .iter()
             .all(|sixes| sixes.len() == file.requests.len())
     );
-    // Written again, numbers have six digits.
+    // Numbers are written with six digits, so values may differ after reading again.
     let when = Timestamp::from_unix(0);
     let mut writer = RequestWriter::create(
         Vec::new(),

@@ -1,4 +1,4 @@
-//! What is changed: the project's own files, those of the shared material where it is, and small files of every kind of result.
+//! Seeds of the fuzz tests: files of the project, shared real files if available, and a small results file of each format.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use admire_syntax::units::Units;
 use crate::common::tiling::real_files;
 use crate::common::{files_below, shared};
 
-/// The project's own files with this ending, and the real ones.
+/// Returns the files of the corpus and the real files with this extension.
 pub fn all(ending: &str) -> Vec<Vec<u8>> {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
     let own = files_below(&corpus, ending).into_iter();
@@ -20,7 +20,7 @@ pub fn all(ending: &str) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Files that once broke something.
+/// Returns files that once caused a fault.
 pub fn faults(ending: &str) -> Vec<Vec<u8>> {
     let Some(folder) = shared("reference/faults") else {
         return Vec::new();
@@ -33,7 +33,7 @@ pub fn faults(ending: &str) -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// A results file of two steps, with names that XML has to escape.
+/// Returns a results file of two steps, with names that need escaping in XML.
 pub fn xrf() -> Vec<u8> {
     let component = |id, name: &str| Component {
         name: name.to_string(),
@@ -116,7 +116,7 @@ pub fn gra() -> Vec<u8> {
     writer.finish()
 }
 
-/// What real ADAMS wrote before XRF.
+/// Returns a results file in the format that ADAMS wrote before XRF.
 pub fn formatted() -> Vec<u8> {
     let mut text = String::new();
     for (name, lines) in [

@@ -1,4 +1,4 @@
-//! The folders of studies: settings and tables.
+//! Fuzz targets for the settings and tables of study folders.
 
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -12,7 +12,7 @@ use admire_syntax::text::Source;
 use crate::harness::{assert_inside, fuzz};
 use crate::seeds;
 
-/// A study of the corpus, of which one file at a time is another.
+/// Copy of a study of the corpus, in which one file at a time is replaced.
 struct Folder {
     place: tempfile::TempDir,
     model: Model,
@@ -40,7 +40,7 @@ impl Folder {
         self.place.path().join(file)
     }
 
-    /// Reads the study with another file in it.
+    /// Reads the study with one file replaced by the given bytes, and checks the result.
     fn with(&self, file: &str, bytes: &[u8]) {
         let path = self.path(file);
         std::fs::write(&path, bytes).expect("a file of the study");
@@ -57,7 +57,7 @@ impl Folder {
         study.inputs_sha256();
         let measured = Measurement::resolve(&study, &self.model);
         assert_inside(&measured.diagnostics, &name, bytes);
-        // Whatever is taken for a reading is a number.
+        // Every accepted reading is a finite number.
         let measured = measured.value;
         for case in 0..measured.cases.len() {
             for part in 0..measured.parts.len() {
@@ -72,7 +72,7 @@ impl Folder {
     }
 }
 
-/// A reader of a study with another file in it. Every case has a folder for itself while it runs.
+/// Returns a reader that replaces one file of a study. Each running case uses a folder of its own.
 fn in_folders(study: &'static str, file: &'static str) -> impl Fn(&[u8]) + Send + Sync {
     let free: Mutex<Vec<Folder>> = Mutex::default();
     move |bytes| {
@@ -90,7 +90,7 @@ const MARKS_ON_PARTS: (&str, &str) = ("pseudo-mcpherson", "marks_on_parts.csv");
 const MARKS_MEASURED: (&str, &str) = ("pseudo-mcpherson", "marks_measured.csv");
 const WHEEL: (&str, &str) = ("kc-experiment", "wheel.csv");
 
-/// Readers of studies, each with another one of its files.
+/// Defines a fuzz target for each of these files of a study.
 macro_rules! readers {
     ($($reader:ident $file:ident),+) => {
         $(
@@ -165,7 +165,7 @@ fn tables_of_studies() {
     }
 }
 
-/// Cells are where their text stands.
+/// Checks that the cells of a table have the text of their spans.
 pub fn table(bytes: &[u8]) {
     let mut diagnostics = Vec::new();
     let table = Table::read(Source::new("a.csv", bytes), &mut diagnostics);
@@ -176,7 +176,7 @@ pub fn table(bytes: &[u8]) {
         for (at, cell) in row.iter().enumerate() {
             assert!(cell.span.start() <= cell.span.end() && cell.span.end() <= bytes.len());
             table.number(row, at, &mut diagnostics);
-            // A cell without quotes is shown where it stands.
+            // The text of a cell without quotation marks equals the text of its span.
             let shown = table.source.text(cell.span);
             assert!(
                 shown.contains('"') || shown.trim() == cell.text,
@@ -197,7 +197,7 @@ fn tables() {
     fuzz("table", 4000, &seeds::all("csv"), &words);
 }
 
-/// Settings, or a reason why there are none.
+/// Checks that settings are read or that an error is reported.
 pub fn settings(bytes: &[u8]) {
     let read = Config::read(&Source::new("kc.toml", bytes), (1.0, 1.0));
     assert_inside(&read.diagnostics, "kc.toml", bytes);

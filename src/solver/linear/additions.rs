@@ -1,7 +1,7 @@
-//! The order of the additions of a first assembly in the matrix they make up.
+//! Sorting of the additions of a first assembly into the order of the matrix entries.
 
-/// Numbers of the additions in order of columns, then rows, then as they came; `place` is (column, row). They are counted into columns, which
-/// are short.
+/// Returns the indices of the additions, sorted by column, then by row, then by order of arrival. `place` returns (column, row). A counting
+/// sort by columns is followed by a sort within each column, which is short.
 pub(super) fn by_columns<T>(n: usize, all: &[T], place: impl Fn(&T) -> (u32, u32)) -> Vec<u32> {
     let mut ends = vec![0_u32; n + 1];
     for addition in all {

@@ -1,11 +1,11 @@
-//! Columns that say nothing new.
+//! Linearly dependent columns of a sparse matrix.
 
 use super::entries::Entries;
 use super::ordering::by_shared_rows;
 use super::pivoting::{RANK_TOLERANCE, eliminated};
 
-/// Columns of a sparse matrix without which the others have the same span and depend on none of each other; all that are empty are among
-/// them. Which of several it is goes by the order that keeps the elimination short.
+/// Returns columns whose removal leaves a linearly independent set with the same span; all empty columns are among them. Of several possible
+/// choices, the elimination order with little fill selects one.
 pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
     eliminated(matrix, by_shared_rows(matrix), false, RANK_TOLERANCE).free
 }
@@ -14,7 +14,7 @@ pub(crate) fn dependent_columns(matrix: &Entries<'_, f64>) -> Vec<u32> {
 mod tests {
     use crate::linear::{Matrix, Sink, dependent_columns};
 
-    /// Of three columns in a plane one is left over, of an empty one nothing is kept.
+    /// One of three columns in a plane is dependent, and so is an empty column.
     #[test]
     fn one_of_dependent_columns_is_named() {
         let columns = [

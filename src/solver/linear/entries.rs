@@ -1,18 +1,18 @@
 use super::scalar::Scalar;
 
-/// The entries of a sparse matrix of n rows and columns.
+/// Entries of a sparse matrix with n rows and columns.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entries<'a, T> {
     pub n: usize,
     /// (column, row) of every entry, sorted.
     pub places: &'a [(u32, u32)],
     pub values: &'a [T],
-    /// Of places of the same pattern: which of them there are.
+    /// Identifies which entries of a common pattern are present.
     pub fingerprint: u64,
 }
 
 impl<'a, T: Scalar> Entries<'a, T> {
-    /// All of a pattern.
+    /// Creates a matrix that contains all entries of its pattern.
     pub(crate) fn whole(n: usize, places: &'a [(u32, u32)], values: &'a [T]) -> Self {
         Self {
             n,
@@ -22,7 +22,7 @@ impl<'a, T: Scalar> Entries<'a, T> {
         }
     }
 
-    /// (row, column, value) of every entry, by columns.
+    /// Iterates by columns over (row, column, value) of every entry.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, usize, T)> + '_ {
         self.places
             .iter()

@@ -1,13 +1,14 @@
-//! LU factors as the solutions read them: row by row, without their zeros.
+//! LU factors in the form that solutions read: row by row, without zeros.
 //!
-//! Half and more of the factors of a mechanism are zeros: axes that lie along those of the model, blocks that are diagonal.
+//! At least half of the entries in the factors of a mechanism are zero, because axes are parallel to those of the model and blocks are
+//! diagonal.
 
 use std::ops::{Div, Mul};
 
 use super::scalar::Scalar;
 use super::upper::{UpperRow, back, forwards_transposed};
 
-/// A row of the factors: its row and column of the matrix, and where its entries of L and U end.
+/// A row of the factors: its row and column in the matrix, and the ends of its entries of L and U.
 #[derive(Clone, Copy, Debug, Default)]
 struct RowRange {
     row: u32,
@@ -16,20 +17,21 @@ struct RowRange {
     upper: u32,
 }
 
-/// Rows of L and U in the order of the elimination.
+/// Rows of L and U in the order of elimination.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factors<T> {
     /// Of every row, behind one in front of the first.
     ends: Vec<RowRange>,
     pivots: Vec<T>,
-    /// Rows of the matrix whose multiples are taken off, and their multipliers.
+    /// Matrix rows of which the rows of L subtract multiples.
     lower_rows: Vec<u32>,
+    /// Multipliers of L.
     lower: Vec<T>,
     upper_columns: Vec<u32>,
     upper: Vec<T>,
 }
 
-/// Factors that are written row by row.
+/// Factors while they are written row by row.
 pub(super) struct Written<'a, T> {
     ends: &'a mut Vec<RowRange>,
     pivots: &'a mut Vec<T>,
@@ -37,12 +39,12 @@ pub(super) struct Written<'a, T> {
     lower: &'a mut [T],
     upper_columns: &'a mut [u32],
     upper: &'a mut [T],
-    /// How many there are of L and U.
+    /// Numbers of entries of L and U written so far.
     counts: (usize, usize),
 }
 
 impl<T: Scalar> Written<'_, T> {
-    /// Adds to L in the row that comes next.
+    /// Appends an entry of L to the current row.
     #[inline]
     pub(super) fn push_lower(&mut self, row: u32, multiplier: T) {
         let at = self.counts.0;
@@ -51,7 +53,7 @@ impl<T: Scalar> Written<'_, T> {
         self.counts.0 = at + 1;
     }
 
-    /// Adds to U in the row that comes next, unless it is zero: without a branch, which nobody could foretell.
+    /// Appends an entry of U to the current row, unless it is zero. The code has no branch, which would be unpredictable.
     #[inline]
     pub(super) fn push_upper(&mut self, column: u32, value: T) {
         let at = self.counts.1;
@@ -60,7 +62,7 @@ impl<T: Scalar> Written<'_, T> {
         self.counts.1 = at + usize::from(value != T::default());
     }
 
-    /// Ends a row.
+    /// Ends the current row.
     #[inline]
     pub(super) fn end_row(&mut self, row: u32, column: u32, pivot: T) {
         self.ends.push(RowRange {
@@ -72,7 +74,7 @@ impl<T: Scalar> Written<'_, T> {
         self.pivots.push(pivot);
     }
 
-    /// Columns and values of U of the k-th row.
+    /// Returns columns and values of U in the k-th row.
     #[inline]
     pub(super) fn upper(&self, k: usize) -> (&[u32], &[T]) {
         let range = self.ends[k].upper as usize..self.ends[k + 1].upper as usize;
@@ -81,7 +83,7 @@ impl<T: Scalar> Written<'_, T> {
 }
 
 impl<T: Scalar> Factors<T> {
-    /// Begins anew, with room for so many entries of L and U.
+    /// Starts new factors, with room for `lower` entries of L and `upper` entries of U.
     pub(super) fn begin(&mut self, lower: usize, upper: usize) -> Written<'_, T> {
         self.ends.clear();
         self.ends.push(RowRange::default());
@@ -101,7 +103,7 @@ impl<T: Scalar> Factors<T> {
         }
     }
 
-    /// The rows of L: rows whose multiples are taken off, and multipliers.
+    /// Iterates over the rows of L: the matrix row, the rows of which it subtracts multiples, and the multipliers.
     fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
         self.ends.windows(2).map(|pair| {
             let range = pair[0].lower as usize..pair[1].lower as usize;
@@ -110,7 +112,7 @@ impl<T: Scalar> Factors<T> {
         })
     }
 
-    /// The rows of U.
+    /// Iterates over the rows of U.
     fn upper(&self) -> impl DoubleEndedIterator<Item = UpperRow<'_, T>> {
         let rows = self.ends.windows(2).zip(&self.pivots);
         rows.map(|(pair, &pivot)| {
@@ -125,7 +127,8 @@ impl<T: Scalar> Factors<T> {
         })
     }
 
-    /// Solves for the right side `b`, which is used up; the solution goes to `x`, where unknowns without a pivot are zero.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
+    /// entry.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -140,12 +143,12 @@ impl<T: Scalar> Factors<T> {
         back(self.upper(), x, |row| b[row as usize]);
     }
 
-    /// Changes `x`, where an unknown without a pivot is given, into a motion that nothing resists.
+    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         back(self.upper(), x, |_| T::default());
     }
 
-    /// Solves with the transposed matrix; rows without a pivot have zero in `y`.
+    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         forwards_transposed(self.upper(), b, y);
         for (row, rows, multipliers) in self.lower().rev() {

@@ -1,10 +1,10 @@
-//! The two forms in which factors are kept.
+//! The two forms in which factors are stored.
 //!
-//! In statics one or two solutions follow a factorisation. Repeating recorded operations is fastest there, and the solutions read the
-//! values where they stand, zeros included.
+//! In statics, one or two solutions follow a factorisation. Repeating recorded operations is fastest there, and the solutions read the values
+//! where they are, zeros included.
 //!
-//! In motion many solutions follow, often of several right sides at once. They repay the cost of writing rows without zeros. Large systems
-//! need no long list of operations.
+//! In motion, many solutions follow, often for several right sides at once. They repay the cost of writing rows without zeros. Large systems
+//! also do without a long list of operations.
 
 use std::ops::{Div, Mul};
 
@@ -15,32 +15,32 @@ use super::pivoting::Eliminated;
 use super::recorded::Recorded;
 use super::scalar::Scalar;
 
-/// Factors with what makes them of other matrices of their pattern.
+/// Factors, with the information needed to factor other matrices of the same pattern.
 #[derive(Clone, Debug)]
 pub(super) enum Form<T> {
-    /// For few solutions.
+    /// Form for few solutions per factorisation.
     Operations(Recorded<T>),
-    /// For many.
+    /// Form for many solutions per factorisation.
     Rows(Pattern, Factors<T>, Spread<T>),
 }
 
 impl<T: Scalar> Form<T> {
-    /// Without factors, for few solutions of each.
+    /// Creates the form for few solutions, without factors.
     pub(super) fn operations() -> Self {
         Self::Operations(Recorded::default())
     }
 
-    /// Without factors, for many solutions of each.
+    /// Creates the form for many solutions, without factors.
     pub(super) fn rows() -> Self {
         Self::Rows(Pattern::default(), Factors::default(), Spread::default())
     }
 
-    /// Whether it takes the targets of an elimination.
+    /// Returns true if the form needs the targets of an elimination.
     pub(super) fn takes_targets(&self) -> bool {
         matches!(self, Self::Operations(_))
     }
 
-    /// Takes over what an elimination of the matrix has found.
+    /// Takes over the result of an elimination of the matrix.
     pub(super) fn take(&mut self, done: &mut Eliminated<T>, matrix: &Entries<'_, T>) {
         match self {
             Self::Operations(recorded) => *recorded = Recorded::of(done, matrix.values.len()),
@@ -48,7 +48,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Takes over the pattern of others; false if one of the two has none.
+    /// Takes over the pattern of other factors. Returns false if one of the two forms has none.
     pub(super) fn follow<R: Scalar>(&mut self, other: &Form<R>) -> bool {
         match (self, other) {
             (Self::Rows(pattern, ..), Form::Rows(other, ..)) => {
@@ -59,7 +59,8 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Makes the factors anew; false if a pivot has shrunk too far, by the scales of rows and columns and the growth that is allowed.
+    /// Factors another matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and by the allowed
+    /// `growth`.
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -74,7 +75,8 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Solves for the right side `b`, which is used up; the solution goes to `x`, where unknowns without a pivot are zero.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
+    /// entry.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -85,7 +87,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Changes `x`, where an unknown without a pivot is given, into a motion that nothing resists.
+    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         match self {
             Self::Operations(recorded) => recorded.follow_free(x),
@@ -93,7 +95,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// Solves with the transposed matrix; rows without a pivot have zero in `y`.
+    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         match self {
             Self::Operations(recorded) => recorded.solve_transposed(b, y),
@@ -101,7 +103,7 @@ impl<T: Scalar> Form<T> {
         }
     }
 
-    /// How many places the factors have.
+    /// Returns the number of entries of the factors.
     #[cfg(test)]
     pub(super) fn places(&self) -> usize {
         match self {

@@ -1,10 +1,10 @@
-//! Several numbers that go through the same operations side by side.
+//! Several numbers that undergo the same operations side by side.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use super::scalar::Scalar;
 
-/// One number of each of N right sides.
+/// One number from each of N right sides.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Lanes<const N: usize>(pub [f64; N]);
 

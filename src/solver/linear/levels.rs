@@ -4,24 +4,24 @@ use super::entries::Entries;
 use super::occupied::Occupied;
 use super::scalar::Scalar;
 
-/// A sparse matrix in three levels over one pattern: derivatives by the unknowns, by their first and by their second rates; and a column
-/// of derivatives by the time.
+/// A sparse matrix of three levels with one pattern: derivatives by the unknowns, by their first rates and by their second rates. A separate
+/// column contains derivatives by time.
 ///
-/// Column c of an addition stands for unknown c % n at level c / n; level 3 is the time. Entries arrive in the same order in every
-/// assembly.
+/// Column c of an addition stands for unknown c % n at level c / n; level 3 is time. Entries arrive in the same order in every assembly.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Levels {
     n: usize,
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
-    /// The entries that stand at the first or the second rate, in their order, and (column, row) of these.
+    /// Indices of the entries that have a derivative by a first or second rate, in ascending order.
     rates: Vec<u32>,
+    /// (column, row) of the entries in `rates`.
     rated: Vec<(u32, u32)>,
-    /// Derivatives of every entry by the unknown; behind them two for each of [`Self::rates`]: few, and next to each other.
+    /// Derivatives of every entry by the unknown, then two values for each entry in `rates`. These are few and adjacent.
     values: Vec<f64>,
-    /// Derivative of every row by the time.
+    /// Derivative of every row by time.
     pub time: Vec<f64>,
-    /// Value of the k-th addition.
+    /// Index into `values` of the k-th addition.
     slots: Vec<u32>,
     next: usize,
     /// Additions of the first assembly: column, row, level, value.
@@ -62,7 +62,7 @@ impl Sink for Levels {
 }
 
 impl Levels {
-    /// Of n rows and columns.
+    /// Creates a matrix with n rows and columns.
     pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
@@ -71,7 +71,7 @@ impl Levels {
         }
     }
 
-    /// Makes ready for an assembly.
+    /// Prepares for an assembly.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.time.fill(0.0);
@@ -81,7 +81,7 @@ impl Levels {
         }
     }
 
-    /// Ends an assembly.
+    /// Finishes an assembly. The first one determines the pattern.
     pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
@@ -125,7 +125,7 @@ impl Levels {
         self.occupy();
     }
 
-    /// At which levels each entry stands, whatever its value, in the order of [`Self::entries`].
+    /// Returns the levels at which each entry was added, whatever its value, in the order of [`Self::entries`].
     pub(crate) fn standing(&self) -> Vec<[bool; 3]> {
         let mut out = vec![[false; 3]; self.places.len()];
         for &slot in &self.slots {
@@ -137,8 +137,8 @@ impl Levels {
         out
     }
 
-    /// Fills `values` with the sum of the levels, weighted by row and column, and gives it as a matrix of the places that have ever been
-    /// something but zero.
+    /// Fills `values` with the sum of the levels, weighted by row and column. Returns it as a matrix of the entries that have ever been
+    /// nonzero.
     pub(crate) fn combined<'a, T: Scalar>(
         &'a self,
         values: &'a mut Vec<T>,
@@ -160,7 +160,7 @@ impl Levels {
         self.occupied.entries(self.n, values)
     }
 
-    /// Looks for places that are something but zero for the first time.
+    /// Registers the entries that are nonzero for the first time.
     fn occupy(&mut self) {
         let (values, rates) = self.values.split_at(self.places.len());
         self.occupied.begin(values.len());
@@ -177,7 +177,7 @@ impl Levels {
         self.occupied.end(&self.places);
     }
 
-    /// (row, column, [by the unknown, by its rate, by its second rate]) of every entry, by columns.
+    /// Iterates by columns over all entries: (row, column, [by the unknown, by its rate, by its second rate]).
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, [f64; 3])> + '_ {
         let mut rates = self.by_rates().peekable();
         let places = self.places.iter().zip(&self.values).enumerate();
@@ -187,13 +187,13 @@ impl Levels {
         })
     }
 
-    /// (row, column, [by the rate, by the second rate]) of the entries that stand at one of them, by columns.
+    /// Iterates by columns over the entries with derivatives by rates: (row, column, [by the rate, by the second rate]).
     pub(crate) fn rates(&self) -> impl Iterator<Item = (usize, usize, [f64; 2])> + '_ {
         let rates = self.rated.iter().zip(self.by_rates());
         rates.map(|(&(column, row), (_, values))| (row as usize, column as usize, values))
     }
 
-    /// Entry and values of [`Self::rates`].
+    /// Iterates over index and values of the entries of [`Self::rates`].
     fn by_rates(&self) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
         let values = self.values[self.places.len()..].chunks_exact(2);
         let rates = self.rates.iter().zip(values);

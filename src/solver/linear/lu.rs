@@ -1,13 +1,13 @@
-//! Sparse LU factors with an elimination order that is found once.
+//! Sparse LU factors with an elimination order that is chosen once.
 //!
-//! The first factorisation takes the columns in faer's approximate minimum degree order, or searches them by sparsity in small systems
-//! (Markowitz), chooses the shortest row among those large enough for stability, and writes down what it does. Later ones do the same
-//! with other values. A pivot that has shrunk makes it choose anew. Columns without any pivot (motions nothing resists) are put aside and
-//! their unknowns held at zero.
+//! The first factorisation takes the columns in faer's approximate minimum degree order, or searches for sparse columns in small systems
+//! (Markowitz). In each column it chooses the shortest row whose pivot is large enough for stability, and it records its operations. Later
+//! factorisations repeat them with other values. A pivot that has shrunk too far causes a new choice. Columns without any pivot (motions
+//! without stiffness) are set aside, and their unknowns are held at zero.
 //!
-//! Why not all of faer's sparse LU: it has neither a repetition with the pivots frozen nor a word about columns without one. On chains of
-//! 100, 1,000 and 10,000 links (670 to 67,140 unknowns) a repeated factorisation takes it 10, 11 and 5 times as long; its first one, the
-//! order included, is 1.5 to 2.5 times as fast: `cargo test --lib compared_with_faer -- --nocapture`.
+//! faer's complete sparse LU is not used, because it offers neither a refactorisation with frozen pivots nor a report of columns without a
+//! pivot. On chains of 100, 1,000 and 10,000 links (670 to 67,140 unknowns) its refactorisation takes 10, 11 and 5 times as long. Its first
+//! factorisation, including the order, is 1.5 to 2.5 times as fast: `cargo test --lib compared_with_faer -- --nocapture`.
 
 use std::ops::{Div, Mul};
 
@@ -20,10 +20,10 @@ use super::pivoting::{RANK_TOLERANCE, eliminated};
 use super::scalar::Scalar;
 use super::step::{GROWTH, GROWTH_OF_STEPS};
 
-/// How many right sides are solved for side by side.
+/// Number of right sides that are solved side by side.
 const WIDTH: usize = 8;
 
-/// Sparse LU factors, of real numbers or of complex ones.
+/// Sparse LU factors of a real or complex matrix.
 #[derive(Clone, Debug)]
 pub(crate) struct Lu<T = f64> {
     n: usize,
@@ -33,37 +33,37 @@ pub(crate) struct Lu<T = f64> {
     row_scale: Vec<f64>,
     column_scale: Vec<f64>,
     work: Vec<T>,
-    /// [`Entries::fingerprint`] of the matrix that the order is of.
+    /// [`Entries::fingerprint`] of the matrix for which the order was chosen.
     fingerprint: u64,
-    /// How often an order was chosen.
+    /// Number of times that an order was chosen.
     pub(crate) orders: usize,
-    /// What may stand below a small pivot.
+    /// Largest ratio allowed between an entry below a shrunk pivot and the pivot.
     growth: f64,
-    /// A pivot below this is none, after rows and columns are scaled to one.
+    /// Size below which a pivot counts as zero, after rows and columns are scaled to one.
     rank_tolerance: f64,
-    /// False if every matrix gets an order of its own, because a repeated order does not look for pivots that have vanished.
+    /// False if every matrix gets its own order, because a repeated order does not detect pivots that have vanished.
     repeats: bool,
 }
 
 impl Lu {
-    /// Factors a matrix. All matrices given to one object must have the same pattern, or places of it ([`super::Occupied`]).
+    /// Factors a matrix. All matrices passed to one object must have the same pattern, or entries of a common pattern ([`super::Occupied`]).
     pub(crate) fn factor(&mut self, matrix: &Matrix) {
         self.factor_entries(&matrix.view());
     }
 }
 
 impl<T: Scalar> Lu<T> {
-    /// For answers; one or two solutions follow a factorisation.
+    /// Creates factors for final answers, with one or two solutions per factorisation.
     pub(crate) fn new(n: usize) -> Self {
         Self::with(n, Form::operations(), GROWTH)
     }
 
-    /// For answers; many solutions follow a factorisation, or the system is large.
+    /// Creates factors for final answers, with many solutions per factorisation or for large systems.
     pub(crate) fn for_many(n: usize) -> Self {
         Self::with(n, Form::rows(), GROWTH)
     }
 
-    /// The same, if its solutions are steps of an iteration alone: an order stays for longer.
+    /// Creates factors for many solutions that are only corrections of an iteration. An order then remains in use for longer.
     pub(crate) fn for_steps(n: usize) -> Self {
         Self::with(n, Form::rows(), GROWTH_OF_STEPS)
     }
@@ -85,14 +85,14 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Sets the scaled size below which a pivot is none. Each matrix then gets an order of its own.
+    /// Sets the scaled size below which a pivot counts as zero. Each matrix then gets its own order.
     pub(crate) fn set_rank_tolerance(&mut self, tolerance: f64) {
         self.rank_tolerance = tolerance;
         self.repeats = false;
     }
 
-    /// Takes over the order of other factors, of a matrix of the same pattern and about the same sizes, where it has none of its own. Both
-    /// are for many solutions.
+    /// Takes over the order of other factors, unless an order was chosen already. Their matrix must have the same pattern and similar
+    /// magnitudes, and both objects must be for many solutions.
     pub(crate) fn follow<R: Scalar>(&mut self, other: &Lu<R>) {
         let may = self.orders == 0 && other.orders > 0 && other.free.is_empty();
         if !(may && self.form.follow(&other.form)) {
@@ -105,12 +105,12 @@ impl<T: Scalar> Lu<T> {
         self.orders = 1;
     }
 
-    /// Factors a matrix. All matrices given to one object must have the same pattern, or places of it ([`super::Occupied`]).
+    /// Factors a matrix. All matrices passed to one object must have the same pattern, or entries of a common pattern ([`super::Occupied`]).
     pub(crate) fn factor_entries(&mut self, matrix: &Entries<'_, T>) {
         self.factor_in_order(matrix, columns_of);
     }
 
-    /// The same, with the columns in this order where one has to be chosen; none if pivots are to be searched for.
+    /// Factors a matrix. If an order is chosen, the columns are taken as `order` returns them; if that is empty, pivots are searched for.
     pub(crate) fn factor_in_order(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -122,7 +122,7 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// Chooses the order of the operations.
+    /// Eliminates the matrix and chooses a new order.
     fn eliminate(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -142,13 +142,13 @@ impl<T: Scalar> Lu<T> {
         self.work.resize(self.n, T::default());
     }
 
-    /// Repeats the known operations; false if a pivot has shrunk too far.
+    /// Repeats the known operations. Returns false if a pivot has shrunk too far.
     fn repeat(&mut self, matrix: &Entries<'_, T>) -> bool {
         let scales = (&self.row_scale[..], &self.column_scale[..]);
         self.form.repeat(matrix, scales, self.growth)
     }
 
-    /// Solves for the right side given; unknowns without a pivot are zero.
+    /// Solves in place for a right side; unknowns without a pivot are zero.
     pub(crate) fn solve(&mut self, b: &mut [T]) {
         let mut x = std::mem::take(&mut self.work);
         self.solve_into(b, &mut x);
@@ -156,7 +156,7 @@ impl<T: Scalar> Lu<T> {
         self.work = x;
     }
 
-    /// The same for many right sides, which follow one another in `all`: what one alone would have, to the bit.
+    /// Solves for many right sides that follow one another in `all`. The solutions are bitwise equal to those of separate calls.
     pub(crate) fn solve_many(&self, all: &mut [f64])
     where
         Lanes<WIDTH>: Mul<T, Output = Lanes<WIDTH>> + Div<T, Output = Lanes<WIDTH>>,
@@ -182,7 +182,7 @@ impl<T: Scalar> Lu<T> {
         }
     }
 
-    /// The same for a right side of another kind of numbers, with the solution in `x`; what is in `b` is used up.
+    /// Solves for a right side of another number type. The solution is written to `x`, and `b` is overwritten.
     pub(crate) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -203,17 +203,17 @@ impl<T: Scalar> Lu<T> {
         b.copy_from_slice(y);
     }
 
-    /// How many motions nothing resists.
+    /// Returns the number of columns without a pivot, that is of motions without stiffness.
     pub(crate) fn deficiency(&self) -> usize {
         self.free.len()
     }
 
-    /// Rows that have no pivot, as many as there are such motions.
+    /// Returns the rows without a pivot; they are as many as the columns without one.
     pub(crate) fn left_out(&self) -> &[u32] {
         &self.idle
     }
 
-    /// The m-th motion of the unknowns that nothing resists.
+    /// Returns the m-th null vector of the matrix, in which the m-th unknown without a pivot is one.
     pub(crate) fn null_vector(&self, m: usize) -> Vec<T> {
         let mut x = vec![T::default(); self.n];
         x[self.free[m] as usize] = T::ONE;
@@ -221,13 +221,13 @@ impl<T: Scalar> Lu<T> {
         x
     }
 
-    /// How many places the factors have.
+    /// Returns the number of entries of the factors.
     #[cfg(test)]
     pub(crate) fn places(&self) -> usize {
         self.form.places()
     }
 
-    /// Length of a residual in the scale of its rows.
+    /// Returns the norm of a residual with its rows scaled.
     pub(crate) fn scaled_norm(&self, g: &[f64]) -> f64 {
         let sum: f64 = g
             .iter()
@@ -254,7 +254,7 @@ mod tests {
         m
     }
 
-    /// Without factors, in both forms.
+    /// Returns both forms, without factors.
     fn forms(n: usize) -> [Lu; 2] {
         [Lu::new(n), Lu::for_many(n)]
     }
@@ -277,7 +277,7 @@ mod tests {
                     .map(|j| (0..3).map(|i| rows[i][j] * x[i]).sum())
                     .collect();
                 lu.solve_transposed(&mut t);
-                // Elimination is stable by the norm of the solution, not by each of its components.
+                // Elimination is stable relative to the norm of the solution, not to each of its components.
                 for k in 0..3 {
                     assert!((b[k] - x[k]).abs() < 1e-12 * 7.0, "{b:?}");
                     assert!((t[k] - x[k]).abs() < 1e-12 * 7.0, "{t:?}");
@@ -304,7 +304,7 @@ mod tests {
 
     #[test]
     fn a_motion_without_resistance_is_found_and_held() {
-        // The motion (1, 2, 1) is free; the load is balanced otherwise.
+        // (1, 2, 1) is a null vector, and the load does no work along it.
         let rows: &[&[f64]] = &[&[2.0, -1.0, 0.0], &[-1.0, 1.0, -1.0], &[0.0, -1.0, 2.0]];
         for mut lu in forms(3) {
             lu.factor(&matrix(rows));
@@ -335,7 +335,7 @@ mod tests {
         }
     }
 
-    /// What the first elimination has found, done with other values, has their solutions: both ways, and to the bit the same in both forms.
+    /// Factors of a known pattern with other values give correct solutions, also transposed; both forms give bitwise equal solutions.
     #[test]
     fn a_known_pattern_takes_other_values() {
         let n = 60;

@@ -3,14 +3,14 @@ use super::additions::by_columns;
 use super::entries::Entries;
 use super::occupied::Occupied;
 
-/// A sparse matrix whose entries arrive in the same order in every assembly: the place of each is looked up once.
+/// A sparse matrix whose entries arrive in the same order in every assembly, so that the position of each is looked up only once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Matrix {
     n: usize,
     /// (column, row) of every entry, sorted.
     places: Vec<(u32, u32)>,
     values: Vec<f64>,
-    /// Entry of the k-th addition.
+    /// Index of the entry that the k-th addition goes to.
     slots: Vec<u32>,
     next: usize,
     /// Additions of the first assembly.
@@ -46,7 +46,7 @@ impl Sink for Matrix {
 }
 
 impl Matrix {
-    /// Of n rows and columns.
+    /// Creates a matrix with n rows and columns.
     pub(crate) fn new(n: usize) -> Self {
         Self {
             n,
@@ -59,13 +59,13 @@ impl Matrix {
         self.n
     }
 
-    /// Makes ready for an assembly.
+    /// Prepares for an assembly.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.next = 0;
     }
 
-    /// Ends an assembly.
+    /// Finishes an assembly. The first one determines the pattern.
     pub(crate) fn finish(&mut self) {
         if self.known {
             debug_assert_eq!(self.next, self.slots.len(), "same order every time");
@@ -88,14 +88,14 @@ impl Matrix {
         self.next = self.slots.len();
     }
 
-    /// Adds to an entry that is in the pattern, after the assembly.
+    /// Adds to an entry after the assembly; entries outside the pattern are ignored.
     pub(crate) fn add_later(&mut self, row: usize, column: usize, value: f64) {
         if let Ok(at) = self.places.binary_search(&(column as u32, row as u32)) {
             self.values[at] += value;
         }
     }
 
-    /// (row, column, value) of every entry, by columns.
+    /// Iterates by columns over (row, column, value) of every entry.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         self.places
             .iter()
@@ -108,7 +108,7 @@ impl Matrix {
         &self.values
     }
 
-    /// What has ever been something but zero, with its values in `values`.
+    /// Returns the entries that have ever been nonzero, with their values in `values`.
     pub(crate) fn occupied<'a>(
         &self,
         occupied: &'a mut Occupied,
@@ -126,7 +126,7 @@ impl Matrix {
         occupied.entries(self.n, values)
     }
 
-    /// Its pattern and values.
+    /// Returns all entries of the pattern.
     pub(crate) fn view(&self) -> Entries<'_, f64> {
         Entries::whole(self.n, &self.places, &self.values)
     }

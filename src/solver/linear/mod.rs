@@ -1,6 +1,6 @@
-//! Sparse linear algebra: a matrix that is assembled again and again, its LU factors and their order.
+//! Sparse linear algebra: a matrix that is assembled repeatedly, its LU factors and their elimination order.
 //!
-//! Knows no equations and no units.
+//! Independent of equations and units.
 
 mod additions;
 mod dependent;

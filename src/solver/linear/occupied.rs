@@ -1,22 +1,23 @@
-//! Which places of a matrix have ever held something but zero.
+//! Record of the entries of a matrix that have ever been nonzero.
 //!
-//! A pattern holds what may stand somewhere; of a mechanism three quarters of that are zeros that stay. Factors of the rest have a fraction
-//! of the places. What changes from zero joins at the next factorisation, which then chooses its order anew.
+//! A pattern contains every entry that may be nonzero. In a mechanism, three quarters of them stay zero, and factors of the others have only
+//! a fraction of the entries. An entry that becomes nonzero joins at the next factorisation, which then chooses a new order.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use super::entries::Entries;
 use super::scalar::Scalar;
 
-/// So often places may join one by one; then all do.
+/// Number of times that entries may join the record separately; after that, the whole pattern joins.
 const GROWTHS: usize = 5;
 
-/// Places of a pattern, of which none is ever left out again.
+/// Entries of a pattern that have ever been nonzero. None is ever removed.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Occupied {
     marks: Vec<bool>,
-    /// Entries of the pattern, and (column, row) of these.
+    /// Indices of these entries in the pattern.
     kept: Vec<u32>,
+    /// (column, row) of these entries.
     places: Vec<(u32, u32)>,
     fingerprint: u64,
     growths: usize,
@@ -24,12 +25,12 @@ pub(crate) struct Occupied {
 }
 
 impl Occupied {
-    /// Begins a look at a pattern of so many entries.
+    /// Prepares for marking the entries of a pattern of the given size.
     pub(super) fn begin(&mut self, entries: usize) {
         self.marks.resize(entries, false);
     }
 
-    /// Something stands at this entry.
+    /// Marks an entry as nonzero.
     #[inline]
     pub(super) fn mark(&mut self, entry: usize) {
         if !self.marks[entry] {
@@ -38,7 +39,7 @@ impl Occupied {
         }
     }
 
-    /// Ends a look; `places` are those of the pattern.
+    /// Finishes the marking; `places` are the positions of the pattern.
     pub(super) fn end(&mut self, places: &[(u32, u32)]) {
         if !std::mem::take(&mut self.grown) {
             return;
@@ -55,12 +56,12 @@ impl Occupied {
         self.fingerprint = hasher.finish();
     }
 
-    /// The entries of the pattern that are kept, in their order.
+    /// Returns the indices of the recorded entries in the pattern, in ascending order.
     pub(super) fn kept(&self) -> &[u32] {
         &self.kept
     }
 
-    /// A matrix of n rows and columns with these values of what is kept.
+    /// Returns a matrix with n rows and columns that contains the recorded entries with the given values.
     pub(super) fn entries<'a, T: Scalar>(&'a self, n: usize, values: &'a [T]) -> Entries<'a, T> {
         Entries {
             n,
@@ -76,7 +77,7 @@ mod tests {
     use super::Occupied;
     use crate::linear::{Lu, Matrix, Sink};
 
-    /// A row of springs on slides, each with directions across that nothing couples until it leans: `lean` does for one of them.
+    /// A row of springs on slides. The directions across a slide are uncoupled unless it leans; `lean` selects one that does.
     fn springs(count: usize, lean: Option<usize>) -> Matrix {
         let mut matrix = Matrix::new(3 * count);
         for k in 0..count {
@@ -109,7 +110,7 @@ mod tests {
         assert!(left.iter().all(|left| left.abs() < 1e-13), "{left:?}");
     }
 
-    /// Zeros are left out of the factors; what leans later joins, and none is lost when it stands straight again.
+    /// Zeros are omitted from the factors. The entries of a leaning slide join, and they remain when it stands straight again.
     #[test]
     fn zeros_join_when_they_are_none_any_more() {
         let count = 40;
@@ -129,7 +130,7 @@ mod tests {
         assert_eq!(lu.orders, 3);
     }
 
-    /// Where ever more places join the whole pattern does, and the order stays.
+    /// If more and more entries join, the whole pattern joins in the end, and the order remains.
     #[test]
     fn places_that_join_one_by_one_do_not_choose_for_ever() {
         let count = 40;
@@ -143,7 +144,7 @@ mod tests {
         assert_eq!(lu.orders, super::GROWTHS + 1);
     }
 
-    /// Factors that follow others of other places choose an order of their own, be there as many.
+    /// Factors that follow others with different entries choose their own order, even if the number of entries is the same.
     #[test]
     fn other_places_are_told_apart() {
         let count = 40;

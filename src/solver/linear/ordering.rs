@@ -1,4 +1,4 @@
-//! The order in which the columns of large systems are eliminated: approximate minimum degree, as faer has it. Knows no values.
+//! Column order for the elimination of large systems: approximate minimum degree, by faer. It depends on the pattern alone.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -8,13 +8,13 @@ use super::entries::Entries;
 use super::postorder::rearranged;
 use super::scalar::Scalar;
 
-/// From so many unknowns on the order is worth more than the search for the next pivot, which sees only what is there now.
+/// Number of unknowns from which a precomputed order is better than a search for each pivot, which considers only the current entries.
 const LARGE: usize = 500;
 
-/// A row of more entries would join too many columns with each other.
+/// Rows with more entries than this are ignored by [`by_shared_rows`]; they would connect too many columns with each other.
 const CROWD: usize = 300;
 
-/// The columns in order; none for small systems, whose pivots are searched for.
+/// Returns the column order; empty for small systems, whose pivots are searched for.
 pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     if matrix.n < LARGE {
         return Vec::new();
@@ -22,7 +22,7 @@ pub(super) fn columns_of<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     minimum_degree(matrix)
 }
 
-/// By the pattern of A + A'.
+/// Returns the column order by the pattern of A + A'.
 pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     of_pattern(
         matrix.n,
@@ -30,8 +30,8 @@ pub(crate) fn minimum_degree<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     )
 }
 
-/// By the pattern of groups, for systems in which a row has its large entries anywhere in the columns of its own group. `group[k]` is
-/// that of row k and of column k, counted from zero. None for small systems, whose pivots are searched for.
+/// Returns the column order by a pattern of groups, for systems in which a row may have its large entries in any column of its own group.
+/// `group[k]` is the group of row k and of column k, counted from zero. The order is empty for small systems, whose pivots are searched for.
 pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Vec<u32> {
     if matrix.n < LARGE {
         return Vec::new();
@@ -52,7 +52,8 @@ pub(crate) fn by_groups<T: Scalar>(matrix: &Entries<'_, T>, group: &[u32]) -> Ve
     columns.copied().collect()
 }
 
-/// The columns by the pattern of A' A: next to each other are those that share a row. Rows of more than [`CROWD`] entries do not count.
+/// Returns the column order by the pattern of A' A, which connects columns that share a row. Rows with more than [`CROWD`] entries are
+/// ignored.
 pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     let mut rows = vec![Vec::new(); matrix.n];
     for (row, column, _) in matrix.iter() {
@@ -75,7 +76,7 @@ pub(super) fn by_shared_rows<T: Scalar>(matrix: &Entries<'_, T>) -> Vec<u32> {
     order
 }
 
-/// Of (column, row), sorted.
+/// Returns the minimum degree order of a pattern given by (column, row) in sorted order; empty if faer cannot handle its size.
 fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32> {
     let (mut starts, mut rows) = (vec![0_usize; n + 1], Vec::new());
     for (column, row) in places {
@@ -97,7 +98,7 @@ fn of_pattern(n: usize, places: impl Iterator<Item = (usize, usize)>) -> Vec<u32
     );
     match found {
         Ok(_) => rearranged(&order, &starts, &rows),
-        // Too large for it: the pivots are searched for.
+        // The pattern is too large for faer: the pivots are searched for.
         Err(_) => Vec::new(),
     }
 }

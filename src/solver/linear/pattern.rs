@@ -1,8 +1,8 @@
-//! The pattern of LU factors that an elimination has found, and eliminations that fill it with other values.
+//! Pattern of the LU factors found by an elimination, and eliminations that fill it with other values.
 //!
-//! They go row after row, each taking off what the rows above it contribute. No list of operations is kept: a row is spread out over all
-//! columns, and what stands in the rows of U says where the products go. Zeros, of which there are many, are neither stored nor taken off.
-//! Each entry gets its products in the order of the steps, as in the elimination that chose them.
+//! These eliminations go row by row, and each row subtracts the contributions of the rows above it. No list of operations is stored: a row is
+//! scattered into a dense vector over all columns, and the entries of U determine where the products go. Zeros, which are numerous, are
+//! neither stored nor subtracted. Each entry receives its products in the order of the steps, as in the elimination that chose the pivots.
 
 use super::entries::Entries;
 use super::factors::Factors;
@@ -12,7 +12,7 @@ use super::step::{Pivot, EliminationStep};
 
 const NOWHERE: u32 = u32::MAX;
 
-/// A step, and where its row ends in the lists of the pattern.
+/// A step, and the ends of its row in the lists of the pattern.
 #[derive(Clone, Copy, Debug)]
 struct PivotRow {
     step: EliminationStep,
@@ -21,28 +21,28 @@ struct PivotRow {
     upper: u32,
 }
 
-/// The steps of an elimination with the places that may not be zero.
+/// Steps of an elimination, and the entries of the factors that may be nonzero.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pattern {
     rows: Vec<PivotRow>,
     /// Entries of the matrix with their columns, by the rows of the steps.
     entries: Vec<(u32, u32)>,
-    /// Steps that stand in L with their columns, in their order.
+    /// Step and column of each entry of L, grouped by the rows of the steps.
     lower: Vec<(u32, u32)>,
-    /// Columns that stand in U.
+    /// Columns of the entries of U.
     upper: Vec<u32>,
 }
 
-/// Memory of an elimination.
+/// Work space of an elimination.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Spread<T> {
-    /// A row spread out over all columns; zero between two rows, empty after an elimination that ended early.
+    /// One row, scattered over all columns. It is zero between two rows, and empty after an elimination that was aborted.
     row: Vec<T>,
     pivots: Vec<Pivot<T>>,
 }
 
 impl Pattern {
-    /// What an elimination of the matrix has found, and its factors.
+    /// Returns the pattern and the factors of a completed elimination of the matrix.
     pub(super) fn of<T: Scalar>(
         done: &Eliminated<T>,
         matrix: &Entries<'_, T>,
@@ -101,13 +101,13 @@ impl Pattern {
         (pattern, factors)
     }
 
-    /// How many places the factors have.
+    /// Returns the number of entries of the factors.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.rows.len() + self.lower.len() + self.upper.len()
     }
 
-    /// Factors of a matrix; false if a pivot has shrunk too far, by the scales of rows and columns and the growth that is allowed.
+    /// Factors a matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and by the allowed `growth`.
     pub(super) fn fill<T: Scalar>(
         &self,
         matrix: &Entries<'_, T>,
@@ -185,7 +185,8 @@ impl Pattern {
     }
 }
 
-/// Items sorted into so many rows, each in the order in which they come, and where the rows end. What has no row is left out.
+/// Groups items by row, with `count` rows in all, in order of arrival within a row. Returns the ends of the rows and the grouped items. Items
+/// without a row are omitted.
 fn by_rows<I>(count: usize, items: impl Fn() -> I) -> (Vec<u32>, Vec<(u32, u32)>)
 where
     I: Iterator<Item = (u32, (u32, u32))>,
@@ -204,7 +205,7 @@ where
         sorted[*at as usize] = item;
         *at += 1;
     }
-    // Every row went up to where the next one begins.
+    // Each entry of `next` has advanced to the end of its row.
     next.pop();
     (next, sorted)
 }

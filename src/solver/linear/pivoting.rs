@@ -1,30 +1,32 @@
-//! The first elimination of a pattern: choosing pivots, and writing down what is done.
+//! The first elimination of a pattern: it chooses the pivots and records the operations.
 
 use super::entries::Entries;
 use super::scalar::Scalar;
 use super::step::EliminationStep;
 
-/// A pivot smaller than this, after rows and columns are scaled to one, is none.
+/// Size below which a pivot counts as zero, after rows and columns are scaled to one.
 pub(super) const RANK_TOLERANCE: f64 = 1e-11;
-/// A pivot must reach this share of the largest entry of its column.
+/// Smallest ratio of a pivot to the largest entry of its column.
 const THRESHOLD: f64 = 0.1;
-/// Entries smaller than this beside others are round-off of directions: cos 90 degrees.
+/// Entries below this share of the others in their column or row are round-off of directions, such as cos 90 degrees.
 const NOISE: f64 = 1e-14;
-/// How many columns are looked at for one pivot.
+/// Number of columns examined for one pivot.
 const CANDIDATES: usize = 4;
 const NOWHERE: u32 = u32::MAX;
 
-/// An elimination as it was done. Values stand in order of creation: entries of the matrix, then fill; a place is the index of one.
+/// Record of an elimination. Values are stored in order of creation: entries of the matrix, then fill. A place is the index of a value.
 pub(super) struct Eliminated<T> {
     pub values: Vec<T>,
     pub steps: Vec<EliminationStep>,
     /// Places of the pivots.
     pub pivots: Vec<u32>,
-    /// Columns and places of U of all steps, rows and places of L; where those of a step end.
+    /// (column, place) of the entries of U of all steps.
     across: Vec<(u32, u32)>,
+    /// (row, place) of the entries of L of all steps.
     down: Vec<(u32, u32)>,
+    /// Ends of each step in `across` and `down`.
     ends: Vec<(usize, usize)>,
-    /// For every step, row by row of L: where the products went. Empty unless it was asked for.
+    /// Places that products were subtracted from, by steps and, within a step, by rows of L. Empty unless requested.
     pub targets: Vec<u32>,
     /// Columns without a pivot.
     pub free: Vec<u32>,
@@ -35,7 +37,7 @@ pub(super) struct Eliminated<T> {
 }
 
 impl<T> Eliminated<T> {
-    /// Columns and places of U, rows and places of L of the k-th step.
+    /// Returns (column, place) of the entries of U and (row, place) of the entries of L, both of the k-th step.
     pub(super) fn of_step(&self, k: usize) -> (&[(u32, u32)], &[(u32, u32)]) {
         let (upper, lower) = k.checked_sub(1).map_or((0, 0), |k| self.ends[k]);
         let ends = self.ends[k];
@@ -52,16 +54,16 @@ struct Elimination<T> {
     rows: Vec<Vec<(u32, u32)>>,
     /// (row, place) of the entries of each column in active rows.
     columns: Vec<Vec<(u32, u32)>>,
-    /// Columns by number of entries; an entry may be out of date.
+    /// Columns by their number of entries; some items may be out of date.
     buckets: Vec<Vec<u32>>,
-    /// The columns in the order they are taken in, the next one last; empty if they are searched for.
+    /// Columns in the given order, the next one last; empty if columns are searched for.
     given: Vec<u32>,
-    /// Columns that are done with or put aside.
+    /// Marks columns that are eliminated or set aside.
     closed: Vec<bool>,
     place: Vec<u32>,
 }
 
-/// Eliminates a matrix, its columns in the order given; where none is, they are searched for.
+/// Eliminates a matrix with its columns in the order `given`; if that is empty, columns are searched for.
 pub(super) fn eliminated<T: Scalar>(
     matrix: &Entries<'_, T>,
     mut given: Vec<u32>,
@@ -129,7 +131,7 @@ impl<T: Scalar> Elimination<T> {
             * self.done.column_scale[column as usize]
     }
 
-    /// The pivot of the next step: few entries in its row and column, and large enough.
+    /// Chooses the pivot of the next step: large enough, and with few entries in its row and column.
     fn choose(&mut self) -> Option<(u32, u32)> {
         while let Some(column) = self.given.pop() {
             self.closed[column as usize] = true;
@@ -154,7 +156,7 @@ impl<T: Scalar> Elimination<T> {
                 at += 1;
                 match self.best_row(column) {
                     None => {
-                        // Nothing resists this unknown.
+                        // The column has no pivot.
                         self.closed[column as usize] = true;
                         self.done.free.push(column);
                         self.buckets[count].swap_remove(at - 1);
@@ -173,7 +175,7 @@ impl<T: Scalar> Elimination<T> {
                     }
                 }
             }
-            // Longer columns cannot do much better than what is found.
+            // Longer columns cannot have a much lower cost.
             if let Some((cost, _, _)) = best
                 && cost <= count * count
             {
@@ -184,7 +186,7 @@ impl<T: Scalar> Elimination<T> {
         best.map(|b| (b.1, b.2))
     }
 
-    /// The shortest row whose entry in the column is large enough.
+    /// Returns the shortest row whose entry in the column is large enough; `None` if the column has no pivot.
     fn best_row(&self, column: u32) -> Option<u32> {
         let mut largest = 0.0_f64;
         for &(row, value) in &self.columns[column as usize] {
@@ -276,8 +278,9 @@ impl<T: Scalar> Elimination<T> {
     }
 }
 
-/// Powers of two that bring the largest entry of every row, then of every column, close to one. An entry that is round-off beside the
-/// others of its column says nothing about its row, and the other way round: a row of nothing else stays small, and has no pivot.
+/// Computes powers of two that scale the largest entry of every row, then of every column, to about one. An entry that is round-off relative
+/// to the others of its column does not count for the scale of its row, and vice versa. A row with nothing but such entries thus stays small
+/// and gets no pivot.
 fn scale<T: Scalar>(matrix: &Entries<'_, T>, rows: &mut [f64], columns: &mut [f64]) {
     rows.fill(0.0);
     columns.fill(0.0);
@@ -304,7 +307,7 @@ fn scale<T: Scalar>(matrix: &Entries<'_, T>, rows: &mut [f64], columns: &mut [f6
     }
 }
 
-/// Close to the inverse and free of round-off; one for zero.
+/// Returns a power of two close to 1 / x, which scales without round-off; one if x is zero or not finite.
 fn inverse_power_of_two(x: f64) -> f64 {
     if x > 0.0 && x.is_finite() {
         libm::exp2(-libm::log2(x).round())

@@ -1,13 +1,13 @@
-//! An order of elimination with the same fill, in which what belongs together is eliminated together.
+//! Rearrangement of an elimination order with the same fill, so that related columns are eliminated close together.
 //!
-//! The elimination of a column changes columns that come later; the first of these is its parent. Every order that has children before their
-//! parents has the same fill. Orders of minimum degree come with the largest child last, which is best for a stack of matrices: of a long chain
-//! with a short branch at every link first all branches, then all links. Here the largest comes first, and every branch next to its link:
-//! what a step reads is still in the cache.
+//! The elimination of a column changes later columns; the first of these is its parent. All orders in which children precede their parents
+//! have the same fill. Minimum degree orders place the largest child last, which suits a stack of matrices. In a long chain with a short
+//! branch at every link they eliminate all branches, then all links. Here the largest child comes first, and every branch next to its link.
+//! The values that a step reads are then still in the cache.
 
 const NONE: u32 = u32::MAX;
 
-/// The order rearranged. The pattern counts as symmetric: `starts` and `rows` of its columns.
+/// Returns the rearranged order. The pattern is treated as symmetric; `starts` and `rows` describe its columns.
 pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let parents = parents(order, starts, rows);
     let n = order.len();
@@ -17,7 +17,7 @@ pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> V
             sizes[parents[k] as usize] += sizes[k];
         }
     }
-    // The children of every step in a list, and the roots in one more; later ones are put in front.
+    // Linked lists of the children of every step, and one more list of the roots. New items are inserted at the front.
     let mut first = vec![NONE; n + 1];
     let mut next = vec![NONE; n];
     let list = |k: usize| match parents[k] {
@@ -35,7 +35,7 @@ pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> V
     let mut path = Vec::new();
     let mut at = first[n];
     loop {
-        // Down to the first leaf, then up until there is a way to the side.
+        // Descend to the first leaf, then ascend until there is a sibling.
         while at != NONE {
             path.push(at);
             at = first[at as usize];
@@ -48,7 +48,7 @@ pub(super) fn rearranged(order: &[usize], starts: &[usize], rows: &[usize]) -> V
     }
 }
 
-/// The parent of every step of the elimination, by Liu's algorithm.
+/// Returns the parent of every elimination step, by Liu's algorithm.
 fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let n = order.len();
     let mut step = vec![0_u32; n];
@@ -67,7 +67,7 @@ fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
     let (mut parents, mut roots) = (vec![NONE; n], vec![NONE; n]);
     for k in 0..n as u32 {
         for &earlier in &before[k as usize] {
-            // Up to the root of what is eliminated so far; the way there is shorter the next time.
+            // Ascend to the root of what has been eliminated so far. The path is shortened for the next time.
             let mut at = earlier;
             while at != k {
                 let up = roots[at as usize];
@@ -87,7 +87,7 @@ fn parents(order: &[usize], starts: &[usize], rows: &[usize]) -> Vec<u32> {
 mod tests {
     use super::*;
 
-    /// A chain with a branch at every link: branches and links alternate, and nothing is eliminated before what it waits for.
+    /// A chain with a branch at every link: branches and links alternate, and no column is eliminated before its children.
     #[test]
     fn branches_stand_next_to_their_links() {
         let links = 200;
@@ -109,7 +109,7 @@ mod tests {
             starts.push(starts.last().unwrap() + rows.len());
         }
         let rows: Vec<usize> = columns.concat();
-        // As minimum degree has it: all branches, then all links.
+        // A minimum degree order: all branches, then all links.
         let order: Vec<usize> = (links..n).chain(0..links).collect();
         let found = rearranged(&order, &starts, &rows);
         let mut step = vec![usize::MAX; n];

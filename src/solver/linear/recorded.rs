@@ -1,6 +1,6 @@
-//! LU factors with a list of all operations that lead to them.
+//! LU factors with a list of all operations that produce them.
 //!
-//! A repetition knows where every product goes and looks for nothing. The list has a place for each product.
+//! A repetition knows the target of every product and searches for nothing. The list has one item per product.
 
 use std::ops::{Div, Mul, Range};
 
@@ -10,15 +10,15 @@ use super::scalar::Scalar;
 use super::step::EliminationStep;
 use super::upper::{UpperRow, back, forwards_transposed};
 
-/// A step and where its values stand: its pivot and row of U one after the other, its column of L with those of the others behind. What
-/// goes forwards through a large system reads nothing of U, what goes backwards nothing of L.
+/// A step and the positions of its values. The pivots, each followed by its row of U, come first; the columns of L of all steps follow. In a
+/// large system, forward substitution then reads nothing of U, and back substitution nothing of L.
 #[derive(Clone, Copy, Debug)]
 struct Operation {
     step: EliminationStep,
     /// Place of the pivot; U follows.
     at: u32,
     upper: u32,
-    /// Place of L.
+    /// Index of the first entry of L.
     below: u32,
     lower: u32,
 }
@@ -37,23 +37,23 @@ impl Operation {
     }
 }
 
-/// Factors with the operations that make them of a matrix.
+/// Factors, with the operations that compute them from a matrix.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Recorded<T> {
     operations: Vec<Operation>,
-    /// Where each entry of the matrix goes.
+    /// Index of the value that each entry of the matrix goes to.
     entries: Vec<u32>,
-    /// Column (of U) or row (of L) of every value.
+    /// Column (in U) or row (in L) of every value.
     index: Vec<u32>,
     values: Vec<T>,
-    /// For every step, row by row of L: where the products go.
+    /// Indices of the values that products are subtracted from, by steps and, within a step, by rows of L.
     targets: Vec<u32>,
-    /// The row of U of a step.
+    /// The row of U of the current step.
     row: Vec<T>,
 }
 
 impl<T: Scalar> Recorded<T> {
-    /// Of an elimination of a matrix of so many entries, whose targets it takes.
+    /// Takes over the elimination of a matrix with the given number of entries, including its targets.
     pub(super) fn of(done: &mut Eliminated<T>, entries: usize) -> Self {
         let mut order = Vec::with_capacity(done.values.len());
         let mut operations = Vec::with_capacity(done.steps.len());
@@ -73,7 +73,7 @@ impl<T: Scalar> Recorded<T> {
             operation.below = order.len() as u32;
             order.extend(done.of_step(k).1);
         }
-        // What no step owns goes to one more value, at the end.
+        // Values that belong to no step go to an additional value at the end.
         let mut moved = vec![order.len() as u32; done.values.len()];
         for (new, (_, old)) in order.iter().enumerate() {
             moved[*old as usize] = new as u32;
@@ -90,14 +90,14 @@ impl<T: Scalar> Recorded<T> {
         }
     }
 
-    /// How many places the factors have.
+    /// Returns the number of entries of the factors.
     #[cfg(test)]
     pub(super) fn len(&self) -> usize {
         self.index.len()
     }
 
-    /// Runs through the operations with another matrix; false if a pivot has shrunk too far, by the scales of rows and columns and the
-    /// growth that is allowed.
+    /// Repeats the operations with another matrix. Returns false if a pivot has shrunk too far, judged by the scales of rows and columns and
+    /// by the allowed `growth`.
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
@@ -141,7 +141,7 @@ impl<T: Scalar> Recorded<T> {
         true
     }
 
-    /// The rows of U.
+    /// Iterates over the rows of U.
     fn upper(&self) -> impl DoubleEndedIterator<Item = UpperRow<'_, T>> {
         self.operations.iter().map(|operation| UpperRow {
             row: operation.step.row,
@@ -152,7 +152,7 @@ impl<T: Scalar> Recorded<T> {
         })
     }
 
-    /// The columns of L: rows and multipliers.
+    /// Iterates over the columns of L: the matrix row of the pivot, the rows below it, and the multipliers.
     fn lower(&self) -> impl DoubleEndedIterator<Item = (u32, &[u32], &[T])> {
         self.operations.iter().map(|operation| {
             let down = operation.down();
@@ -161,7 +161,8 @@ impl<T: Scalar> Recorded<T> {
         })
     }
 
-    /// Solves for the right side `b`, which is used up; the solution goes to `x`, where unknowns without a pivot are zero.
+    /// Solves for the right side `b`, which is overwritten, and writes the solution to `x`. Unknowns without a pivot must be zero in `x` on
+    /// entry.
     pub(super) fn solve_into<R>(&self, b: &mut [R], x: &mut [R])
     where
         R: Scalar + Mul<T, Output = R> + Div<T, Output = R>,
@@ -178,12 +179,12 @@ impl<T: Scalar> Recorded<T> {
         back(self.upper(), x, |row| b[row as usize]);
     }
 
-    /// Changes `x`, where an unknown without a pivot is given, into a motion that nothing resists.
+    /// Completes `x`, in which an unknown without a pivot is given, to a null vector of the matrix.
     pub(super) fn follow_free(&self, x: &mut [T]) {
         back(self.upper(), x, |_| T::default());
     }
 
-    /// Solves with the transposed matrix; rows without a pivot have zero in `y`.
+    /// Solves with the transposed matrix and writes the solution to `y`. Rows without a pivot must be zero in `y` on entry.
     pub(super) fn solve_transposed(&self, b: &mut [T], y: &mut [T]) {
         forwards_transposed(self.upper(), b, y);
         for (row, rows, multipliers) in self.lower().rev() {

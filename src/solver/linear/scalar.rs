@@ -3,7 +3,7 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 use nalgebra::Complex;
 
-/// What factors are made of: real or complex numbers.
+/// Number type of matrices and their factors: real or complex.
 pub(crate) trait Scalar:
     Copy
     + Debug
@@ -19,10 +19,10 @@ pub(crate) trait Scalar:
 {
     const ONE: Self;
 
-    /// A size that pivots are compared by; NaN where the number is.
+    /// Returns the size by which pivots are compared; NaN for a NaN.
     fn size(self) -> f64;
 
-    /// A size that multipliers are bounded by: of several numbers side by side the largest.
+    /// Returns the size by which multipliers are bounded: the largest of several numbers that are stored side by side.
     #[inline]
     fn reach(self) -> f64 {
         self.size()

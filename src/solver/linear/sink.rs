@@ -1,22 +1,22 @@
-/// Receives the entries of a matrix. Entries of one place add up.
+/// Receiver of the entries of a matrix. Entries at the same position are added up.
 pub trait Sink {
-    /// False if nobody wants the entries: they need not be worked out.
+    /// False if the receiver ignores all entries, so that they need not be computed.
     const WANTED: bool = true;
 
-    /// False if nobody wants the rows of the constraints either.
+    /// False if the receiver also ignores the rows of the constraints.
     const ROWS: bool = Self::WANTED;
 
-    /// Adds to one entry.
+    /// Adds `value` to one entry.
     fn add(&mut self, row: usize, column: usize, value: f64);
 
-    /// Adds to entries below each other, from a row on.
+    /// Adds to consecutive entries of a column, starting at `row`.
     fn add_column(&mut self, row: usize, column: usize, values: &[f64]) {
         for (k, value) in values.iter().enumerate() {
             self.add(row + k, column, *value);
         }
     }
 
-    /// Adds what a multiplier does to the balances from `first` on, and the row of its equation, which is the opposite.
+    /// Adds the effect of a multiplier on the balances from `first` on, and the row of its equation, which is the negative of that column.
     fn add_reaction(&mut self, multiplier: usize, first: usize, column: &[f64]) {
         for (k, value) in column.iter().enumerate() {
             self.add(multiplier, first + k, -value);
@@ -25,7 +25,7 @@ pub trait Sink {
     }
 }
 
-/// No matrix is wanted.
+/// Receiver that ignores all entries.
 pub(crate) struct NoMatrix;
 
 impl Sink for NoMatrix {

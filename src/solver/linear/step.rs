@@ -1,17 +1,19 @@
-//! A step of an elimination, and whether its pivot still serves.
+//! A step of an elimination, and the test whether its pivot is still acceptable.
 
 use super::scalar::Scalar;
 
-/// A pivot may shrink by this against the one it was when the order was chosen, whatever stands below it.
+/// Ratio of a pivot to its size when the order was chosen, above which the pivot is acceptable whatever stands below it.
 const SHRUNK: f64 = 1e-3;
-/// A pivot that has shrunk further will do while it is so large, after rows and columns are scaled as they were then,
+/// Smallest size of a pivot below the ratio [`SHRUNK`], after rows and columns are scaled as when the order was chosen. It applies with
+/// [`GROWTH`] and is smaller in proportion where more growth is allowed.
 const SMALL: f64 = 1e-8;
-/// and no entry below it is larger by more than this: the multipliers bound what round-off grows by. For answers, and for steps of an
-/// iteration whose residuals say what is left.
+/// Largest ratio of an entry below a shrunk pivot to the pivot, for final answers. It bounds the multipliers and thus the growth of
+/// round-off.
 pub(super) const GROWTH: f64 = 1e3;
+/// Largest ratio of an entry below a shrunk pivot to the pivot, for corrections of an iteration whose residuals show the remaining error.
 pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
 
-/// One step of the elimination.
+/// One step of an elimination.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EliminationStep {
     pub row: u32,
@@ -48,12 +50,12 @@ impl EliminationStep {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pivot<T> {
     pub inverse: T,
-    /// What may stand below it, in scaled rows.
+    /// Largest entry allowed below the pivot, in scaled rows.
     most: f64,
 }
 
 impl<T: Scalar> Pivot<T> {
-    /// Whether it is large enough against an entry below it.
+    /// Returns true if the pivot is large enough for an entry below it.
     #[inline]
     pub(super) fn serves(&self, below: T, row_scale: f64) -> bool {
         self.most == f64::INFINITY || below.reach() * row_scale <= self.most

@@ -1,7 +1,7 @@
-//! A real number and a complex one that go through the same operations side by side.
+//! A real and a complex number that undergo the same operations side by side.
 //!
-//! The matrices of a step are of one pattern and about the same sizes. Factored side by side they have one order, and what tells which number
-//! is meant is read once for both.
+//! The real and the complex matrix of an integration step have the same pattern and similar magnitudes. Factored side by side they share one
+//! elimination order, and its index lists are read once for both.
 
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -22,7 +22,7 @@ impl Triple {
         Self { alone, pair }
     }
 
-    /// Not a number where one of the two is none.
+    /// Combines the sizes of both numbers; NaN if one of them is NaN.
     #[inline]
     fn sizes(self, chosen: impl Fn(f64, f64) -> f64) -> f64 {
         let (alone, pair) = (self.alone.size(), self.pair.size());
@@ -88,7 +88,7 @@ impl Div<f64> for Triple {
     }
 }
 
-/// A real number beside the real one alone.
+/// Multiplies a real number by the real number of a triple; the complex one is ignored.
 impl Mul<Triple> for f64 {
     type Output = f64;
 
@@ -136,7 +136,7 @@ impl Scalar for Triple {
         pair: Complex::new(1.0, 0.0),
     };
 
-    /// The smaller of the two: a pivot serves both.
+    /// Returns the smaller of the two sizes, because a pivot must serve both matrices.
     #[inline]
     fn size(self) -> f64 {
         self.sizes(f64::min)
@@ -163,7 +163,8 @@ mod tests {
     use super::*;
     use crate::linear::{Entries, Lu};
 
-    /// Both matrices have the solutions they have alone, at first and when the order is known; a real right side has that of the real one.
+    /// Both matrices have the same solutions as when factored separately, in a first factorisation and in a repetition. A real right side has
+    /// the solution of the real matrix.
     #[test]
     fn side_by_side_is_as_alone() {
         let n = 5;

@@ -1,10 +1,10 @@
-//! Solutions by the factor U, however it is kept.
+//! Solutions with the factor U, independent of its storage.
 
 use std::ops::{Div, Mul};
 
 use super::scalar::Scalar;
 
-/// A row of U: its row and column of the matrix, its pivot, and the entries beside it.
+/// A row of U: its row and column in the matrix, its pivot, and its other entries.
 pub(super) struct UpperRow<'a, T> {
     pub row: u32,
     pub column: u32,
@@ -13,7 +13,7 @@ pub(super) struct UpperRow<'a, T> {
     pub factors: &'a [T],
 }
 
-/// From `of_row` to the solution.
+/// Solves with U by back substitution. `of_row` returns the right side of each row.
 #[inline]
 pub(super) fn back<'a, T, R>(
     rows: impl DoubleEndedIterator<Item = UpperRow<'a, T>>,
@@ -32,7 +32,8 @@ pub(super) fn back<'a, T, R>(
     }
 }
 
-/// The same with the transposed factor, whose rows are the columns of the matrix: from `b`, which is used up, to `y`.
+/// Solves with the transpose of U, whose rows are the columns of the matrix, by forward substitution. Overwrites `b` and writes the solution
+/// to `y`.
 pub(super) fn forwards_transposed<'a, T: Scalar + 'a>(
     rows: impl Iterator<Item = UpperRow<'a, T>>,
     b: &mut [T],

@@ -1,24 +1,25 @@
-//! Eigenvalues and singular values by a bounded number of iterations.
+//! Eigenvalues and singular values with a bounded number of iterations.
 //!
-//! nalgebra's plain calls iterate without a limit, and entries whose products underflow can keep them from ever ending. Here such
-//! entries are cleared first, since the round-off of the iteration is larger, and the iteration is limited. Eigenvalues of matrices that are
-//! not symmetric are faer's: nalgebra's iteration has no exceptional shifts, and that of a spinning top that falls never settles. So are
-//! singular values: nalgebra's product of the three factors can differ from the matrix by a thousandth of its largest entry.
-//! Large symmetric matrices are left to faer, too, which is faster there.
+//! nalgebra's plain functions iterate without a limit, and entries whose products underflow can keep them from terminating. Here such entries
+//! are cleared first, because the round-off of the iteration is larger, and the number of iterations is limited.
+//!
+//! faer computes the eigenvalues of unsymmetric matrices: nalgebra's iteration has no exceptional shifts and never converges for a spinning
+//! top that falls. faer also computes singular values: nalgebra's product of the three factors can differ from the matrix by a thousandth of
+//! its largest entry. Large symmetric matrices are left to faer because it is faster.
 
 use faer::{MatRef, Side};
 use nalgebra::{Complex, DMatrix, DVector, Dyn, SVD, SymmetricEigen};
 
-/// Entries smaller than this part of the largest are cleared.
+/// Entries below this share of the largest are cleared.
 const NEGLIGIBLE: f64 = f64::EPSILON * f64::EPSILON;
-/// QR steps per row; two or three are usual.
+/// Largest number of QR steps per row; two or three are usual.
 const STEPS: usize = 100;
-/// Sweeps of Jacobi's method; six to ten are usual.
+/// Largest number of sweeps of Jacobi's method; six to ten are usual.
 const SWEEPS: usize = 100;
-/// Symmetric matrices of so many rows are large.
+/// Number of rows from which a symmetric matrix counts as large.
 const LARGE: usize = 32;
 
-/// All eigenvalues of a square matrix, in no order. `None` if an entry is not finite or the iteration does not converge.
+/// Returns all eigenvalues of a square matrix, in no particular order. `None` if an entry is not finite or the iteration does not converge.
 pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     if matrix.is_empty() {
         return Some(Vec::new());
@@ -30,7 +31,7 @@ pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(values.ok()?.iter().map(scaled_back).collect())
 }
 
-/// Eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no order. Entries that are not finite count as zero.
+/// Returns eigenvalues and orthonormal eigenvectors of a symmetric matrix, in no particular order. Entries that are not finite count as zero.
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let n = matrix.nrows();
     let finite = matrix.map(|value| if value.is_finite() { value } else { 0.0 });
@@ -47,7 +48,7 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     eigen
 }
 
-/// By faer; `None` of a small matrix, and where that does not converge.
+/// Computes the decomposition of a large matrix by faer. Returns `None` for a small matrix, or if faer's iteration does not converge.
 fn of_large(matrix: &DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     let n = matrix.nrows();
     if n < LARGE {
@@ -62,7 +63,7 @@ fn of_large(matrix: &DMatrix<f64>) -> Option<SymmetricEigen<f64, Dyn>> {
     })
 }
 
-/// The pseudo-inverse of a matrix; singular values up to `least` count as zero. `None` if an entry is not finite or the iteration
+/// Returns the pseudo-inverse of a matrix; singular values up to `least` count as zero. `None` if an entry is not finite or the iteration
 /// does not converge.
 pub fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> {
     if matrix.is_empty() || matrix.iter().all(|value| *value == 0.0) {
@@ -73,8 +74,8 @@ pub fn pseudo_inverse(matrix: DMatrix<f64>, least: f64) -> Option<DMatrix<f64>> 
         .ok()
 }
 
-/// The singular values of a matrix, largest first, with the left and the right vectors that are wanted. `None` if it is empty, an entry
-/// is not finite or the iteration does not converge.
+/// Returns the singular values of a matrix, largest first, with the left and right singular vectors if requested. `None` if the matrix is
+/// empty, an entry is not finite or the iteration does not converge.
 pub fn singular_values(
     matrix: DMatrix<f64>,
     left: bool,
@@ -96,7 +97,8 @@ pub fn singular_values(
     })
 }
 
-/// Divides by the largest entry and clears what is negligible beside it. `None` if an entry is not finite.
+/// Divides a matrix by its largest entry and clears negligible entries. Returns the result and the largest entry; `None` if an entry is not
+/// finite.
 fn scaled(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
     if matrix.iter().any(|value| !value.is_finite()) {
         return None;
@@ -113,7 +115,7 @@ fn scaled(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
     Some((matrix, largest))
 }
 
-/// Jacobi's method, which always converges (Golub and Van Loan, Matrix Computations, 8.5).
+/// Computes the decomposition by Jacobi's method, which always converges (Golub and Van Loan, Matrix Computations, 8.5).
 fn jacobi(mut a: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let n = a.nrows();
     let mut v = DMatrix::identity(n, n);
@@ -156,7 +158,7 @@ fn jacobi(mut a: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
 mod tests {
     use super::*;
 
-    /// A symmetric matrix with known eigenvalues 1 to n in turned axes.
+    /// Returns a symmetric matrix with eigenvalues 1 to n and eigenvectors that are not parallel to the axes.
     fn known(n: usize) -> DMatrix<f64> {
         let v = DVector::from_fn(n, |k, _| (k as f64 + 1.0).sin());
         let reflect = DMatrix::identity(n, n) - 2.0 / v.norm_squared() * &v * v.transpose();
@@ -184,7 +186,7 @@ mod tests {
 
     #[test]
     fn products_that_underflow_do_not_keep_the_iteration_from_ending() {
-        // Real decks made this of a marker 1e-154 mm beside its part.
+        // Real decks produced such a matrix from a marker 1e-154 mm from the origin of its part.
         let tiny = 1e-154;
         let a =
             DMatrix::from_row_slice(3, 3, &[2.0, tiny, tiny, tiny, 2.0, tiny, -tiny, tiny, 2.0]);
@@ -196,7 +198,7 @@ mod tests {
         assert!(eigenvalues(DMatrix::from_element(2, 2, f64::NAN)).is_none());
     }
 
-    /// The gradients of an arm on a pin and of a slider on the arm, turned by a little: nalgebra's factors miss some of these by 6e-8.
+    /// The gradients of an arm on a pin and of a slider on the arm, slightly rotated: nalgebra's factors miss some of these matrices by 6e-8.
     #[test]
     fn singular_values_give_the_matrix_back() {
         for k in -400_i32..400 {
@@ -207,7 +209,7 @@ mod tests {
             for i in 0..3 {
                 G[(i, i)] = 1.0;
                 G[(3 + i, 3 + i)] = 1.0 / l;
-                // Turns of both, in axes of the arm.
+                // Rotations of both parts, in axes of the arm.
                 G[(8 + i, 3 + i)] = -1.0 / l;
                 G[(8 + i, 9 + i)] = 1.0 / l;
             }

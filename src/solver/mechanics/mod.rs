@@ -1,10 +1,10 @@
-//! Poses, rotations, relative motion and wrenches; eigenvalues.
+//! Poses, rotations and relative motion; eigenvalues.
 //!
-//! nalgebra only. Knows no names, units or files. Frames live in names: `R_ji` turns components in I axes into components
-//! in J axes, `p_ij_j` is the position of I from J resolved in J.
+//! Independent of names, units and files. Frames are part of the names of variables: `R_ji` turns components in I axes into components in J
+//! axes, and `p_ij_j` is the position of I relative to J, resolved in J axes.
 //!
-//! Here and above, what a solution is made of takes sines, exponentials and powers from the crate `libm`: the C library differs from
-//! system to system in last digits, and for large angles in all of them.
+//! Here and in the modules above, everything that enters a solution takes sines, exponentials and powers from the crate `libm`. Results of
+//! the C library differ between systems in the last digits, and for large angles in all digits.
 
 pub mod eigen;
 mod pose;
@@ -22,9 +22,9 @@ pub(crate) use rotation::{turning_rate, unwrap_near};
 
 /// A vector in three dimensions.
 pub type Vec3 = nalgebra::Vector3<f64>;
-/// A 3 by 3 matrix; for rotations the columns are the axes of the turned frame.
+/// A 3 by 3 matrix; the columns of a rotation matrix are the axes of the rotated frame.
 pub type Mat3 = nalgebra::Matrix3<f64>;
-/// A pair of vectors: (translation, rotation) of a motion, (force, torque) of a wrench.
+/// A pair of vectors: (translation, rotation) of a motion, or (force, torque) of a wrench.
 pub type Vec6 = nalgebra::Vector6<f64>;
-/// A 6 by 6 matrix over such pairs.
+/// A 6 by 6 matrix that acts on pairs as in [`Vec6`].
 pub type Mat6 = nalgebra::Matrix6<f64>;

@@ -1,6 +1,6 @@
 use super::{Mat3, Vec3, exp};
 
-/// Where a frame is: `x_base = p + R * x_local`.
+/// Position and orientation of a frame: `x_base = p + R * x_local`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Pose {
     /// Origin, in base axes.
@@ -10,7 +10,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The base frame itself.
+    /// Returns the pose of the base frame itself.
     pub fn identity() -> Self {
         Self {
             p: Vec3::zeros(),
@@ -18,13 +18,13 @@ impl Pose {
         }
     }
 
-    /// A point of the frame, in base coordinates.
+    /// Returns the base coordinates of a point given in this frame.
     pub fn point(&self, x_local: &Vec3) -> Vec3 {
         self.p + self.R * x_local
     }
 
     #[must_use]
-    /// `self * other`: the pose of a frame given in this frame.
+    /// Returns the pose of a frame that is given in this frame: `self * other`.
     pub fn compose(&self, other: &Self) -> Self {
         Self {
             p: self.point(&other.p),
@@ -33,8 +33,8 @@ impl Pose {
     }
 
     #[must_use]
-    /// Where the frame is after a unit of time in which it moves steadily: its origin with velocity `v` at first, all of it with angular
-    /// velocity `w`, both in base axes. The exponential map of a twist: Murray, Li and Sastry, A Mathematical Introduction to Robotic
+    /// Returns the pose after one unit of time of steady motion. The origin starts with velocity `v`, and the frame rotates with angular
+    /// velocity `w`, both in base axes. This is the exponential map of a twist: Murray, Li and Sastry, A Mathematical Introduction to Robotic
     /// Manipulation, equation 2.36.
     pub fn displaced(&self, v: &Vec3, w: &Vec3) -> Self {
         let angle = w.norm();
@@ -53,7 +53,7 @@ impl Pose {
     }
 
     #[must_use]
-    /// The base seen from this frame.
+    /// Returns the pose of the base frame seen from this frame.
     pub fn inverse(&self) -> Self {
         Self {
             p: -(self.R.transpose() * self.p),

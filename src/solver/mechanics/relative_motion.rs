@@ -1,18 +1,18 @@
 use super::{Mat3, Pose, Vec3, projected_angles, unwrap_near};
 
-/// Marker I as seen from marker J: all a force law or a constraint may look at.
+/// Marker I seen from marker J: everything that a force law or a constraint may depend on.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct RelativeMotion {
-    /// Position of the I origin from the J origin, in J axes.
+    /// Position of the I origin relative to the J origin, in J axes.
     pub p_ij_j: Vec3,
-    /// Rotation of I in J; columns are the I axes in J axes.
+    /// Rotation of I in J; the columns are the I axes in J axes.
     pub R_ji: Mat3,
-    /// AX, AY, AZ of I with respect to J, counting turns. Radians.
+    /// AX, AY, AZ of I with respect to J, including full turns, in radians.
     pub angles: Vec3,
 }
 
 impl RelativeMotion {
-    /// Of two markers given in ground; angles are taken nearest to `angles_before`.
+    /// Computes the relative motion of two markers given in ground. The angles are those nearest to `angles_before`.
     pub fn between(i: &Pose, j: &Pose, angles_before: &Vec3) -> Self {
         let R_jg = j.R.transpose();
         let R_ji = R_jg * i.R;
@@ -23,15 +23,16 @@ impl RelativeMotion {
         }
     }
 
-    /// Rows: derivative of AX, AY, AZ by a rotation `dtheta` of I relative to J, in J axes (`R_ji <- exp(dtheta) R_ji`).
+    /// Returns the derivatives of AX, AY, AZ (rows) by a rotation `dtheta` of I relative to J, in J axes (`R_ji <- exp(dtheta) R_ji`).
     ///
-    /// For z = zi in J axes: dz = dtheta x z, hence d atan2(-z.y, z.z) = (-z.z dz.y + z.y dz.z) / (z.y^2 + z.z^2), and so on.
+    /// For z = zi in J axes, dz = dtheta x z. Hence d atan2(-z.y, z.z) = (-z.z dz.y + z.y dz.z) / (z.y^2 + z.z^2), and similarly for the
+    /// other angles.
     pub(crate) fn angle_rows(&self) -> Mat3 {
         let (x, z) = (self.R_ji.column(0), self.R_ji.column(2));
         let yz = z[1] * z[1] + z[2] * z[2];
         let xz = z[0] * z[0] + z[2] * z[2];
         let xy = x[0] * x[0] + x[1] * x[1];
-        // dz = (b z.z - c z.y, c z.x - a z.z, a z.y - b z.x) for dtheta = (a, b, c); the same for x.
+        // dz = (b z.z - c z.y, c z.x - a z.z, a z.y - b z.x) for dtheta = (a, b, c); likewise for x.
         Mat3::new(
             1.0,
             -z[0] * z[1] / yz,

@@ -1,11 +1,11 @@
 use super::{Mat3, Vec3};
 
-/// The cross-product matrix: `skew(a) * b = a x b`.
+/// Returns the cross-product matrix: `skew(a) * b = a x b`.
 pub fn skew(a: &Vec3) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
-/// The rotation by the rotation vector `a` (Rodrigues' formula).
+/// Returns the rotation by the rotation vector `a` (Rodrigues' formula).
 pub fn exp(a: &Vec3) -> Mat3 {
     let angle2 = a.norm_squared();
     let s = skew(a);
@@ -19,8 +19,8 @@ pub fn exp(a: &Vec3) -> Mat3 {
     Mat3::identity() + s * f + s * s * g
 }
 
-/// The rate of a rotation vector `a` per angular velocity in the outer axes: with `R = exp(a) R_0` and R' = w~ R,
-/// `a' = (1 - a~/2 + (1 - (t/2) cot(t/2)) / t^2 a~^2) w`, t = |a|.
+/// Returns the matrix that turns an angular velocity in the outer axes into the rate of the rotation vector `a`. With `R = exp(a) R_0` and
+/// `R' = w~ R`, `a' = (1 - a~/2 + (1 - (t/2) cot(t/2)) / t^2 a~^2) w`, where t = |a|.
 pub(crate) fn turning_rate(a: &Vec3) -> Mat3 {
     let angle2 = a.norm_squared();
     let s = skew(a);
@@ -33,7 +33,7 @@ pub(crate) fn turning_rate(a: &Vec3) -> Mat3 {
     Mat3::identity() - s * 0.5 + s * s * g
 }
 
-/// The rotation vector of a rotation matrix, of length at most pi.
+/// Returns the rotation vector of a rotation matrix, of length at most pi.
 pub fn log(R: &Mat3) -> Vec3 {
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(
         &nalgebra::Rotation3::from_matrix_unchecked(*R),
@@ -46,7 +46,7 @@ pub fn log(R: &Mat3) -> Vec3 {
     v * (2.0 * libm::atan2(sine, q.w.abs()) / sine)
 }
 
-/// Body-fixed 3-1-3 rotation: `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). Angles in radians.
+/// Returns the body-fixed 3-1-3 rotation `Rz(psi) * Rx(theta) * Rz(phi)` (guide/formats.md 4.1). Angles in radians.
 pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
     let (sa, ca) = libm::sincos(psi);
     let (sb, cb) = libm::sincos(theta);
@@ -64,8 +64,8 @@ pub fn euler313(psi: f64, theta: f64, phi: f64) -> Mat3 {
     )
 }
 
-/// PSI, THETA, PHI of a rotation matrix: theta in [0, pi], the others in (-pi, pi]; at theta = 0 or pi the whole turn about z
-/// is put into psi (guide/formats.md 4.1).
+/// Returns PSI, THETA, PHI of a rotation matrix in radians: theta in [0, pi], the others in (-pi, pi]. At theta = 0 or pi, psi contains the
+/// whole rotation about z (guide/formats.md 4.1).
 pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
     let s = libm::hypot(R[(0, 2)], R[(1, 2)]);
     if s < 1e-12 {
@@ -77,7 +77,7 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
         return [libm::atan2(R[(1, 0)], R[(0, 0)]), theta, 0.0];
     }
     let (sin, cos) = (R[(0, 2)] / s, -R[(1, 2)] / s);
-    // From R without psi: near theta = 0, where psi is not well known, the two are still one turn together.
+    // From R with psi removed. Near theta = 0, where psi is inaccurate, the sum of both angles then stays accurate.
     let phi = libm::atan2(
         0.0 - (cos * R[(0, 1)] + sin * R[(1, 1)]),
         cos * R[(0, 0)] + sin * R[(1, 0)],
@@ -85,7 +85,7 @@ pub fn psi_theta_phi(R: &Mat3) -> [f64; 3] {
     [libm::atan2(sin, cos), libm::atan2(s, R[(2, 2)]), phi]
 }
 
-/// AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
+/// Returns AX, AY, AZ of I with respect to J from `R_ji`: `atan2(-zi.yj, zi.zj)`, `atan2(zi.xj, zi.zj)`, `atan2(xi.yj, xi.xj)`
 /// (guide/formats.md 2.7, 4.3). Radians, each in (-pi, pi].
 pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
     Vec3::new(
@@ -95,7 +95,7 @@ pub fn projected_angles(R_ji: &Mat3) -> Vec3 {
     )
 }
 
-/// `y.atan2(x)`, by its series where that is as accurate and much faster: bushings turn little.
+/// Returns `y.atan2(x)`. Small angles, which are usual at bushings, use the series: it is as accurate and much faster.
 fn atan2(y: f64, x: f64) -> f64 {
     let small = x > 0.0 && y.abs() <= 0.1 * x;
     if !small {
@@ -108,7 +108,7 @@ fn atan2(y: f64, x: f64) -> f64 {
     t + t * u * (1.0 / 3.0 + u * (0.2 + u * (1.0 / 7.0 + u * (1.0 / 9.0 + u * tail))))
 }
 
-/// The angle that differs from `angle` by whole turns and is nearest to `reference`.
+/// Returns the angle nearest to `reference` that differs from `angle` by whole turns.
 pub(crate) fn unwrap_near(angle: f64, reference: f64) -> f64 {
     let gap = reference - angle;
     if gap.abs() < std::f64::consts::PI {
@@ -131,7 +131,7 @@ mod tests {
             (2.0, std::f64::consts::PI - 1e-10, 0.7),
             (1.0, 1e-13, 0.5),
         ] {
-            // Round-off of many products besides.
+            // The round-off of many products is included.
             let R = exp(&Vec3::new(0.3, 0.2, 0.1)) * euler313(psi, theta, phi);
             let R = exp(&Vec3::new(0.3, 0.2, 0.1)).transpose() * R;
             let [a, b, c] = psi_theta_phi(&R);

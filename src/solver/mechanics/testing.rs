@@ -1,8 +1,8 @@
-//! Poses, increments and world-frame bookkeeping that the tests of laws and constraints share.
+//! Poses, increments and transformations to ground that the tests of laws and constraints share.
 
 use super::{Pose, RelativeMotion, Vec3, Vec6, exp, unwrap_near};
 
-/// Two marker poses in general position, the relative rotation about `tilt` radians.
+/// Returns two marker poses in general position, with a relative rotation of about `tilt` radians.
 pub(crate) fn general_pair(tilt: f64) -> (Pose, Pose) {
     let j = Pose {
         p: Vec3::new(12.0, -7.0, 3.0),
@@ -15,7 +15,7 @@ pub(crate) fn general_pair(tilt: f64) -> (Pose, Pose) {
     (j.compose(&inside), j)
 }
 
-/// A motion changed by (change of `p_ij_j`, rotation `dtheta` in J axes); angles stay on their turn.
+/// Returns a motion changed by (change of `p_ij_j`, rotation `dtheta` in J axes). Angles stay within their turn.
 pub(crate) fn advanced(motion: &RelativeMotion, by: &Vec6) -> RelativeMotion {
     let R_ji = exp(&Vec3::new(by[3], by[4], by[5])) * motion.R_ji;
     RelativeMotion {
@@ -25,7 +25,7 @@ pub(crate) fn advanced(motion: &RelativeMotion, by: &Vec6) -> RelativeMotion {
     }
 }
 
-/// A pose moved by (translation, rotation vector), both in ground axes.
+/// Returns a pose displaced by (translation, rotation vector), both in ground axes.
 pub(crate) fn displaced(pose: &Pose, by: &Vec6) -> Pose {
     Pose {
         p: pose.p + Vec3::new(by[0], by[1], by[2]),
@@ -33,7 +33,7 @@ pub(crate) fn displaced(pose: &Pose, by: &Vec6) -> Pose {
     }
 }
 
-/// (on I at its origin, on J at its origin) in ground axes, of a wrench on I in J axes (guide/formats.md 2.7).
+/// Converts a wrench on I in J axes to (on I at its origin, on J at its origin) in ground axes (guide/formats.md 2.7).
 pub(crate) fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
     let F = j.R * Vec3::new(wrench[0], wrench[1], wrench[2]);
     let T = j.R * Vec3::new(wrench[3], wrench[4], wrench[5]);
@@ -44,18 +44,18 @@ pub(crate) fn in_ground(wrench: &Vec6, i: &Pose, j: &Pose) -> (Vec6, Vec6) {
     )
 }
 
-/// The moment of a ground-frame wrench at `p` about `about`.
+/// Returns the moment about the point `about` of a wrench at `p`, all in ground axes.
 pub(crate) fn moment(wrench: &Vec6, p: &Vec3, about: &Vec3) -> Vec3 {
     Vec3::new(wrench[3], wrench[4], wrench[5])
         + (p - about).cross(&Vec3::new(wrench[0], wrench[1], wrench[2]))
 }
 
-/// Six unit increments' worth of a reproducible general direction.
+/// Returns a reproducible direction in six dimensions, with components between -0.4 and 0.4.
 pub(crate) fn direction(seed: usize) -> Vec6 {
     Vec6::from_fn(|k, _| number(6 * seed + k) - 1.0)
 }
 
-/// Reproducible numbers in [0.6, 1.4] without a pattern.
+/// Returns reproducible numbers in [0.6, 1.4] without a pattern.
 pub(crate) fn number(n: usize) -> f64 {
     0.6 + 0.8 * ((n as f64 + 1.0) * 0.618_033_988_749_894_8).fract()
 }

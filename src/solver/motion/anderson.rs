@@ -1,33 +1,34 @@
-//! Steps of an iteration that learn from those before: Anderson's mixing, for a linear iteration the method of minimal residuals.
+//! Anderson acceleration of a fixed-point iteration; for a linear iteration it is a minimal-residual method.
 //!
-//! Of x and its correction f (x + f would be the next x), `x + f - sum c_j p_j`: q_j are the changes of f so far, made orthonormal, p_j what
-//! goes with them, and c_j = q_j . f. (D. G. Anderson, J. ACM 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
+//! The correction at an iterate x is f, so that the plain iteration goes to x + f. The accelerated iteration goes to `x + f - sum c_j p_j`
+//! with c_j = q_j . f. The q_j are the orthonormalised past changes of f, and the p_j are the matching changes of x + f. (D. G. Anderson, J.
+//! ACM 12, 1965; H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49, 2011.)
 
 use super::newton::Unknowns;
 
-/// A change that stands out from those before by less than this share of it tells nothing new.
+/// A change of f is discarded if its part independent of the earlier changes is smaller than this share of it.
 const NEW: f64 = 1e-8;
 
-/// What the iterations so far have shown.
+/// History of an accelerated iteration.
 #[derive(Debug, Default)]
 pub(super) struct AndersonAcceleration {
-    /// What one of each unknown counts.
+    /// Factor on each unknown in scalar products; `None` before [`Self::begin`], and then nothing is accelerated.
     weights: Option<Unknowns>,
-    /// (q, p).
+    /// Pairs (q, p) of orthonormal changes of f and matching changes of x + f.
     known: Vec<(Unknowns, Unknowns)>,
-    /// The last correction, and the step that was taken.
+    /// Last correction, and the step that was taken for it.
     last: Option<(Unknowns, Unknowns)>,
 }
 
 impl AndersonAcceleration {
-    /// Begins anew.
+    /// Discards the history and sets the factors for scalar products.
     pub(crate) fn begin(&mut self, weights: Unknowns) {
         self.weights = Some(weights);
         self.known.clear();
         self.last = None;
     }
 
-    /// The step to take for a correction.
+    /// Returns the accelerated step for a correction.
     pub(crate) fn mixed(&mut self, correction: &Unknowns) -> Unknowns {
         let mut step = correction.clone();
         let Some(weights) = &self.weights else {
@@ -63,7 +64,7 @@ impl AndersonAcceleration {
 mod tests {
     use super::*;
 
-    /// x = K x + b with eigenvalues of which two would grow: as many corrections as there are unknowns, and one, find the solution.
+    /// x = K x + b, where two eigenvalues of K exceed one in size: the solution is found with one correction more than there are unknowns.
     #[test]
     fn a_linear_iteration_that_grows_ends() {
         let one = |values: [f64; 3]| Unknowns {

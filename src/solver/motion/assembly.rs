@@ -1,4 +1,5 @@
-//! Initial conditions: positions, velocities, then accelerations and forces that satisfy the constraints, as near to the data as they can be.
+//! Initial conditions: positions, velocities, and then accelerations and forces that satisfy the constraints with the least change of the
+//! data.
 
 use super::bordered::plain_weight;
 use super::consistent::{Consistent, REMOVED, difference, largest_speed};
@@ -6,33 +7,34 @@ use super::error::{MotionError, MotionFailure};
 use crate::mechanics::{Mat3, Mat6, Pose, Vec3, Vec6, psi_theta_phi, skew};
 use crate::system::{Parameters, PartRates, State, System};
 
-/// How much more what is stated weighs than what may adapt.
+/// Weight of stated values relative to free ones.
 const STATED: f64 = 1e8;
-/// Passes in which what may adapt follows what is stated, so that it pulls at it no longer.
+/// Number of passes in which free velocities follow stated ones, so that the free ones no longer disturb the stated ones.
 const PASSES: usize = 3;
-/// Positions that move by less, in lengths of the model and radians, have not moved.
+/// Changes of position below this, in model lengths or radians, are round-off.
 const ROUND_OFF: f64 = 1e-11;
-/// Rates of violation beyond this, in lengths of the model per time, are a conflict.
+/// Rates of violation above this share of the largest speed are a conflict.
 const CONFLICT: f64 = 1e-6;
 
-/// What of the state stays and what of the data counts.
+/// Velocities that an assembly starts from.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kept {
-    /// The velocities of the data are those to begin with.
+    /// The velocities of the dataset.
     Data,
-    /// The velocities of the state are: momentum is kept as far as the constraints allow.
+    /// The velocities of the state; momentum is kept as far as the constraints allow.
     Velocities,
-    /// At rest but for what the constraints ask.
+    /// Rest: parts move only as the constraints require.
     Nothing,
 }
 
 /// Brings a state onto its constraints.
 ///
-/// Positions: the least change, coordinates of EXACT held where they can be. Velocities: those of `kept`. Then accelerations, multipliers,
-/// variables and rates of states. Finds out which constraint equations are redundant.
+/// Positions change as little as possible, and EXACT coordinates stay where the constraints allow it. Velocities start from those that `kept`
+/// selects. Accelerations, multipliers, variables and rates of states follow. Redundant constraint equations are identified and marked.
+/// `step` is the time step of finite differences.
 ///
 /// # Errors
-/// [`MotionError`] where the constraints contradict each other or something has no value; the state is then as it was.
+/// [`MotionError`] if the constraints contradict each other or an element has no value; the state is then unchanged.
 pub fn assemble(
     system: &System,
     parameters: &Parameters,
@@ -83,7 +85,7 @@ fn attempt(
             Some((&anchors, &|part| weights[part])),
         )
         .map_err(at_the_start)?;
-    // The rank is that of the assembled positions, which a deck most often has from the beginning.
+    // Redundancy is determined at the assembled positions. Most decks are assembled from the start.
     let moved = anchors.iter().zip(&state.poses).any(|(from, pose)| {
         let apart = difference(pose, from);
         let (place, turn) = (
@@ -140,7 +142,7 @@ fn velocities(
             let masses: Vec<Mat6> = (0..system.bodies.len())
                 .map(|part| {
                     let M = system.mass_matrix(parameters, state, crate::model::PartIx(part));
-                    // What has no mass follows.
+                    // Massless parts follow the others.
                     M + plain * 1e-9
                 })
                 .collect();
@@ -160,7 +162,7 @@ fn velocities(
             }
             for _ in 0..PASSES {
                 memory.velocities(system, parameters, state, &|part| weights[part])?;
-                // What is stated pulls again; what adapts has followed.
+                // Stated values are restored; the free velocities have followed them.
                 for (part, stated) in stated.iter().enumerate() {
                     stated.restore(&mut state.velocities[part], system.bodies[part].freedoms);
                 }
@@ -179,8 +181,9 @@ fn velocities(
     memory.check_removed_rates(system, parameters, state, REMOVED * scale)
 }
 
-/// The weight of velocities that adapt: the sum of the squares of the velocity of the centre of mass in metres and of the angular velocity
-/// in radians per unit of time, as real results have it (grammar/NOTES.md). It does not depend on the units of the model.
+/// Returns the weight of free velocities. The weighted norm is the sum of two squares: the velocity of the centre of mass in metres per unit
+/// of time, and the angular velocity in radians per unit of time. Real results show this weighting, which is independent of the units of the
+/// model (grammar/NOTES.md).
 fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usize) -> Mat6 {
     let body = &system.bodies[part];
     let c = body.cm.map_or_else(Vec3::zeros, |cm| {
@@ -200,7 +203,7 @@ fn unweighted(system: &System, parameters: &Parameters, state: &State, part: usi
     S
 }
 
-/// What EXACT adds to the weight of a part.
+/// Returns the additional weight of a part from its EXACT coordinates.
 fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6 {
     let exact = system.bodies[part].start.exact;
     let mut S = Mat6::zeros();
@@ -215,7 +218,7 @@ fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6
         }
         return S;
     }
-    // The rotation vector of each angle of R = Rz(psi) Rx(theta) Rz(phi): an angle is kept where the others turn alone.
+    // The columns are the rotation axes of the angles in R = Rz(psi) Rx(theta) Rz(phi). EXACT holds one angle and lets the others change.
     let [psi, theta, _] = psi_theta_phi(&pose.R);
     let axes = Mat3::from_columns(&[
         Vec3::z(),
@@ -239,9 +242,9 @@ fn exact_weight(system: &System, part: usize, pose: &Pose, plain: &Mat6) -> Mat6
     S
 }
 
-/// The stated velocity of a part, as rows on (velocity of the origin, angular velocity).
+/// Stated velocity components of a part, as rows on (velocity of the origin, angular velocity).
 struct Stated {
-    /// (row, value, angular).
+    /// Tuples (row, stated value, true for an angular velocity).
     rows: Vec<(Vec6, f64, bool)>,
 }
 
@@ -289,7 +292,7 @@ impl Stated {
         Self { rows }
     }
 
-    /// `metre`: metres in a unit of length.
+    /// Returns the weight of the stated components. `metre` is the number of metres in a unit of length.
     fn weight(&self, metre: f64) -> Mat6 {
         let mut S = Mat6::zeros();
         for (row, _, angular) in &self.rows {

@@ -1,4 +1,4 @@
-//! Projections: the system `[ S, G'; G, 0 ]` of a weight per part and the gradients of the constraints.
+//! Projections: the system `[ S, G'; G, 0 ]` of one weight matrix per part and the constraint gradients.
 
 use std::ops::{Div, Mul};
 
@@ -6,7 +6,7 @@ use crate::linear::{Lu, Matrix, Occupied, Scalar, Sink};
 use crate::mechanics::Mat6;
 use crate::system::{Rows, System};
 
-/// Factors of a projection.
+/// Matrix of a projection and its factors.
 #[derive(Clone, Debug)]
 pub(super) struct Bordered {
     matrix: Matrix,
@@ -14,7 +14,7 @@ pub(super) struct Bordered {
     values: Vec<f64>,
     factors: Lu,
     bodies: usize,
-    /// Weights are diagonal.
+    /// True if all weights are diagonal.
     plain: bool,
 }
 
@@ -31,7 +31,7 @@ impl Bordered {
         }
     }
 
-    /// For diagonal weights alone.
+    /// Creates a projection for diagonal weights only.
     pub(crate) fn plain(system: &System) -> Self {
         Self {
             plain: true,
@@ -39,7 +39,7 @@ impl Bordered {
         }
     }
 
-    /// Factors the system; equations that take no part keep their multiplier at zero.
+    /// Factors the system. Equations that do not take part get a multiplier of zero.
     pub(crate) fn factor(
         &mut self,
         system: &System,
@@ -72,12 +72,12 @@ impl Bordered {
         self.factors.factor_entries(&matrix);
     }
 
-    /// Solves in place: motions, then multipliers.
+    /// Solves in place. The vector contains motions of the parts, then multipliers.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
         self.factors.solve(b);
     }
 
-    /// The same for numbers of another kind, with the solution in `x`; what is in `b` is used up.
+    /// Solves for numbers of another kind. The solution is written to `x`, and `b` is overwritten.
     pub(crate) fn solve_into<T>(&self, b: &mut [T], x: &mut [T])
     where
         T: Scalar + Mul<f64, Output = T> + Div<f64, Output = T>,
@@ -86,7 +86,8 @@ impl Bordered {
     }
 }
 
-/// The weight of a part that no mass matrix enters: m for translations, m L^2 for rotations.
+/// Returns a weight for parts that is independent of their masses: m for translations, m L^2 for rotations, with the model's reference mass
+/// and length.
 pub(super) fn plain_weight(system: &System) -> Mat6 {
     let (m, l) = (system.reference_mass, system.length);
     Mat6::from_fn(|i, j| match (i == j, i < 3) {

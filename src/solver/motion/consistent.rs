@@ -1,4 +1,4 @@
-//! States that satisfy the constraints at all three levels.
+//! States that satisfy the constraints at all three levels: positions, velocities and accelerations.
 
 use super::bordered::{Bordered, plain_weight};
 use super::error::MotionFailure;
@@ -6,20 +6,21 @@ use crate::linear::{Entries, Levels, Lu};
 use crate::mechanics::{Mat6, Pose, Vec3, log};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
-/// Positions satisfy the constraints when no equation is violated by more than this of the model's length.
+/// Violation, per model length, up to which positions satisfy the constraints.
 const CLOSED: f64 = 1e-12;
-/// Beyond so much they do not.
+/// Violation, per model length, up to which positions are accepted although the iteration does not reach [`CLOSED`].
 const OPEN: f64 = 1e-8;
 /// Bound on the violation of a removed equation, per length of the model, and on its rate, per largest speed. The equation agreed with the
 /// others within 1e-6 where it was removed; a large motion adds to that.
 pub(super) const REMOVED: f64 = 1e-4;
-/// Where the matrix is singular, an equation of a variable or a state may be left open by this share.
+/// Relative residual allowed in the equation of a variable or a state where the matrix is singular.
 const UNDETERMINED: f64 = 1e-9;
-/// Iterations of positions and accelerations.
+/// Largest number of iterations for positions and for accelerations.
 const ITERATIONS: usize = 50;
+/// Largest rotation of a part in one iteration, radians.
 const ALIMIT: f64 = std::f64::consts::FRAC_PI_6;
 
-/// Memory to bring states onto their constraints.
+/// Work space for bringing states onto their constraints.
 #[derive(Debug)]
 pub struct Consistent {
     pub(super) scratch: Scratch,
@@ -34,12 +35,12 @@ pub struct Consistent {
     pub(super) border: Vec<f64>,
     pub(super) v: Vec<f64>,
     gamma: Vec<f64>,
-    /// How many motions have no inertia and are held by something else, once that was looked at.
+    /// Number of motions without inertia that are known to be restrained; `None` before that was checked.
     pub(super) held: Option<usize>,
 }
 
 impl Consistent {
-    /// Memory for a system.
+    /// Allocates the work space for a system.
     pub fn new(system: &System) -> Self {
         let n = system.moving_unknowns;
         Self {
@@ -59,7 +60,7 @@ impl Consistent {
         }
     }
 
-    /// Marks the constraint equations that say nothing new where the parts are.
+    /// Marks the constraint equations that depend on others at the present positions.
     pub(super) fn find_redundant(
         &mut self,
         system: &System,
@@ -80,10 +81,11 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings the positions onto the constraints: the nearest to the anchors by the weights, or the nearest to where they are.
+    /// Brings the positions onto the constraints: nearest to the anchors in the weighted norm, or nearest to the present positions without
+    /// anchors.
     ///
     /// # Errors
-    /// [`Reason`] where nothing satisfies them.
+    /// [`Reason`] if no such positions are found.
     pub(super) fn positions(
         &mut self,
         system: &System,
@@ -102,7 +104,7 @@ impl Consistent {
             system.constraints_and_rows(parameters, state, scratch, g, rows)?;
             worst = self.worst(system, state);
             let closed = worst.1 <= CLOSED * system.length;
-            // Newton's method doubles its digits: what no longer falls is round-off.
+            // Newton's method doubles the correct digits. A violation that no longer falls is round-off.
             let stalled = worst.1 <= OPEN * system.length && worst.1 >= 0.5 * before;
             if anchors.is_none() && (closed || stalled) {
                 return Ok(());
@@ -160,7 +162,7 @@ impl Consistent {
         })
     }
 
-    /// The equation that is violated most, of those that hold places.
+    /// Returns the holonomic equation with the largest violation, and that violation.
     fn worst(&self, system: &System, state: &State) -> (usize, f64) {
         let mut worst = (0, 0.0);
         for k in 0..system.equations {
@@ -172,10 +174,10 @@ impl Consistent {
         worst
     }
 
-    /// Brings the velocities onto the constraints: the nearest to where they are, by the weights.
+    /// Brings the velocities onto the constraints with the least change in the weighted norm.
     ///
     /// # Errors
-    /// [`Reason`] where a function has no value.
+    /// [`Reason`] if a function has no value.
     pub(super) fn velocities(
         &mut self,
         system: &System,
@@ -190,7 +192,7 @@ impl Consistent {
         system.constraints_and_rows(parameters, state, scratch, g, rows)?;
         let takes_part = |k: usize| system.takes_part(state, k);
         self.bordered.factor(system, &self.rows, takes_part, weight);
-        // Twice: what the first solution leaves is round-off of its own size.
+        // Solves twice, because the first solution leaves round-off in proportion to its size.
         for _ in 0..2 {
             self.border.fill(0.0);
             system.velocity_vector(state, &mut self.v);
@@ -209,7 +211,7 @@ impl Consistent {
         Ok(())
     }
 
-    /// The rates of violation of the equations that take part, after [`Self::velocities`]: the worst.
+    /// Returns the equation with the largest rate of violation, and that rate. Uses the gradients evaluated by [`Self::velocities`].
     pub(super) fn worst_rate(&mut self, system: &System, state: &State) -> (usize, f64) {
         system.velocity_vector(state, &mut self.v);
         let mut rates = self.rows.time.clone();
@@ -225,15 +227,16 @@ impl Consistent {
             })
     }
 
-    /// Accelerations, multipliers, variables and rates of the states from positions, velocities and states:
-    /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on them.
+    /// Computes accelerations, multipliers, variables and rates of the states from positions, velocities and states:
+    /// `[ M - F_A, G' - F_lambda; G, 0 ] [ A; lambda ] = [ F - h; -gamma ]`, by Newton's method where forces depend on these unknowns.
     ///
-    /// Functions of reactions and accelerations that have no value before these are known count as zero until the first solution.
+    /// Functions of reactions and accelerations may have no value before these are known; they count as zero until the first solution.
     ///
-    /// `step` is how far apart functions are looked at for their second derivatives. Accelerations of motions without inertia stay as they are.
+    /// `step` is the time step of the finite differences for second derivatives of functions. Accelerations of motions without inertia stay
+    /// unchanged.
     ///
     /// # Errors
-    /// [`Reason`] where an element has no value or a motion has no inertia and nothing else holds it.
+    /// [`Reason`] if an element has no value, or if a motion has no inertia and is not restrained.
     pub(super) fn accelerations(
         &mut self,
         system: &System,
@@ -255,7 +258,7 @@ impl Consistent {
             let (scratch, g, levels) = (&mut self.scratch, &mut self.g, &mut self.levels);
             let lacking = system.assemble_leniently(parameters, state, scratch, g, levels)?;
             if lacking > 0 && lacking >= lacking_before {
-                // The solution with the others does not give it a value either.
+                // Solving for the other unknowns does not give these functions a value either.
                 system.evaluate(parameters, state, &mut self.scratch)?;
             }
             lacking_before = lacking;
@@ -346,10 +349,10 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings a moving state onto all three levels, next to where it is: what is written of it is consistent.
+    /// Brings a moving state onto its constraints at all three levels, close to where it is, so that its output is consistent.
     ///
     /// # Errors
-    /// [`Reason`] as of the three levels; also where a removed constraint is violated.
+    /// [`Reason`] if one of the three levels fails or a removed constraint equation is violated.
     pub fn reconcile(
         &mut self,
         system: &System,
@@ -365,7 +368,7 @@ impl Consistent {
         self.check_removed(system, parameters, state, |_| true)
     }
 
-    /// Those equations that were taken out and are looked at must hold all the same.
+    /// Checks that the removed equations for which `looked_at` is true are satisfied.
     pub(super) fn check_removed(
         &mut self,
         system: &System,
@@ -394,7 +397,7 @@ impl Consistent {
         Ok(())
     }
 
-    /// The rates of equations that were taken out must be those of the others, too.
+    /// Checks that the rates of violation of the removed equations are at most `most`.
     pub(super) fn check_removed_rates(
         &mut self,
         system: &System,
@@ -418,7 +421,7 @@ impl Consistent {
         }
     }
 
-    /// Evaluates all equations, with those that were taken out; false if there are none of these.
+    /// Evaluates all constraint equations, including the removed ones. Returns false if none were removed.
     pub(super) fn look_at_removed(
         &mut self,
         system: &System,
@@ -438,8 +441,8 @@ impl Consistent {
     }
 }
 
-/// The first variable or implicit state whose equation `A dx + g = 0` does not hold after a solution with a singular matrix. A state whose
-/// equation does not read its rate is a condition on places and states, which the acceleration is not asked to satisfy.
+/// Returns the first variable or implicit state whose equation `A dx + g = 0` is not satisfied after a solution with a singular matrix. A
+/// state whose equation does not contain its rate is skipped: such an equation restricts positions and states, not accelerations.
 fn undetermined(
     system: &System,
     matrix: &Entries<'_, f64>,
@@ -458,14 +461,14 @@ fn undetermined(
     rows.find(violated).map(|row| system.equation_name(row))
 }
 
-/// The largest velocity, rotations times the length of the model; at least one length per time.
+/// Returns the largest speed of a part, where rotations are multiplied by the model's length; at least one model length per unit of time.
 pub(super) fn largest_speed(system: &System, state: &State) -> f64 {
     let speeds = state.velocities.iter();
     let speeds = speeds.map(|v| v.linear.norm().max(v.angular.norm() * system.length));
     speeds.fold(system.length, f64::max)
 }
 
-/// How far a pose is from another: translation, and rotation vector.
+/// Returns the translation and the rotation vector that lead from pose `from` to `pose`.
 pub(super) fn difference(pose: &Pose, from: &Pose) -> crate::mechanics::Vec6 {
     let p: Vec3 = pose.p - from.p;
     let turn = log(&(pose.R * from.R.transpose()));

@@ -1,4 +1,4 @@
-//! The coordinates that small motions are written in: those of the parts, seen from ground or a marker, or VARIABLEs of a PSTATE.
+//! Coordinates of small motions: displacements and rotations of the parts, seen from ground or a marker, or VARIABLEs of a PSTATE.
 
 use nalgebra::DMatrix;
 
@@ -7,30 +7,30 @@ use crate::linear::Levels;
 use crate::mechanics::{Mat3, skew};
 use crate::system::{Parameters, Scratch, State, System};
 
-/// A row that others describe but for this share is none of its own.
+/// A row depends on the rows chosen before it if less than this share of it remains after their directions are removed.
 const DESCRIBED: f64 = 1e-6;
-/// Rows that differ by this share are equal but for round-off.
+/// Relative difference below which the sizes of two rows count as equal.
 const EQUAL: f64 = 1e-9;
 
-/// Which coordinates the states of LINEAR are, with their rates.
+/// Choice of the coordinates that are the states of LINEAR, together with their rates.
 ///
-/// ADAMS takes as many global displacements and rotations of parts as there are freedoms, those of a PSTATE before them
-/// (`state_pstate`: "the system will fill in"; what depends on others is discarded).
+/// ADAMS takes the VARIABLEs of a PSTATE first, then global displacements and rotations of parts, as many in all as there are degrees of
+/// freedom (`state_pstate`: "the system will fill in"). Dependent ones are discarded.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Coordinates {
-    /// VARIABLEs, by their places in the model: taken first.
+    /// VARIABLEs to choose first, by their index in the model.
     pub variables: Vec<usize>,
-    /// The marker from which parts are seen, in its axes, by its place in the model; ground if none.
+    /// Marker from which the parts are seen, in its axes, by its index in the model; `None` for ground.
     pub seen_from: Option<usize>,
 }
 
 impl Coordinates {
-    /// True if they are those of the parts as they are.
+    /// Returns true if the coordinates are the displacements and rotations of the parts in ground.
     pub(super) fn are_plain(&self) -> bool {
         self.variables.is_empty() && self.seen_from.is_none()
     }
 
-    /// Where each kind of rows ends: VARIABLEs, parts seen from a marker, parts in ground.
+    /// Returns where each kind of rows ends: VARIABLEs, parts seen from a marker, parts in ground.
     fn ends(&self, system: &System) -> [usize; 3] {
         let first = self.variables.len();
         let n = system.first_equation;
@@ -38,7 +38,7 @@ impl Coordinates {
         [first, seen, seen + n]
     }
 
-    /// What a row is.
+    /// Returns the name of a row.
     pub(super) fn name(&self, system: &System, row: usize) -> String {
         let [first, seen, _] = self.ends(system);
         if row < first {
@@ -51,13 +51,13 @@ impl Coordinates {
         }
     }
 
-    /// Their derivatives by the motions of the parts, one row each.
+    /// Returns the derivatives of all candidate coordinates by the motions of the parts, one row each.
     ///
-    /// Of a part with origin p seen from a marker on a part with origin p_r, with the axes R of the marker:
-    /// `R' (dp - dp_r + (p - p_r) x dphi_r)` and `R' (dphi - dphi_r)`.
+    /// For a part with origin p, seen from a marker with axes R on a part with origin p_r, the rows are `R' (dp - dp_r + (p - p_r) x dphi_r)`
+    /// and `R' (dphi - dphi_r)`.
     ///
     /// # Errors
-    /// [`Reason`] where a VARIABLE has no value, or is no coordinate.
+    /// [`Reason`] if a VARIABLE has no value or is not a function of positions alone.
     pub(super) fn rows(
         &self,
         system: &System,
@@ -101,7 +101,7 @@ impl Coordinates {
         Ok(P)
     }
 
-    /// Unknown VARIABLEs follow: `dv = -J_vv^-1 J_vq d`.
+    /// Fills the rows of the VARIABLEs. Unknown VARIABLEs are eliminated: `dv = -J_vv^-1 J_vq d`.
     fn of_variables(
         &self,
         (system, parameters, state): (&System, &Parameters, &State),
@@ -113,7 +113,7 @@ impl Coordinates {
         let (mut levels, mut g) = (Levels::new(m), vec![0.0; m]);
         system.assemble(parameters, state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        // By the places, by unknown VARIABLEs, and whether by anything else.
+        // Derivatives by positions and by unknown VARIABLEs, and whether a row depends on anything else.
         let mut own: DMatrix<f64> = DMatrix::zeros(count, count);
         let mut by_place: DMatrix<f64> = DMatrix::zeros(count, n);
         let mut reads_others = vec![false; count];
@@ -145,7 +145,7 @@ impl Coordinates {
                     by += followed.row(at) * value;
                     others |= (0..count).any(|k| reads_others[k] && follow[(at, k)] != 0.0);
                 } else {
-                    // It may follow the time.
+                    // A dependence on time is allowed.
                     others |= value != 0.0 && column < 3 * m;
                 }
             }
@@ -159,7 +159,7 @@ impl Coordinates {
         Ok(())
     }
 
-    /// As many rows as Z has columns, as independent as can be in their kind: coordinates that describe every free motion.
+    /// Chooses as many rows as Z has columns, as independent as possible within their kind, so that they describe every free motion.
     pub(super) fn chosen(
         &self,
         system: &System,
@@ -181,10 +181,10 @@ impl Coordinates {
             while chosen.len() < Z.ncols() {
                 let norms: Vec<f64> = (start..end).map(|k| left.row(k).norm()).collect();
                 let at = if kind == 0 {
-                    // In the order of the user.
+                    // The order given by the user is kept.
                     (0..norms.len()).find(|k| norms[*k] > DESCRIBED * sizes[start + *k])
                 } else {
-                    // The first of those that are equal but for round-off.
+                    // The first of the largest rows that are equal but for round-off.
                     let most = norms.iter().fold(0.0_f64, |a, b| a.max(*b));
                     let at = norms.iter().position(|s| *s >= most * (1.0 - EQUAL));
                     let last = kind == 2;

@@ -1,11 +1,11 @@
-//! Newton's method on the three stages together, each with its own derivatives.
+//! Newton iteration on the three stages together, each with its own derivatives.
 //!
-//! The simplified iteration of [`super::newton`] takes the derivatives of one stage for all three. Near a singular position of
-//! the mechanism the gradients of the constraints change by their own size within a step, and no step is short enough for it. This
-//! iteration is; a factorisation has three times the unknowns.
+//! The simplified iteration of [`super::newton`] uses the derivatives of one stage for all three. Near a singular position of the mechanism
+//! the constraint gradients change by their own size within a step, and no step is short enough for that iteration. The coupled iteration
+//! converges there, but its matrix has three times the unknowns.
 //!
-//! Unknowns of a stage: y (displacements and turns at the stage, multipliers, variables, states), dW and dmu. With P the identity for
-//! translations and [`turning_rate`] for rotations, `dd = P y`, and
+//! The unknowns of a stage are y (displacements and rotations at the stage, multipliers, variables, states), dW and dmu. P is the identity
+//! for translations and [`turning_rate`](crate::mechanics::turning_rate) for rotations. With `dd = P y` the equations of stage i are:
 //!
 //! ```text
 //! K_i y_i + C_i dW_i + N_i sum_j B_ij/h dW_j = -g_i
@@ -19,7 +19,7 @@ use crate::linear::{Levels, Lu, Matrix, Occupied, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, Rows, State, System};
 
-/// The matrix of the iteration with its factors; its pattern stays.
+/// Matrix of the iteration with its factors; its pattern stays the same.
 #[derive(Debug)]
 pub(super) struct Coupled {
     matrix: Matrix,
@@ -29,7 +29,7 @@ pub(super) struct Coupled {
     levels: Levels,
     rows: Rows,
     g: Vec<f64>,
-    /// Of every unknown of the three stages: the unknown of the statics that it belongs to.
+    /// Group of each unknown of the three stages: the index of the unknown of the equations of motion that it belongs to.
     groups: Vec<u32>,
 }
 
@@ -46,7 +46,7 @@ impl Coupled {
             matrix: Matrix::new(size),
             occupied: Occupied::default(),
             values: Vec::new(),
-            // An order for steps stays with pivots so small that next to a singular position its steps do not lead on.
+            // Not `Lu::for_steps`: its pivots may become so small that the corrections do not converge near a singular position.
             factors: Lu::for_many(size),
             levels: Levels::new(system.moving_unknowns),
             rows: Rows::new(system),
@@ -54,7 +54,7 @@ impl Coupled {
         }
     }
 
-    /// Factors with derivatives of every stage.
+    /// Evaluates the derivatives of every stage and factors the matrix.
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
@@ -177,7 +177,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// Corrections from the residuals of the stages, with the factors there are.
+    /// Computes the corrections from the residuals of the stages with the present factors.
     pub(crate) fn correct(
         &mut self,
         equations: &StepMatrices,

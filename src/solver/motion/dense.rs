@@ -1,4 +1,4 @@
-//! What lies between the ends of a step.
+//! Dense output: states between the ends of a step.
 
 use super::error::MotionError;
 use super::integrator::Integrator;
@@ -7,7 +7,7 @@ use super::tableau::lagrange;
 use crate::system::State;
 
 impl Integrator<'_> {
-    /// Where the last step began.
+    /// Returns the time at which the last step began.
     pub(crate) fn last_time(&self) -> f64 {
         match self.last {
             Some(_) => self.origin.time,
@@ -15,7 +15,7 @@ impl Integrator<'_> {
         }
     }
 
-    /// The state at a time of the last step by its polynomial, of third order; not reconciled.
+    /// Returns the state at a time within the last step by its polynomial of third order, not reconciled with the constraints.
     pub(crate) fn between(&self, time: f64) -> State {
         if time == self.state.time {
             return self.state.clone();
@@ -23,7 +23,7 @@ impl Integrator<'_> {
         self.continued(time)
     }
 
-    /// The same in the regimes of the last step beyond its end too.
+    /// Evaluates the polynomial of the last step at a time within or beyond the step, with the discrete states of the step.
     pub(super) fn continued(&self, time: f64) -> State {
         let Some(h) = self.last else {
             return self.state.clone();
@@ -57,10 +57,10 @@ impl Integrator<'_> {
         state
     }
 
-    /// The state at a time of the last step, on its constraints at all three levels.
+    /// Returns the state at a time within the last step, on its constraints at all three levels.
     ///
     /// # Errors
-    /// [`MotionError`] as of [`Self::output`].
+    /// [`MotionError`] as for [`Self::output`].
     pub fn output_at(&mut self, time: f64) -> Result<State, MotionError> {
         let mut state = self.between(time);
         let step = self.settings.hmax * 1e-2;
@@ -71,7 +71,7 @@ impl Integrator<'_> {
         Ok(state)
     }
 
-    /// Takes the last step back: it stands where that began.
+    /// Undoes the last step: the state returns to the start of that step.
     pub(super) fn undo_step(&mut self) {
         self.state = self.origin.clone();
         self.sizes = self.sizes_before;
@@ -79,10 +79,10 @@ impl Integrator<'_> {
         self.statistics.rejected += 1;
     }
 
-    /// Takes the last step back and does it again to another end, next to the one it had.
+    /// Undoes the last step and repeats it with another end close to the previous one.
     ///
     /// # Errors
-    /// [`MotionError`] as of [`Self::advance_to`].
+    /// [`MotionError`] as for [`Self::advance_to`].
     pub(super) fn retry_step_to(&mut self, time: f64) -> Result<(), MotionError> {
         self.undo_step();
         self.within = true;

@@ -1,25 +1,25 @@
-//! Which derivatives the iteration of a step uses.
+//! Kinds of derivatives for the Newton iteration of a step.
 
 use super::sequence::RATE;
 
-/// Which derivatives the iteration of a step uses: each kind settles where the one before does not, and costs more.
+/// Derivatives used by the Newton iteration of a step. Each kind converges where the kinds before it fail, and costs more.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Derivatives {
-    /// Those of one stage, kept while they serve.
+    /// Derivatives of one stage, used for all stages and kept as long as the iteration converges fast.
     Single,
-    /// Those of every stage, one stage after the other, kept while they serve.
+    /// Derivatives of every stage, solved one stage after the other.
     Sequence,
-    /// Those of every stage, all together, kept while they serve.
+    /// Derivatives of every stage, solved for all stages together, and reassembled when convergence becomes slow.
     Kept,
-    /// The same, made anew for each iteration.
+    /// Derivatives of every stage, solved for all stages together, and reassembled in each iteration.
     Renewed,
 }
 
 impl Derivatives {
-    /// After those of one stage.
+    /// Kinds to try, in this order, after [`Self::Single`] has failed.
     pub(crate) const BETTER: [Self; 3] = [Self::Sequence, Self::Kept, Self::Renewed];
 
-    /// What may be left falls by no more than this in an iteration, however fast the rest went.
+    /// Returns the convergence rate of the slowest error components. The remaining error may fall no faster, whatever rate was observed.
     pub(crate) fn slowest(self) -> f64 {
         match self {
             Self::Sequence => RATE,

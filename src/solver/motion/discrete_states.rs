@@ -1,52 +1,57 @@
-//! The regimes of a motion: pieces of functions that are not smooth, surfaces that stick or slide; and how often they change.
+//! Discrete states of a motion: the pieces of piecewise functions, and whether surfaces stick or slide.
+//!
+//! A function that is held on a piece uses the formula of that piece even where its arguments select another one. Switches are counted to
+//! detect chatter.
 
 use std::collections::VecDeque;
 
 use super::error::MotionFailure;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// More changes of one function than this within so many steps: they are not looked for until it is silent for as many.
+/// Number of switches of one function within [`STEPS`] steps above which the function is suspended.
 const MANY: usize = 50;
+/// Number of steps in which switches are counted. A suspended function that does not switch for as many steps is held again.
 const STEPS: usize = 100;
-/// More changes of one function than this between two outputs end the motion.
+/// Number of switches of one function between two outputs above which the motion ends with an error.
 const MOST: usize = 1000;
 
-/// What changes where.
+/// A change of a discrete state.
 pub(super) enum Change {
-    /// A friction, by its number.
+    /// Change between sticking and sliding of the friction with this index.
     Grip(usize),
-    /// A function with pieces, and the piece it goes on with.
+    /// Switch of the piecewise function with this index to the given piece.
     Switch(usize, i64),
 }
 
-/// What is known of one function with pieces.
+/// Switching history of one piecewise function.
 #[derive(Clone, Debug, Default)]
 struct History {
-    /// Steps after which it changed last.
+    /// Step counts at the latest switches.
     recent: VecDeque<usize>,
-    /// Changes since the last output.
+    /// Number of switches since the last output.
     count: usize,
-    /// It changes too often: its piece is that of its arguments. The piece seen last, and since which step that is so.
+    /// Set while the function switches too often to be held on a piece. Contains the piece seen last, and the step count since which that
+    /// piece has been unchanged.
     suspended: Option<(Option<i64>, usize)>,
 }
 
-/// The regimes of a motion. Which they are stands in its state.
+/// Bookkeeping of the discrete states of a motion. The discrete states themselves are part of [`State`].
 #[derive(Debug)]
 pub(super) struct Regimes {
     pub(super) scratch: Scratch,
-    /// Surface speeds of frictions less those of stiction.
+    /// Surface speed minus stiction velocity of each friction; NaN for frictions that cannot stick.
     pub(super) slips: Vec<f64>,
     switches: Vec<History>,
-    /// The output interval that changes are counted in.
+    /// Index of the output interval in which switches are counted.
     interval: f64,
-    /// When the motion began.
+    /// Start time of the motion.
     start: f64,
-    /// The function that changed last, and when.
+    /// Time of the last switch, and index of the function that switched.
     last: Option<(f64, usize)>,
 }
 
 impl Regimes {
-    /// Nothing, if the system has no regimes; else the state is put on the pieces of its functions.
+    /// Returns `None` if the system has no discrete states. Otherwise holds the functions of the state on their present pieces.
     pub(super) fn new(
         system: &System,
         parameters: &Parameters,
@@ -68,7 +73,7 @@ impl Regimes {
         Some(new)
     }
 
-    /// Holds functions that were not held on the pieces of their arguments, and lets those go that are not evaluated.
+    /// Holds each function that is not held yet on the piece its arguments select, and releases functions that are not evaluated.
     pub(super) fn hold(&mut self, system: &System, parameters: &Parameters, state: &mut State) {
         if system
             .evaluate(parameters, state, &mut self.scratch)
@@ -79,7 +84,7 @@ impl Regimes {
         self.keep(state);
     }
 
-    /// The same by what was seen last.
+    /// Does the same as [`Self::hold`] with the pieces found by the last evaluation.
     fn keep(&self, state: &mut State) {
         let all = state.pieces.iter_mut().zip(&self.scratch.seen);
         for ((piece, seen), history) in all.zip(&self.switches) {
@@ -90,7 +95,7 @@ impl Regimes {
         }
     }
 
-    /// A step is done in which nothing changed: functions that were let go and are silent since long are held again.
+    /// Records a step without a change. Suspended functions that have not switched for [`STEPS`] steps are held again.
     pub(super) fn step_done(&mut self, state: &mut State, steps: usize) {
         for (history, seen) in self.switches.iter_mut().zip(&self.scratch.seen) {
             if let Some((piece, since)) = &mut history.suspended {
@@ -104,7 +109,8 @@ impl Regimes {
         self.keep(state);
     }
 
-    /// Takes functions that changed as their arguments have them, until they are silent; false if none did.
+    /// Suspends the changed functions: their arguments select their pieces until they stop switching. Returns false if no function is among
+    /// the changes.
     pub(super) fn suspend(&mut self, changed: &[Change], steps: usize) -> bool {
         for change in changed {
             if let Change::Switch(k, _) = change {
@@ -116,7 +122,10 @@ impl Regimes {
             .any(|change| matches!(change, Change::Switch(..)))
     }
 
-    /// Counts a change of a function.
+    /// Counts a switch of function `k`, and suspends the function if it switches too often. `output` is the length of an output interval.
+    ///
+    /// # Errors
+    /// [`Reason::Chatter`] if the function switches more than [`MOST`] times in one output interval.
     pub(super) fn count_switches(
         &mut self,
         system: &System,
@@ -132,7 +141,7 @@ impl Regimes {
             }
         }
         self.last = Some((time, k));
-        // The time goes on whatever the function does: what it alone chooses does not chatter.
+        // Time advances whatever the function does, so that switches selected by time alone are no chatter.
         if system.switches[k].of_time {
             return Ok(());
         }
@@ -155,7 +164,7 @@ impl Regimes {
         Ok(())
     }
 
-    /// What changed last, for messages.
+    /// Describes the last switch, for error messages.
     pub(super) fn told(&self, system: &System) -> String {
         let Some((time, k)) = self.last else {
             return String::new();
@@ -169,7 +178,7 @@ impl Regimes {
     }
 }
 
-/// The statement of a function with pieces.
+/// Returns the name of the statement that contains piecewise function `k`.
 fn owner(system: &System, k: usize) -> String {
     let function = system.switches[k].function;
     system.functions[function].owner.to_string()

@@ -1,27 +1,27 @@
 use crate::system::NoValue;
 
-/// Why a motion ends, and when.
+/// An error that ends a motion, and its time.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("at time {time}: {reason}")]
 pub struct MotionError {
-    /// The time up to which everything is computed.
+    /// Time up to which the motion is computed.
     pub time: f64,
     /// Why it does not go on.
     pub reason: MotionFailure,
 }
 
-/// Why a motion ends.
+/// Cause of an error that ends a motion.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum MotionFailure {
     /// An element or a function has no value.
     #[error(transparent)]
     NoValue(#[from] NoValue),
-    /// The constraints cannot be satisfied.
+    /// The constraints cannot be satisfied at the start.
     #[error("the initial conditions are inconsistent: {equation} is violated by {violation:.3e}")]
     Inconsistent {
-        /// The worst equation.
+        /// Equation with the largest violation.
         equation: String,
-        /// Length units or radians.
+        /// Violation in length units or radians.
         violation: f64,
     },
     /// No velocities satisfy the constraints.
@@ -29,25 +29,25 @@ pub enum MotionFailure {
         "no velocities satisfy the constraints: {equation} is violated by {violation:.3e} per time"
     )]
     VelocityConflict {
-        /// The worst equation.
+        /// Equation with the largest violation.
         equation: String,
-        /// Length units or radians per time.
+        /// Rate of violation in length units or radians per time.
         violation: f64,
     },
-    /// A constraint that was taken for redundant is not.
+    /// A constraint equation that was removed as redundant is violated.
     #[error("{equation} was redundant and is violated by {violation:.3e} now")]
     RedundantViolated {
-        /// The equation.
+        /// The removed equation.
         equation: String,
-        /// Length units or radians.
+        /// Violation in length units or radians.
         violation: f64,
     },
-    /// A motion has no mass and nothing that determines it.
+    /// A massless motion is not determined by constraints, stiffness or damping.
     #[error(
         "the mass matrix is singular: {freedom} has no inertia and nothing determines its acceleration"
     )]
     MassSingular {
-        /// Part and direction.
+        /// Part and direction of the motion.
         freedom: String,
     },
     /// A VARIABLE or the rate of an implicit DIFF does not follow from its equation.
@@ -55,66 +55,66 @@ pub enum MotionFailure {
         "{what} is not determined: its equation does not hold, and does not change with it here"
     )]
     Undetermined {
-        /// The statement.
+        /// Name of the statement.
         what: String,
     },
-    /// An input moves something without mass: what depends on its velocity depends on the rate of the input.
+    /// A state or an output depends on the rate of an input, because the input moves a massless part.
     #[error("{what} depends on the rate of an input, which state matrices do not have")]
     InputRate {
-        /// A state or an output.
+        /// Name of the state or output.
         what: String,
     },
-    /// A VARIABLE of a PSTATE is not a function of places alone.
+    /// A VARIABLE of a PSTATE is not a function of positions alone.
     #[error(
         "{what} is no coordinate: it reads velocities, forces, other states or no place of a part"
     )]
     NoCoordinate {
-        /// The variable.
+        /// Name of the VARIABLE.
         what: String,
     },
-    /// The iteration for the eigenvalues does not converge.
+    /// The eigenvalue iteration does not converge.
     #[error("the eigenvalues of small motions are not found: the iteration does not converge")]
     NoEigenvalues,
-    /// The step became smaller than HMIN.
+    /// The step size became smaller than HMIN.
     #[error("the integration step {step:.3e} is smaller than HMIN; {worst}")]
     StepTooSmall {
-        /// The step that would be needed.
+        /// Step size that would be needed.
         step: f64,
-        /// What errs most, or what the iteration does not settle.
+        /// The component with the largest error, or the cause of the failed iteration, in words.
         worst: String,
     },
-    /// A function that is not smooth changes its piece over and over.
+    /// A piecewise function switches between its pieces too often.
     #[error(
         "the function of {function} switches more than {count} times between two outputs: an IMPACT, an IF or the like in it chatters, or DTOUT is long"
     )]
     Chatter {
-        /// The statement.
+        /// Statement that contains the function.
         function: String,
-        /// How often it may.
+        /// Number of switches allowed between two outputs.
         count: usize,
     },
-    /// The positions do not follow from the constraints.
+    /// The constraints do not determine the positions.
     #[error(
         "the model has {freedoms} degrees of freedom: its positions do not follow from its motions alone"
     )]
     NotKinematic {
-        /// How many.
+        /// Number of remaining degrees of freedom.
         freedoms: usize,
     },
-    /// A constraint of velocities takes a freedom: its place follows from no constraint.
+    /// A nonholonomic constraint removes a degree of freedom, so that positions follow only from integration.
     #[error(
         "{equation} holds velocities: the positions follow from an integration alone, as DYNAMIC and TRANSIENT make it"
     )]
     HeldVelocities {
-        /// The constraint.
+        /// The nonholonomic constraint equation.
         equation: String,
     },
-    /// Positions could not be found.
+    /// No positions that satisfy the constraints were found.
     #[error("no positions satisfy the constraints: {equation} is violated by {violation:.3e}")]
     NoPosition {
-        /// The worst equation.
+        /// Equation with the largest violation.
         equation: String,
-        /// Length units or radians.
+        /// Violation in length units or radians.
         violation: f64,
     },
 }
@@ -126,10 +126,10 @@ impl MotionFailure {
     }
 }
 
-/// The iteration of a step does not settle, and why.
+/// Failure of the Newton iteration of a step.
 pub(super) struct NotSettled {
     pub why: String,
-    /// A function or an element has no value.
+    /// True if a function or an element has no value.
     pub no_value: bool,
 }
 

@@ -2,7 +2,7 @@ use super::newton::Unknowns;
 use crate::mechanics::Vec3;
 use crate::system::{PartRates, State, System};
 
-/// The largest values so far that errors are relative to.
+/// Scales of relative errors: the largest value so far of each kind of unknown.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorScales {
     pub position: f64,
@@ -14,7 +14,7 @@ pub(super) struct ErrorScales {
 }
 
 impl ErrorScales {
-    /// One of each unit, where nothing has moved yet.
+    /// Starts with one unit of each kind. Multipliers start with the reference mass times the model's length.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             position: 1.0,
@@ -26,7 +26,7 @@ impl ErrorScales {
         }
     }
 
-    /// With what a state holds.
+    /// Raises the scales to the largest values of a state.
     pub(crate) fn grow(&mut self, system: &System, reached: &State) {
         let largest = |v: &Vec3| v.amax();
         for pose in &reached.poses {
@@ -47,8 +47,8 @@ impl ErrorScales {
         }
     }
 
-    /// The largest component of a change of displacements `z` and velocities `w` in tolerances, its place, and whether it is one of the
-    /// velocities.
+    /// Returns the largest component of a change of displacements `z` and velocities `w`, measured in tolerances, its index, and whether it
+    /// is a velocity. `variables` includes VARIABLEs and multipliers.
     pub(crate) fn measured(
         &self,
         system: &System,
@@ -67,7 +67,7 @@ impl ErrorScales {
         worst
     }
 
-    /// What one of each unknown of a step counts, in tolerances; nothing where no tolerance is of it.
+    /// Returns the reciprocal tolerance of each unknown of a step; zero for unknowns without a tolerance.
     pub(crate) fn weights(&self, system: &System, tolerance: f64) -> Unknowns {
         let mut weights = Unknowns::new(system);
         self.each(system, tolerance, true, |at, velocity, size| {
@@ -83,7 +83,7 @@ impl ErrorScales {
         weights
     }
 
-    /// The places of what has a tolerance, whether it is a velocity, and the tolerance.
+    /// Calls `look` for every unknown that has a tolerance, with its index, whether it is a velocity, and the tolerance.
     fn each(
         &self,
         system: &System,
@@ -110,7 +110,7 @@ impl ErrorScales {
             for at in system.first_variable..system.first_state() {
                 look(at, false, tolerance * self.variable);
             }
-            // Multipliers are extrapolated: an iteration that left them alone would let their errors grow from step to step.
+            // Multipliers are extrapolated. Without a tolerance of their own, their errors would grow from step to step.
             for at in system.first_equation..system.first_variable {
                 look(at, false, tolerance.sqrt() * self.multiplier);
             }

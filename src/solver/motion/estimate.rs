@@ -1,4 +1,4 @@
-//! The error of a step, by the embedded formula of Radau IIA.
+//! Error estimate of a step by the embedded formula of Radau IIA.
 
 use super::integrator::Integrator;
 use super::newton::Stages;
@@ -6,7 +6,11 @@ use super::tableau::E;
 use crate::system::State;
 
 impl Integrator<'_> {
-    /// The estimated error of the step in tolerances.
+    /// Returns the estimated error of the step in tolerances. An estimate above one is filtered a second time if the integration was
+    /// restarted, the step is a repetition, or it follows a rejection (`again`).
+    ///
+    /// # Errors
+    /// Returns a message if an element has no value.
     pub(super) fn error(&mut self, h: f64, again: bool) -> Result<f64, String> {
         let system = self.system;
         let n = system.first_equation;
@@ -34,7 +38,7 @@ impl Integrator<'_> {
             self.worst = format!("the error is that of {}", self.told(found));
             return Ok(found.0.max(1e-10));
         }
-        // Filtered once more, at the place that the estimate leads to.
+        // Filters a second time, with the residual at the state that the estimate leads to.
         let mut beside = State::empty();
         let unknowns = &self.unknowns;
         let mut z = first.z;

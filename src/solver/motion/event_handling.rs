@@ -1,7 +1,7 @@
-//! The times at which the regimes of a motion change.
+//! Changes of the discrete states of a motion at their events.
 //!
-//! Within a step every function with pieces (IMPACT, IF, ABS) stays on one, and every friction in one regime. The step ends where that ceases to be
-//! right, and the next one begins anew on the other side.
+//! Within a step every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends
+//! where this ceases to be valid, and the next step starts with the changed discrete state.
 
 use super::discrete_states::{Change, Regimes};
 use super::error::{MotionError, MotionFailure};
@@ -11,23 +11,24 @@ use crate::function::between;
 use crate::mechanics::Vec3;
 use crate::system::{Parameters, State, System};
 
-/// A passage in this share of the step is one at its start.
+/// An event within this share of the step counts as an event at its start.
 const AT_START: f64 = 1e-9;
-/// At one time regimes change so often at most.
+/// Largest number of successive changes of discrete states at one time.
 const CHANGES: usize = 4;
-/// Which side follows is seen so far beyond a passage, as a share of the step, or so many times farther.
+/// Distance after an event at which the following discrete state is determined, as a share of the step.
 const BEYOND: f64 = 1e-9;
+/// Factor by which the distance of [`BEYOND`] grows in each try.
 const FARTHER: f64 = 8.0;
-/// What the first step after a change may let velocities change, as a share of their size over the root of the tolerance.
+/// Largest relative change of velocities in the first step after an event, in units of the square root of the tolerance.
 const BEGINNING: f64 = 5.0;
-/// And so often it is shortened for that.
+/// Largest number of times that the first step after an event is shortened.
 const TRIES: usize = 10;
-/// What is held between two sides creeps by this share of the tolerance at most.
+/// Half width over which a function held between its two sides changes value, as a share of the tolerance. It bounds the creep.
 const CREEP: f64 = 1e-2;
-/// Whether it is pushed back is seen after this share of the step.
+/// Length of the trial step that shows whether a function is pushed back, as a share of the step.
 const SOON: f64 = 1e-2;
 
-/// The regimes while they are watched.
+/// Watches the discrete states for events.
 struct Watching<'a> {
     system: &'a System,
     parameters: &'a Parameters,
@@ -38,7 +39,7 @@ impl Watched for Watching<'_> {
     fn excess(&mut self, state: &State) -> f64 {
         self.look(state);
         let grips = state.grips.iter().zip(&self.regimes.slips);
-        // Of frictions that cannot stick the slip is no number, which the maximum leaves out.
+        // The slip of a friction that cannot stick is NaN, which the maximum ignores.
         let grips = grips.map(|(grip, slip)| if grip.sticking { *slip } else { -slip });
         let switches = self.regimes.scratch.seen.iter().map(|seen| seen.excess);
         grips.chain(switches).fold(f64::NEG_INFINITY, f64::max)
@@ -52,13 +53,13 @@ impl Watching<'_> {
         if system.has_friction() {
             system.slips(parameters, state, scratch, slips);
         }
-        // Where a function has no value nothing is seen; the iteration says so.
+        // A function without a value shows no event; the iteration reports the error.
         if !system.switches.is_empty() {
             let _ = system.evaluate(parameters, state, scratch);
         }
     }
 
-    /// What has passed its mark at a state.
+    /// Returns the changes whose event has passed at a state.
     fn passed(&mut self, state: &State) -> Vec<Change> {
         self.look(state);
         let grips = state.grips.iter().zip(&self.regimes.slips).enumerate();
@@ -82,10 +83,11 @@ impl Watching<'_> {
 }
 
 impl Integrator<'_> {
-    /// Looks at the step that was just done: where a regime ceases to be right inside of it, the step ends there and the regime changes.
+    /// Checks the step just taken. If a discrete state ceases to be valid within it, the step is repeated to end there, and the discrete
+    /// state changes.
     ///
     /// # Errors
-    /// [`MotionError`] where the shorter step is not found, or a function changes its piece over and over.
+    /// [`MotionError`] if the shorter step fails or a function chatters.
     pub(super) fn settle_regimes(&mut self) -> Result<(), MotionError> {
         let Some(mut regimes) = self.regimes.take() else {
             return Ok(());
@@ -123,14 +125,15 @@ impl Integrator<'_> {
                     let changes = self.beyond(&mut watching, self.state.time);
                     held = self.change(regimes, &changes)?;
                 }
-                // The step was cut: how long it is says nothing of the next one.
+                // The step was cut, so that its length says nothing about the next one.
                 self.set_step(self.h.max(to - from));
                 if self.anew && !held {
                     self.h = self.first_step();
                 }
                 return Ok(());
             }
-            // What was right at the end of the step before is not right in this one: the same step in the other regime.
+            // The discrete state valid at the end of the previous step is not valid in this one. The same step is repeated with the changed
+            // discrete state.
             let changes = self.beyond(&mut watching, from);
             self.undo_step();
             self.restart();
@@ -142,7 +145,7 @@ impl Integrator<'_> {
             self.take_step(to - from, to)?;
             changed.extend(changes);
         }
-        // On neither side it is right: what holds it between them is for the error control to find.
+        // Neither side is valid. The function is suspended, and the error control resolves the motion between its sides.
         if regimes.suspend(&changed, self.statistics.steps) {
             let (from, to) = (self.origin.time, self.state.time);
             self.undo_step();
@@ -154,7 +157,7 @@ impl Integrator<'_> {
         Ok(())
     }
 
-    /// What has passed its mark just after a time, by the polynomial of the last step.
+    /// Returns the changes whose event has passed just after a time, by the polynomial of the last step.
     fn beyond(&self, watching: &mut Watching<'_>, time: f64) -> Vec<Change> {
         let step = self.state.time - self.origin.time;
         let mut reach = (BEYOND * step).max(4.0 * f64::EPSILON * time.abs());
@@ -168,8 +171,8 @@ impl Integrator<'_> {
         Vec::new()
     }
 
-    /// Surfaces that stuck slide, those that slid stick from here on; functions go on with other pieces. True if one is held between its
-    /// sides: such a motion needs no short steps.
+    /// Applies changes: sticking surfaces slide, sliding ones stick, and functions switch to other pieces. Returns true if a function is held
+    /// between its sides; such a motion needs no short steps.
     fn change(&mut self, regimes: &mut Regimes, changes: &[Change]) -> Result<bool, MotionError> {
         let (system, parameters) = (self.system, self.parameters);
         let (time, steps) = (self.state.time, self.statistics.steps);
@@ -185,7 +188,7 @@ impl Integrator<'_> {
                     self.state.pieces[*k] = Some(*piece);
                     switched = true;
                     if self.is_pushed_back(regimes, *k) {
-                        // Both sides push here: it stays between them (Filippov).
+                        // Both sides push back: the function stays between them (Filippov).
                         self.state.pieces[*k] = Some(between(CREEP * self.tolerance()));
                         held = true;
                     }
@@ -200,7 +203,7 @@ impl Integrator<'_> {
             return Ok(false);
         }
         regimes.hold(system, parameters, &mut self.state);
-        // The forces may have jumped, and the accelerations with them.
+        // The forces may have jumped, and with them the accelerations.
         let mut anew = self.state.clone();
         let step = 1e-2 * self.settings.hmax;
         let found = self
@@ -213,8 +216,8 @@ impl Integrator<'_> {
         Ok(held)
     }
 
-    /// True if a function, on the piece that it has just come to, at once goes back to where it came from: it jumps, and what it does there
-    /// pushes it back.
+    /// Returns true if a function that has just switched to a piece would switch back at once: its value jumps, and the motion on the new
+    /// piece leads back.
     fn is_pushed_back(&mut self, regimes: &mut Regimes, k: usize) -> bool {
         let (system, parameters) = (self.system, self.parameters);
         let switch = system.switches[k];
@@ -231,7 +234,7 @@ impl Integrator<'_> {
             && regimes.scratch.seen[k].excess > 0.0
     }
 
-    /// Where a short step from here leads. All is as it was after it, but the factors.
+    /// Returns the state after a short trial step. Everything except the factors is restored afterwards.
     fn ahead(&mut self, step: f64) -> Option<State> {
         let states = (self.state.clone(), self.origin.clone());
         let polynomial = self.polynomial.clone();
@@ -251,10 +254,10 @@ impl Integrator<'_> {
         found.is_ok().then_some(ahead)
     }
 
-    /// A step that the method can do under forces that have just changed, at most the one at hand.
+    /// Returns a step size, at most the present one, that the method can handle under forces that have just changed.
     ///
-    /// Accelerations that change by `da` over a step h tell the time T in which the motion changes: `da h = v (h/T)^2`, with v the size of
-    /// velocities. An error of fourth order stays within the tolerance while `(h/T)^4` is of its size.
+    /// If accelerations change by `da` over a step h, the motion changes on a time scale T with `da h = v (h/T)^2`, where v is the size of
+    /// velocities. An error of fourth order is within the tolerance as long as `(h/T)^4` is.
     fn first_step(&mut self) -> f64 {
         let (system, parameters) = (self.system, self.parameters);
         let n = system.first_equation;

@@ -1,34 +1,36 @@
-//! The times at which something that is watched passes its mark: where in the last step, and a step that ends there.
+//! Event location: finds the time at which a watched function passes zero within a step, and repeats the step to end there.
 
 use super::error::MotionError;
 use super::integrator::Integrator;
 use super::root::narrowed;
 use crate::system::State;
 
-/// Places of a step at which is looked.
+/// Fractions of a step at which the watched function is sampled.
 pub(super) const PLACES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// A passage is looked for so exactly, as a share of the step.
+/// Width of the bracket around a located event, as a share of the step.
 pub(super) const EXACT: f64 = 1e-13;
-/// The step is solved again so often at most.
+/// Largest number of times that a step is repeated to end at an event.
 const SOLUTIONS: usize = 5;
-/// The end of a step is looked at so closely first, as a share of it, and so many times less closely then.
+/// Distance from the end of a step at which the search for a nearby event begins, as a share of the step.
 const NEAR: f64 = 1e-6;
+/// Factor by which the search distance of [`NEAR`] grows.
 const WIDER: f64 = 16.0;
 
-/// What is watched along a motion.
+/// A function whose passage through zero is located along a motion.
 pub trait Watched {
-    /// A step begins at a state.
+    /// Prepares for an interval that begins at `_state`.
     fn begin(&mut self, _state: &State) {}
 
-    /// Above zero if something has passed its mark at a state of the step.
+    /// Returns a value above zero if an event has passed at a state of the interval.
     fn excess(&mut self, state: &State) -> f64;
 
-    /// Nothing had passed where `excess` was asked for last: what comes is judged from there.
+    /// Confirms that no event had passed at the state of the last [`excess`](Self::excess); later states are judged from there.
     fn go_on(&mut self) {}
 }
 
 impl Integrator<'_> {
-    /// The first passage in the last step, by its polynomial: a time before and a time after. Both are the start if it lies there.
+    /// Locates the first event in the last step by the dense-output polynomial. Returns a time before and a time after the event; both are
+    /// the start of the step if the event lies there.
     pub fn first_passage(&self, watched: &mut impl Watched) -> Option<(f64, f64)> {
         let (from, to) = (self.last_time(), self.state.time);
         if from == to {
@@ -58,8 +60,8 @@ impl Integrator<'_> {
         None
     }
 
-    /// A place next to the start of the last step at which nothing has passed, before `time`, where something has. After an event what is
-    /// watched stands at its mark but for round-off: the start itself says nothing.
+    /// Returns a time next to the start of the last step at which no event has passed, and the excess there. An event has passed at the later
+    /// `time`. After an event the watched function is zero up to round-off at the start, so that its sign there means nothing.
     fn next_to_start(&self, watched: &mut impl Watched, time: f64) -> Option<(f64, f64)> {
         let from = self.last_time();
         let start = watched.excess(&self.continued(from));
@@ -73,10 +75,11 @@ impl Integrator<'_> {
         })
     }
 
-    /// Solves the last step again so that it ends at a passage that was found in it. False if there is none after all: the step ends near it.
+    /// Repeats the last step so that it ends at an event found in it. Returns false if the repeated step meets no event after all; it then
+    /// ends near the expected time.
     ///
     /// # Errors
-    /// [`MotionError`] as of [`Integrator::advance_to`].
+    /// [`MotionError`] as for [`Integrator::advance_to`].
     pub fn end_at_passage(
         &mut self,
         watched: &mut impl Watched,
@@ -98,7 +101,7 @@ impl Integrator<'_> {
         Ok(true)
     }
 
-    /// The passage next to the end of the last step, on either side of it, by its polynomial: the time after it.
+    /// Locates the event nearest to the end of the last step, on either side, by the dense-output polynomial. Returns the time just after it.
     fn passage_at_end(&self, watched: &mut impl Watched) -> Option<f64> {
         let (start, end) = (self.last_time(), self.state.time);
         let step = end - start;

@@ -1,24 +1,26 @@
-//! Which of the constraint equations that depend on each other are left out, decided anew as the mechanism moves.
+//! Selection of the redundant constraint equations, revised as the mechanism moves.
 
 use super::bordered::plain_weight;
 use super::consistent::Consistent;
 use super::error::MotionFailure;
 use crate::system::{Parameters, State, System};
 
-/// An equation that is left out may count this much of one that is kept. What is left out agrees with the others to 1e-6 of its length where
-/// that is decided, and must hold to 1e-4 everywhere: half of the digits between are for this, half for the way of a step.
+/// Largest coefficient, between gradients of unit length, with which a removed equation may depend on a kept one. Removed equations agree
+/// with the others within 1e-6 of the model's length when they are selected, and must hold within 1e-4 everywhere. Of the two digits between,
+/// one covers this factor and one covers the motion during a step.
 const EXCHANGED: f64 = 10.0;
 
 impl Consistent {
-    /// Exchanges equations that are left out for kept ones that hold no better what both hold; true if any was.
+    /// Replaces kept constraint equations by removed ones that hold the mechanism better, and returns true if any were replaced.
     ///
-    /// An equation that was left out is a sum of the others, `g_d = sum c_k g_k`: what these leave open is open there times c. Where c is
-    /// large, as where `Zi.Yj` of a crank that has turned by 90 degrees holds nothing any more and `Zi.Xj` would, the two change places:
-    /// the volume of the kept gradients grows by c (S. Goreinov, E. Tyrtyshnikov, The maximal-volume concept in approximation by low-rank
-    /// matrices, Contemporary Mathematics 280, 2001). Scalar products are exchanged for scalar products, distances for distances.
+    /// The gradient of a removed equation is a linear combination of the others, `g_d = sum c_k g_k`, so that its violation is c times
+    /// theirs. The two equations change places where c is large. An example is `Zi.Yj` of a crank that has turned by 90 degrees: its gradient
+    /// vanishes there, whereas the gradient of `Zi.Xj` does not. Each exchange multiplies the volume of the kept gradients by c (S. Goreinov,
+    /// E. Tyrtyshnikov, The maximal-volume concept in approximation by low-rank matrices, Contemporary Mathematics 280, 2001). Scalar
+    /// products are exchanged only for scalar products, distances only for distances.
     ///
     /// # Errors
-    /// [`Reason`] where a function has no value.
+    /// [`Reason`] if a function has no value.
     pub(super) fn exchange_equations(
         &mut self,
         system: &System,
@@ -48,7 +50,7 @@ impl Consistent {
             })
             .collect();
         let mut exchanged = false;
-        // Every exchange makes the volume larger: none comes back.
+        // Every exchange increases the volume, so that no exchange is ever undone.
         for _ in 0..system.equations {
             let holds = |k: usize| system.holds_places(state, k);
             self.bordered.factor(system, &self.rows, holds, |_| plain);

@@ -1,4 +1,4 @@
-//! What the constraints leave free at a state, and how that changes as the state moves.
+//! Free motions of a state under its constraints, and how they change as the state moves.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
 
@@ -10,15 +10,16 @@ use crate::system::{Parameters, Rows, Scratch, State, System};
 
 /// Singular values of the gradients below this share of the largest count as zero.
 const NO_GRADIENT: f64 = 1e-9;
-/// Steps of the differences of rates of constraints, of order four.
+/// Step of the fourth-order differences of constraint rates, in model lengths or radians.
 const STEP: f64 = 1e-3;
-/// Steps of the differences along the motion, of what it moves by in that time.
+/// Step of the differences along the motion, as a share of the time in which parts move by a model length or rotate by a radian.
 const ALONG: f64 = 1e-4;
 
-/// Small motions of the parts by coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`.
+/// Small motions of the parts in terms of coordinates y and their rates v: `d = Z y`, `dV = V v + U y`, `y' = of_places y + of_rates v`.
 ///
-/// Z and V are bases of the motions that the gradients leave free, by the places and by the velocities: the same, unless constraints of
-/// velocities leave fewer of these. Where the state moves, U is what velocities change by with the places alone.
+/// Z is a basis of the motions that the constraint gradients leave free for positions, and V for velocities. They are equal unless
+/// nonholonomic constraints leave fewer free velocities. U is nonzero only for a moving state: it is the change of velocities with positions
+/// at fixed v.
 #[derive(Clone, Debug)]
 pub(super) struct FreedomBases {
     pub Z: DMatrix<f64>,
@@ -26,23 +27,26 @@ pub(super) struct FreedomBases {
     pub U: DMatrix<f64>,
     pub of_places: DMatrix<f64>,
     pub of_rates: DMatrix<f64>,
-    /// Derivatives of V and U by the time: `dA = V v' + U y' + V' v + U' y`.
+    /// Time derivative of V, for `dA = V v' + U y' + V' v + U' y`.
     pub V_rate: DMatrix<f64>,
+    /// Time derivative of U.
     pub U_rate: DMatrix<f64>,
-    /// Which rows of the coordinates y are, and whose rates v is; none of an orthonormal basis.
+    /// Indices of the coordinates that y consists of; empty for an orthonormal basis.
     pub chosen: Vec<usize>,
+    /// Indices of the coordinates whose rates v consists of; empty for an orthonormal basis.
     pub chosen_rates: Vec<usize>,
 }
 
 impl FreedomBases {
     /// In an orthonormal basis where `coordinates` are none, rotations times the length of the model: for a state at rest.
     ///
-    /// With Y the coordinates by the motions of the parts, `Y Z = 1`, `Y V = 1`, X = -G^+ H, H the derivative of the rates G V + Phi_t by
-    /// the places, and W the angular velocities as matrices of cross products (`dphi' = dw + w x dphi`):
-    /// `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S`, `S = (Y X + Y W + Y') Z` of the rates.
+    /// Y is the derivative of the coordinates by the motions of the parts; Z and V are scaled so that `Y Z = 1` and `Y V = 1`. H is the
+    /// derivative of the constraint rates G V + Phi_t by the positions, and X = -G^+ H. W contains the angular velocities as cross-product
+    /// matrices, from `dphi' = dw + w x dphi`. Then `y' = Y (dV + W d) + Y' d`, so that `U = X Z - V S` with the rows of
+    /// `S = (Y X + Y W + Y') Z` that belong to the rates.
     ///
     /// # Errors
-    /// [`Reason`] where an element has no value.
+    /// [`Reason`] if an element has no value.
     pub(super) fn of(
         (system, parameters, state): (&System, &Parameters, &State),
         coordinates: Option<&Coordinates>,
@@ -53,7 +57,7 @@ impl FreedomBases {
         let n = lengths.len();
         let (p, r) = (bare.Z.ncols(), bare.velocities().ncols());
         let Some(coordinates) = coordinates else {
-            // The left inverse of Z, which is orthonormal where rotations are taken times the length.
+            // Left inverse of Z, which is orthonormal when rotations are multiplied by the length.
             let left = DMatrix::from_fn(p, n, |i, j| bare.Z[(j, i)] * lengths[j] * lengths[j]);
             let V = bare.velocities().clone();
             return Ok(Self {
@@ -160,7 +164,7 @@ impl CoordinatePartition<'_> {
         } else {
             Y * W + Y_rate
         };
-        // y' by the places, of rates as they are.
+        // Rates of all candidate coordinates per y, for the velocity change X Z y.
         let convected = (Y * &bare.X + turned) * &Z;
         let S = of(self.chosen_rates, &convected);
         let U = &bare.X * &Z - &V * &S;
@@ -184,7 +188,7 @@ impl CoordinatePartition<'_> {
     }
 }
 
-/// How fast a state moves: the largest angular velocity, or velocity over the length of the model; one where the time alone goes on.
+/// Returns how fast a state moves: the largest angular velocity, or velocity over the model's length; one if nothing but time changes.
 fn pace(system: &System, state: &State) -> f64 {
     let pace = state.velocities.iter().fold(0.0_f64, |most, v| {
         most.max(v.angular.norm())
@@ -193,7 +197,7 @@ fn pace(system: &System, state: &State) -> f64 {
     if pace > 0.0 { pace } else { 1.0 }
 }
 
-/// A state a little later, to second order.
+/// Returns the state after a short time `h`, to second order.
 fn along(system: &System, state: &State, h: f64) -> State {
     let (mut v, mut a) = (Vec::new(), Vec::new());
     system.velocity_vector(state, &mut v);
@@ -212,11 +216,11 @@ fn along(system: &System, state: &State, h: f64) -> State {
     next
 }
 
-/// Bases of any kind.
+/// Arbitrary bases of the free motions.
 struct Bare {
-    /// Motions by the places.
+    /// Free motions for positions.
     Z: DMatrix<f64>,
-    /// Motions by the velocities, where constraints of velocities leave fewer of them.
+    /// Free motions for velocities, if nonholonomic constraints leave fewer of them.
     R: Option<DMatrix<f64>>,
     X: DMatrix<f64>,
     moves: bool,
@@ -227,7 +231,7 @@ impl Bare {
         self.R.as_ref().unwrap_or(&self.Z)
     }
 
-    /// Rotations are taken times the length of the model while the bases are made orthonormal.
+    /// Computes the bases. They are orthonormal when rotations are multiplied by the model's length.
     fn of(
         (system, parameters, state): (&System, &Parameters, &State),
         lengths: &DVector<f64>,
@@ -268,7 +272,7 @@ impl Bare {
         } else {
             (free, None)
         };
-        // H by differences of the rates along each freedom.
+        // H by differences of the constraint rates along each unknown.
         let moves = state
             .velocities
             .iter()
@@ -302,7 +306,7 @@ impl Bare {
             }
             step[column] = 0.0;
         }
-        // X = -L^-1 (G L^-1)^+ H, L the lengths.
+        // X = -L^-1 (G L^-1)^+ H, where L are the lengths.
         let mut X = DMatrix::<f64>::zeros(n, n);
         for (k, value) in svd.singular_values.iter().enumerate() {
             if *value <= NO_GRADIENT * most {
@@ -319,7 +323,7 @@ impl Bare {
     }
 }
 
-/// A basis of the motions along which no gradient has a value, from the singular values of the gradients.
+/// Returns a basis of the null space of the gradients, from their singular value decomposition.
 fn left_free(
     singular_values: &DVector<f64>,
     Vt: &DMatrix<f64>,

@@ -11,31 +11,33 @@ use super::settings::{INSIDE, MotionSettings};
 use super::tableau::{A, C, lagrange};
 use crate::system::{Parameters, State, System};
 
-/// Steps that differ by less are the same.
+/// Relative difference below which two step sizes count as equal.
 const SAME: f64 = 1e-9;
-/// A step that could grow by no more than this stays, and its factors with it.
+/// Growth factor up to which the step size stays unchanged, so that its factors can be reused.
 const WORTH: f64 = 1.2;
-/// Safety, shortest and longest change of the step.
+/// Safety factor of the step-size control.
 const SAFETY: f64 = 0.9;
+/// Smallest ratio of a step size to the previous one.
 const SHORTEST: f64 = 0.2;
+/// Largest ratio of a step size to the previous one.
 const LONGEST: f64 = 5.0;
 
-/// How much was done.
+/// Work counts of an integration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Statistics {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: usize,
-    /// Steps that were tried and given up.
+    /// Number of rejected steps.
     pub rejected: usize,
-    /// Evaluations of the equations of one stage.
+    /// Number of evaluations of the equations of one stage.
     pub evaluations: usize,
-    /// Assemblies of the derivatives.
+    /// Number of assemblies of the derivatives.
     pub jacobians: usize,
-    /// Pairs of factorisations.
+    /// Number of factorisations. The real and the complex system of a step count as one.
     pub factorisations: usize,
 }
 
-/// A motion on its way through time.
+/// Integrator of the equations of motion, with error control and event location.
 pub struct Integrator<'a> {
     pub(super) system: &'a System,
     pub(super) parameters: &'a Parameters,
@@ -47,42 +49,42 @@ pub struct Integrator<'a> {
     pub(super) coupled: Option<Box<Coupled>>,
     pub(super) consistent: Consistent,
     pub(super) unknowns: Unknowns,
-    /// The corrections of an iteration.
+    /// Correction of the current iteration.
     pub(super) change: Unknowns,
-    /// The unknowns of the last step: what the next one begins with.
+    /// Unknowns of the last step: its dense-output polynomial, which is extrapolated into the next step.
     pub(super) polynomial: Unknowns,
     pub(super) sizes: ErrorScales,
-    /// The same before the last step.
+    /// Error scales before the last step.
     pub(super) sizes_before: ErrorScales,
-    /// The step to try next.
+    /// Step size to try next.
     pub(super) h: f64,
-    /// The last step; none before the first.
+    /// Size of the last step; `None` before the first step.
     pub(super) last: Option<f64>,
-    /// Nothing of the steps before is used for the next one.
+    /// True if the next step uses nothing of the previous ones.
     pub(super) anew: bool,
-    /// The next step is the last one again, to another end.
+    /// True if the next step repeats the last one with another end.
     pub(super) within: bool,
-    /// Where the last step began.
+    /// State at the start of the last step.
     pub(super) origin: State,
-    /// The last step and its error, for the prediction of the next one.
+    /// Size and error of the last step, for the step-size prediction.
     pub(super) before: Option<(f64, f64)>,
-    /// The step that the factors are of.
+    /// Step size that the factors belong to.
     pub(super) factored: Option<f64>,
-    /// The derivatives are those within this step.
+    /// True if the derivatives were evaluated within the current step.
     fresh: bool,
-    /// The multipliers of this step did not settle.
+    /// True if the multipliers of the current step did not converge.
     pub(super) loose: bool,
-    /// How often a step was cut as its iteration did not settle, since one settled at once.
+    /// Number of step cuts after failed iterations, since the last step that was accepted at the first try.
     pub(super) cuts: usize,
     pub(super) statistics: Statistics,
-    /// What was worst in the last step that was given up.
+    /// Description of the largest error in the last step, or of its failure.
     pub(super) worst: String,
-    /// Pieces of functions and frictions, where there are any.
+    /// Discrete states; `None` if the system has none.
     pub(super) regimes: Option<Box<Regimes>>,
 }
 
 impl<'a> Integrator<'a> {
-    /// Begins at a state that satisfies the constraints at all three levels.
+    /// Starts at a state that satisfies the constraints at all three levels.
     pub fn new(
         system: &'a System,
         parameters: &'a Parameters,
@@ -121,12 +123,12 @@ impl<'a> Integrator<'a> {
         let scratch = &mut new.equations.scratch;
         system.grip_on(parameters, &mut new.state, scratch);
         let step = 1e-2 * new.settings.hmax;
-        // Where it cannot be done, the first step says why.
+        // If this fails, the first step reports the reason.
         let _ = new
             .consistent
             .settle_massless(system, parameters, &mut new.state, step);
         new.sizes.grow(system, &new.state);
-        // A step in which the accelerations alone move things by the tolerance.
+        // The first step is so short that the accelerations alone move parts by no more than the tolerance.
         let mut most = 0.0_f64;
         for a in &new.state.accelerations {
             most = most
@@ -138,22 +140,22 @@ impl<'a> Integrator<'a> {
         new
     }
 
-    /// Where it stands, at the end of a step.
+    /// Returns the state at the end of the last step.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The step that would be taken next.
+    /// Returns the step size to try next.
     pub fn step(&self) -> f64 {
         self.h
     }
 
-    /// What errs most in the last step: what its size follows.
+    /// Describes the component with the largest error in the last step, which determines the step size.
     pub fn governed_by(&self) -> &str {
         &self.worst
     }
 
-    /// How much was done.
+    /// Returns the work counts so far.
     pub fn statistics(&self) -> Statistics {
         Statistics {
             evaluations: self.equations.evaluations,
@@ -163,15 +165,15 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// What SENVAL gives from here on.
+    /// Sets the values that SENVAL returns from here on.
     pub fn set_sensors(&mut self, sensors: &[f64]) {
         self.state.sensors.copy_from_slice(sensors);
     }
 
-    /// The state with accelerations and reactions that go with it, on its constraints at all three levels.
+    /// Returns the state with matching accelerations and reactions, on its constraints at all three levels.
     ///
     /// # Errors
-    /// [`MotionError`] where an element has no value or a constraint that was taken out is violated.
+    /// [`MotionError`] if an element has no value or a removed constraint equation is violated.
     pub fn output(&mut self) -> Result<State, MotionError> {
         let mut state = self.state.clone();
         let step = self.settings.hmax * 1e-2;
@@ -182,16 +184,16 @@ impl<'a> Integrator<'a> {
         Ok(state)
     }
 
-    /// Goes to a time, in as many steps as the tolerance asks for.
+    /// Integrates to a time, in as many steps as the error control requires.
     ///
     /// # Errors
-    /// [`MotionError`]; the state is that of the last step that was found.
+    /// [`MotionError`]; the state is then at the end of the last accepted step.
     pub fn advance_to(&mut self, end: f64) -> Result<(), MotionError> {
         while self.step_towards(end)? {}
         Ok(())
     }
 
-    /// The same without a look at the regimes: they do not change on the way.
+    /// Integrates to a time with fixed discrete states: no events are located.
     pub(super) fn advance_plainly(&mut self, end: f64) -> Result<(), MotionError> {
         while let Some(left) = self.left(end) {
             self.take_step(left, end)?;
@@ -199,28 +201,28 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// The first time from here on at which a function of the time is not smooth.
+    /// Returns the next break: the first time from here on at which a function of time is not smooth.
     fn next_break(&self) -> Option<f64> {
         let breaks = &self.system.breaks;
         let after = breaks.partition_point(|time| self.left(*time).is_none());
         breaks.get(after).copied()
     }
 
-    /// The time to `end`; none where what is left is round-off.
+    /// Returns the time left until `end`; `None` if that is round-off.
     fn left(&self, end: f64) -> Option<f64> {
         let left = end - self.state.time;
         (!has_arrived(self.state.time, end, self.settings.hmax)).then_some(left)
     }
 
-    /// One step, at most to `end`. False if it is there.
+    /// Takes one step, at most to `end`. Returns false if `end` is already reached.
     ///
     /// # Errors
-    /// [`MotionError`] as of [`Self::advance_to`].
+    /// [`MotionError`] as for [`Self::advance_to`].
     pub fn step_towards(&mut self, end: f64) -> Result<bool, MotionError> {
         if self.left(end).is_none() {
             return Ok(false);
         }
-        // A break ends a step: nothing is stepped over, and the next step begins anew.
+        // A step ends at a break, so that none is stepped over, and the next step starts without extrapolation.
         let target = self.next_break().map_or(end, |next| next.min(end));
         if let Some(left) = self.left(target) {
             self.take_step(left, target)?;
@@ -233,7 +235,7 @@ impl<'a> Integrator<'a> {
         Ok(true)
     }
 
-    /// Leaves out other constraint equations where that holds the mechanism better, and begins anew with them.
+    /// Selects other redundant constraint equations where that conditions the constraints better, and restarts with them.
     fn exchange_equations(&mut self) -> Result<(), MotionError> {
         if !self.state.redundant.contains(&true) {
             return Ok(());
@@ -254,14 +256,14 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// Begins anew from where it stands: nothing of the steps before is used.
+    /// Restarts the integration at the current state: nothing of the previous steps is used.
     pub fn restart(&mut self) {
         self.anew = true;
         self.before = None;
         self.factored = None;
     }
 
-    /// The step to try next.
+    /// Sets the step size to try next, at most HMAX.
     pub fn set_step(&mut self, h: f64) {
         self.h = h.min(self.settings.hmax);
     }
@@ -270,7 +272,7 @@ impl<'a> Integrator<'a> {
         self.settings.error * INSIDE
     }
 
-    /// One step, at most to `end`.
+    /// Takes one step, at most to `end`, which is `left` away.
     pub(super) fn take_step(&mut self, left: f64, end: f64) -> Result<(), MotionError> {
         let time = self.state.time;
         self.fresh = false;
@@ -283,7 +285,7 @@ impl<'a> Integrator<'a> {
                 let step = self.h;
                 return Err(MotionFailure::StepTooSmall { step, worst }.at(time));
             }
-            // Even steps to the end: the last one is no splinter.
+            // Equal steps to the end avoid a very short last step.
             let count = (left / self.h.min(self.settings.hmax) - 1e-9)
                 .ceil()
                 .max(1.0);
@@ -315,7 +317,7 @@ impl<'a> Integrator<'a> {
                     self.cuts += 1;
                     rejected = true;
                 } else {
-                    // The same step with derivatives of its own.
+                    // The step is repeated with derivatives evaluated within it.
                     self.h = h;
                 }
                 self.factored = None;
@@ -334,7 +336,7 @@ impl<'a> Integrator<'a> {
             let mut factor = safety * libm::pow(error, -0.25);
             if error < 1.0 {
                 if let Some((h_before, error_before)) = self.before {
-                    // Gustafsson's prediction: how the error changed with the last step.
+                    // Gustafsson's predictive controller: extrapolates the trend of the error over the last two steps.
                     let trend = libm::pow(error_before / (error * error), 0.25);
                     factor = factor.min(safety * (h / h_before) * trend);
                 }
@@ -351,7 +353,7 @@ impl<'a> Integrator<'a> {
                 }
                 self.anew = std::mem::take(&mut self.loose);
                 self.before = Some((h, error.max(1e-2)));
-                // A step that was cut, as at an output, may be short without being too short.
+                // A step that was cut to end at an output may be shorter than HMIN; the next step is not.
                 self.h = (h * factor).max(self.settings.hmin).min(self.settings.hmax);
                 return Ok(());
             }
@@ -366,8 +368,8 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// Lets functions go that are held on pieces, for one step: beyond its end a piece may have no value, as `SQRT(x)` where `IF` asks for
-    /// x above zero. False if none is held.
+    /// Releases all functions that are held on pieces, for one step. A piece may have no value beyond its end, as `SQRT(x)` in an `IF` that
+    /// selects it for x above zero. Returns false if no function is held.
     fn let_go(&mut self) -> bool {
         let held = self.state.pieces.iter().any(Option::is_some);
         self.state.pieces.fill(None);
@@ -393,7 +395,7 @@ impl<'a> Integrator<'a> {
         Ok(())
     }
 
-    /// Begins the iteration with the polynomial of the last step.
+    /// Predicts the unknowns by the polynomial of the last step, or by constant accelerations if that is not to be used.
     pub(super) fn predict(&mut self, h: f64) {
         let (system, n) = (self.system, self.system.first_equation);
         let old = &self.polynomial;
@@ -401,7 +403,7 @@ impl<'a> Integrator<'a> {
             stage.fill(0.0);
         }
         if let Some(last) = self.last.filter(|_| self.within || !self.anew) {
-            // From the start of the last step if it is done again, else from its end.
+            // The prediction starts where the last step started if that step is repeated, otherwise where it ended.
             let end = f64::from(u8::from(!self.within));
             for i in 0..3 {
                 let weights = lagrange(end + C[i] * h / last);

@@ -1,4 +1,4 @@
-//! Newton's iteration of a step, with the derivatives that it takes.
+//! Newton iteration of one step.
 
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
@@ -8,27 +8,28 @@ use super::sequence::StageSequence;
 use super::settings::INSIDE;
 use crate::system::NoValue;
 
-/// The iteration ends when what is left is this share of the tolerance.
+/// Estimated remaining error, as a share of the tolerance, below which the iteration has converged.
 const KAPPA: f64 = 1e-2;
-/// Factors stay while the iteration falls by this.
+/// Largest convergence rate at which the factors are kept for the next step.
 const FAST: f64 = 0.1;
-/// Derivatives of all stages stay while the iteration falls by this.
+/// Convergence rate above which [`Derivatives::Kept`] reassembles the derivatives of all stages.
 const SLUGGISH: f64 = 0.3;
-/// A motion has settled, whatever its multipliers do, when its last correction is this share of the tolerance;
+/// Largest correction of the motion, in tolerances, with which a step is accepted although its multipliers do not converge.
 const SETTLED: f64 = 1e-1;
-/// or, after so many cuts of the step, no more than ERROR: what cuts do not make smaller is round-off.
+/// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]: errors that shorter steps do not reduce are round-off.
 const CUTS: usize = 3;
+/// Largest correction of the motion, in tolerances, that is accepted after [`CUTS`] cuts of the step; it equals ERROR.
 const SETTLED_AFTER_CUTS: f64 = 1.0 / INSIDE;
-/// Round-off of positions and velocities: what the iteration cannot go below.
+/// Relative round-off of positions and velocities. Smaller corrections end the iteration.
 const ROUND_OFF: f64 = 1e-14;
 
 impl Integrator<'_> {
-    /// Newton's iteration; gives how many iterations it took.
+    /// Runs the Newton iteration for a step of size `h` and returns the number of iterations.
     pub(super) fn solve(&mut self, h: f64, derivatives: Derivatives) -> Result<usize, NotSettled> {
         let several = derivatives != Derivatives::Single;
         let always = derivatives == Derivatives::Renewed;
         let mut before = 0.0;
-        // Whether the derivatives of all stages are to be made anew.
+        // Whether the next iteration reassembles the derivatives of all stages.
         let mut renew = several;
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
@@ -48,7 +49,7 @@ impl Integrator<'_> {
             }
             if iteration > 1 {
                 let theta: f64 = size / before;
-                // Derivatives of an earlier iteration say nothing of where this one ends.
+                // A rate that was measured with derivatives of an earlier iterate does not show that the iteration diverges.
                 let fresh = renew || !several;
                 if fresh && theta >= 0.99 && size > 10.0 * floor {
                     return self.given_up(worst, several.then_some(iteration));
@@ -70,7 +71,7 @@ impl Integrator<'_> {
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             } else {
-                // The first correction may lead far from where the derivatives were taken; what is left is small.
+                // The first correction may lead far from the point of linearisation; later corrections are small.
                 renew = always || derivatives == Derivatives::Sequence;
             }
             before = size;
@@ -78,7 +79,8 @@ impl Integrator<'_> {
         Err(NotSettled::at("the iteration does not settle"))
     }
 
-    /// The largest component of the last correction, as [`Sizes::measured`] has it.
+    /// Returns the largest component of the last correction, its index, and whether it is a velocity, as
+    /// [`ErrorScales::measured`](super::error_scales::ErrorScales::measured) does. `variables` includes VARIABLEs and multipliers.
     fn largest_change(&self, variables: bool) -> (f64, usize, bool) {
         let mut worst = (0.0, 0, false);
         for (z, w) in self.change.z.iter().zip(&self.change.w) {
@@ -90,9 +92,12 @@ impl Integrator<'_> {
         worst
     }
 
-    /// The end of an iteration that does not settle. Next to a singular position multipliers follow from small differences, and round-off is
-    /// all that is left of them while the motion has settled long since: it is taken, and the next step does not begin with their trend.
-    /// `exact` is how many iterations it took with the derivatives of all stages: with those of one a slow iteration looks the same.
+    /// Decides whether an iteration that does not converge is accepted all the same. Near a singular position the multipliers follow from
+    /// small differences, so that round-off dominates them although the motion has converged. The step is then accepted, and the next step
+    /// does not extrapolate from it.
+    ///
+    /// `exact` is the iteration count if the derivatives of all stages are in use. It is `None` with the derivatives of one stage, where slow
+    /// convergence looks the same.
     fn given_up(
         &mut self,
         worst: (f64, usize, bool),
@@ -118,7 +123,8 @@ impl Integrator<'_> {
         )))
     }
 
-    /// One iteration, with derivatives made anew where they are asked for; gives its largest correction.
+    /// Runs one iteration and returns its largest correction. `renew` reassembles the derivatives of all stages first;
+    /// [`Derivatives::Single`] ignores it.
     fn corrected(
         &mut self,
         h: f64,

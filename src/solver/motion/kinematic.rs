@@ -1,4 +1,4 @@
-//! Positions, velocities, accelerations and reactions of a mechanism without freedoms.
+//! Kinematic analysis: positions, velocities, accelerations and reactions of a mechanism without degrees of freedom.
 
 use super::arrival::has_arrived;
 use super::consistent::Consistent;
@@ -7,25 +7,25 @@ use super::event_location::{EXACT, PLACES, Watched};
 use super::root::narrowed;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// A step that fails is halved at most so often.
+/// Largest number of times that a failing step is halved.
 const HALVINGS: i32 = 10;
-/// Frictions stick or let go so often on the way to one time at most; then without a look at when.
+/// Largest number of stick-slip changes located on the way to one time. After that, changes take effect at the end of a step.
 const GRIPS: usize = 1000;
 
 type Going =
     fn(&System, &Parameters, &mut State, &mut Consistent, f64, f64) -> Result<usize, MotionError>;
 
-/// Goes to a time from positions to positions; steps are at most `largest` long, and halved where positions are not found. Gives how many
-/// steps it took.
+/// Advances the mechanism to time `end` in steps of at most `largest`, and returns the number of steps. A step is halved if no positions are
+/// found.
 ///
-/// A step ends where a friction begins or ceases to stick: its creep counts from there. A friction that sticks at the start creeps from the
-/// start.
+/// A step ends where a friction begins or ceases to stick, because its creep is counted from there. A friction that sticks at the start
+/// creeps from the start.
 ///
-/// The next positions are sought from `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change; velocities,
-/// accelerations and multipliers follow by linear solutions.
+/// The next positions are found from the prediction `q + h V + h^2 A / 2`, by Newton's method on the constraints with the least change.
+/// Velocities, accelerations and multipliers follow from linear equations.
 ///
 /// # Errors
-/// [`MotionError`]; the state is then that of the last positions that were found.
+/// [`MotionError`]; the state is then at the end of the last successful step.
 pub fn advance(
     system: &System,
     parameters: &Parameters,
@@ -60,12 +60,12 @@ pub fn advance(
     Ok(steps + freely(system, parameters, state, memory, end, largest)?)
 }
 
-/// What of the frictions sticks or lets go.
+/// Watches all frictions for changes between sticking and sliding.
 struct Slips<'a> {
     system: &'a System,
     parameters: &'a Parameters,
     scratch: Scratch,
-    /// At the beginning.
+    /// Whether each friction sticks at the beginning of the interval.
     sticking: Vec<bool>,
     over: Vec<f64>,
 }
@@ -132,10 +132,11 @@ fn freely(
     }
 }
 
-/// The same with an eye on what is watched: true if it passes its mark before the time, where the state then stands.
+/// Advances the mechanism to time `to.0` like [`advance`], in steps of at most `to.1`, and stops at the first watched event. Returns the
+/// number of steps, and true if the state stands at an event before that time.
 ///
 /// # Errors
-/// [`MotionError`] as of [`advance`].
+/// [`MotionError`] as for [`advance`].
 pub fn advance_watched(
     of: (&System, &Parameters),
     state: &mut State,
@@ -211,10 +212,10 @@ fn place(
     Ok(())
 }
 
-/// Refuses a mechanism that can move by itself, or whose places only an integration gives.
+/// Refuses a mechanism that has degrees of freedom or nonholonomic constraints.
 ///
 /// # Errors
-/// [`Reason::NotKinematic`], [`Reason::HeldVelocities`].
+/// [`Reason::NotKinematic`] if degrees of freedom remain, [`Reason::HeldVelocities`] if a constraint is nonholonomic.
 pub fn check_determined(system: &System, state: &State) -> Result<(), MotionError> {
     let freedoms = system.freedoms_left(state);
     if freedoms > 0 {

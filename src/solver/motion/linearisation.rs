@@ -1,8 +1,8 @@
-//! The derivatives of the equations of motion at a state, and a stage of a step solved with them.
+//! Derivatives of the equations of motion at a state, and the solution of a stage of a step with them.
 //!
-//! A stage whose rates are z times what changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`,
-//! `G dW = -r4` (what stands for what: [`super::newton`]). A constraint of velocities alone has neither of the last two but a row like those
-//! of the balances, `f_q dd + f_V dW = -f`.
+//! In a stage, rates are z times changes: `z dd - dW + D G' dmu = -r1`, `K dd + C dW + z N dW + ... = -g`, `G dd = -r3`, `G dW = -r4`, in the
+//! notation of [`super::newton`]. A nonholonomic constraint has neither of the last two equations. Instead its row resembles a balance:
+//! `f_q dd + f_V dW = -f`.
 
 use std::ops::{Div, Mul};
 
@@ -10,21 +10,21 @@ use super::bordered::{Bordered, plain_weight};
 use crate::linear::{Entries, Levels, Lu, Scalar};
 use crate::system::{NoValue, Parameters, Rows, Scratch, State, System};
 
-/// What is left of the equations of a stage, and in its place what the unknowns change by.
+/// Residuals of the equations of a stage, which a solution replaces by the changes of the unknowns.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Correction<T> {
-    /// Residuals of balances, constraints and states; changes of displacements, multipliers, variables and states.
+    /// Residuals of balances, constraints and states; after the solution, changes of displacements, multipliers, variables and states.
     pub z: Vec<T>,
-    /// Residuals of the rates of displacements; changes of velocities.
+    /// Residuals of the rates of displacements; after the solution, changes of velocities.
     pub w: Vec<T>,
-    /// Residuals of the rates of constraints; changes of their multipliers.
+    /// Residuals of the rates of constraints; after the solution, changes of their multipliers.
     pub mu: Vec<T>,
     border: Vec<T>,
     found: Vec<T>,
 }
 
 impl<T: Scalar> Correction<T> {
-    /// Of these residuals: g, r1 and r4.
+    /// Starts from the residuals g, r1 and r4.
     pub(crate) fn of(z: Vec<T>, w: Vec<T>, mu: Vec<T>) -> Self {
         Self {
             z,
@@ -35,7 +35,7 @@ impl<T: Scalar> Correction<T> {
     }
 }
 
-/// Derivatives of all equations, gradients of the constraints and the factors of their projection.
+/// Derivatives of all equations, gradients of the constraints, and factors of their projection.
 #[derive(Clone, Debug)]
 pub(super) struct Linearisation {
     pub levels: Levels,
@@ -52,7 +52,7 @@ impl Linearisation {
         }
     }
 
-    /// Takes the derivatives at a state; `g` is memory for the residuals.
+    /// Evaluates the derivatives at a state; `g` is work space for the residuals.
     pub(crate) fn take(
         &mut self,
         system: &System,
@@ -72,7 +72,7 @@ impl Linearisation {
         Ok(())
     }
 
-    /// The matrix of z over the step.
+    /// Returns the matrix of a stage; `z` is an eigenvalue divided by the step size.
     pub(crate) fn matrix<'a, T: Scalar>(
         &'a self,
         system: &System,
@@ -87,7 +87,7 @@ impl Linearisation {
         self.levels.combined(values, |row, column| {
             if (n..variable).contains(&row) {
                 if system.is_nonholonomic[row - n] {
-                    // Its row times z.
+                    // The row is multiplied by z.
                     if column < n {
                         [inverse, one, zero]
                     } else if column < variable {
@@ -110,7 +110,7 @@ impl Linearisation {
         })
     }
 
-    /// From residuals to corrections by z over the step, with the factors of its matrix.
+    /// Replaces residuals by corrections, with factors of the matrix for the same `z`.
     pub(crate) fn solve<T, F>(
         &self,
         (system, start): (&System, &State),
@@ -141,7 +141,7 @@ impl Linearisation {
         }
     }
 
-    /// The right side of `[ D^-1, G'; G, 0 ] [ -D G' dmu; dmu ] = [ 0; -(z r3 - r4 - G r1) ]`.
+    /// Computes the right side of `[ D^-1, G'; G, 0 ] [ -D G' dmu; dmu ] = [ 0; -(z r3 - r4 - G r1) ]`.
     fn velocity_side<T: Scalar>(
         &self,
         system: &System,
@@ -165,7 +165,8 @@ impl Linearisation {
         }
     }
 
-    /// `-g - (C + z N) e`; of the constraints `-z^2 r3`, of those of velocities `-z (f + f_V e)`, of removed ones as they are.
+    /// Computes the right side `-g - (C + z N) e`. It is `-z^2 r3` for constraints, `-z (f + f_V e)` for nonholonomic ones, and `-g` for
+    /// removed equations.
     fn right_side<T: Scalar>(&self, system: &System, start: &State, z: T, of: &mut Correction<T>) {
         let (n, variable) = (system.first_equation, system.first_variable);
         let (b, e) = (&mut of.z, &of.w);

@@ -1,4 +1,4 @@
-//! The equations of motion linearised about a state, in coordinates that the constraints leave free.
+//! Equations of motion linearised about a state, in independent coordinates.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,38 +9,41 @@ use crate::linear::Levels;
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, Scratch, State, System};
 
-/// `E u' = F u + B w`, w added to the VARIABLEs.
+/// Linearised equations of motion `E u' = F u + B w`, where u = (y, v, s) and w is added to the VARIABLEs.
 ///
-/// With y the coordinates and v their rates, small motions of the parts are those of [`Freedoms`]: `d = Z y`, `dV = V v + U y`,
-/// `dA = V v' + U y' + V' v + U' y`. The balance along what no multiplier reaches gives v'. VARIABLEs follow, dynamic states s are appended.
-/// Constraints of velocities leave fewer velocities free than places. u = (y, v, s).
+/// y are the coordinates, v their rates, and s the dynamic states. Small motions of the parts follow from [`Freedoms`]: `d = Z y`,
+/// `dV = V v + U y`, `dA = V v' + U y' + V' v + U' y`. The force balances, projected onto directions without constraint forces, give v'.
+/// VARIABLEs are eliminated. Nonholonomic constraints leave fewer free velocities than free positions, so that v has fewer components than y.
 pub(super) struct Linearised {
     pub E: DMatrix<f64>,
     pub F: DMatrix<f64>,
-    /// By what is added to each VARIABLE.
+    /// Input matrix: derivatives by the values added to the VARIABLEs.
     pub B: DMatrix<f64>,
-    /// VARIABLEs by u, u' and what is added to them.
+    /// Derivatives of the VARIABLEs by u.
     pub by_u: DMatrix<f64>,
+    /// Derivatives of the VARIABLEs by u'.
     pub by_rate: DMatrix<f64>,
+    /// Derivatives of the VARIABLEs by the values added to them.
     pub by_input: DMatrix<f64>,
-    /// Motions of the parts by y.
+    /// Small motions of the parts in terms of y.
     pub Z: DMatrix<f64>,
-    /// How many numbers v has.
+    /// Number of components of v.
     pub rates: usize,
-    /// One for translations, the length of the model for rotations.
+    /// Length factor of each unknown of the parts: 1 for a translation, the model's length for a rotation.
     pub lengths: DVector<f64>,
-    /// Which of the coordinates y is; none of an orthonormal basis.
+    /// Indices of the coordinates that y consists of; empty for an orthonormal basis.
     pub chosen: Vec<usize>,
-    /// Which of the coordinates v are the rates of.
+    /// Indices of the coordinates whose rates v consists of; empty for an orthonormal basis.
     pub chosen_rates: Vec<usize>,
 }
 
 impl Linearised {
-    /// About a state at rest in equilibrium, or one that moves and satisfies the constraints at all three levels. `damped` false leaves the
-    /// derivatives of forces by velocities out. Without coordinates in an orthonormal basis, which a state at rest may have.
+    /// Linearises about a state at rest in equilibrium, or about a moving state that satisfies the constraints at all three levels. If
+    /// `damped` is false, the derivatives of forces by velocities are omitted. If `coordinates` is `None`, an orthonormal basis is used,
+    /// which is possible only for a state at rest.
     ///
     /// # Errors
-    /// [`Reason`] where an element has no value.
+    /// [`Reason`] if an element has no value.
     pub(crate) fn new(
         system: &System,
         parameters: &Parameters,
@@ -56,13 +59,13 @@ impl Linearised {
         let (unknown, states) = (first_state - variable, m - first_state);
         let variables = system.variables.len();
         let mut scratch = Scratch::new(system);
-        // A motion from here begins like this: surfaces at rest stick.
+        // Surfaces at rest stick, as in a motion that starts here.
         system.grip_on(parameters, &mut state, &mut scratch);
         let mut levels = Levels::new(m);
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;
         levels.finish();
-        // Behind the unknowns: rows of the values of the VARIABLEs, and columns of what is added to these.
+        // After the unknowns come rows for the values of the VARIABLEs, and columns for the values added to them.
         let whole = m + variables;
         let mut J = [
             DMatrix::zeros(whole, whole),
@@ -95,7 +98,7 @@ impl Linearised {
         };
         let (B, V, S) = ((0, n), (variable, unknown), (first_state, states));
         let O = (m, variables);
-        // Unknown VARIABLEs follow: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds + J_vw dw).
+        // Unknown VARIABLEs are eliminated: dv = -J_vv^-1 (J_vq dq + J_vV dV + J_vs ds + J_vw dw).
         let follow = part(0, V, V)
             .try_inverse()
             .unwrap_or_else(|| DMatrix::identity(unknown, unknown));
@@ -103,7 +106,7 @@ impl Linearised {
             part(level, rows, columns) - part(0, rows, V) * &follow * part(level, V, columns)
         };
         let (K, C, M) = (reduced(0, B, B), reduced(1, B, B), -reduced(2, B, B));
-        // What no multiplier reaches: with friction that is not what the constraints leave free.
+        // Directions that no multiplier reaches. With friction they differ from the directions that the constraints leave free.
         let by_multipliers = reduced(0, B, (n, variable - n));
         let N = if system.has_friction() {
             unreached(&by_multipliers, r, &lengths)
@@ -135,7 +138,7 @@ impl Linearised {
             put(&mut E, s, s, &-part(1, S, S));
             put(&mut input, s, 0, &reduced(0, S, O));
         }
-        // By places, velocities, accelerations, states and their rates.
+        // Derivatives by positions, velocities, accelerations, states and rates of states.
         let mut by_u = DMatrix::zeros(variables, size);
         let mut by_rate = DMatrix::zeros(variables, size);
         let along = |level: usize| reduced(level, O, B);
@@ -164,7 +167,7 @@ impl Linearised {
     }
 }
 
-/// A basis of the balances that no column of the multipliers reaches, of a given number of columns.
+/// Returns `count` directions, as columns, along which no multiplier contributes to the balances.
 fn unreached(
     by_multipliers: &DMatrix<f64>,
     count: usize,

@@ -1,8 +1,8 @@
-//! Motions of parts that no mass resists.
+//! Motions of parts without inertia.
 //!
-//! With Y a basis of the motions that have no inertia and violate no constraint, the balances along them know no accelerations:
-//! `Y' g(q, V, t) = 0`. Where damping acts it gives the velocities. Elsewhere stiffness gives the positions, and the derivative of the
-//! balance by the time gives the velocities: `Y' (K V + g_t) = 0`.
+//! Y is a basis of the motions that have no inertia and violate no constraint. The force balances along them contain no accelerations:
+//! `Y' g(q, V, t) = 0`. Where damping acts, they determine the velocities. Elsewhere stiffness determines the positions, and the time
+//! derivative of the balances determines the velocities: `Y' (K V + g_t) = 0`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,29 +13,30 @@ use crate::linear::{Levels, Lu};
 use crate::mechanics::eigen::singular_values;
 use crate::system::{Parameters, State, System};
 
-/// Directions with less of damping and stiffness than this beside the others have none.
+/// Directions whose scaled damping and stiffness are below this size count as unrestrained.
 const NOTHING: f64 = 1e-9;
-/// A direction is damped where so much of what holds it for the time of a step is damping.
+/// A direction counts as damped if damping makes up more than this share of its restraint over one step.
 const DAMPED: f64 = 0.5;
-/// Iterations; what settles does so in a few.
+/// Largest number of iterations; a few are usual.
 const ITERATIONS: usize = 20;
-/// Changes smaller than this, of the model's length and per step, are round-off.
+/// Convergence limit for the changes of positions, and of velocities times the step, in model lengths or radians.
 const SETTLED: f64 = 1e-12;
 
-/// The motions without inertia and what holds them, over a time `step`.
+/// Motions without inertia, and what restrains them over a time `step`.
 struct Massless {
-    /// Y, a motion of all parts per column: the largest displacement is the model's length or the largest turn one.
+    /// Y, with one motion of all parts per column. Its largest displacement is one model length, or its largest rotation one radian.
     motions: DMatrix<f64>,
-    /// Y' K Y and Y' C Y.
+    /// Y' K Y.
     stiffness: DMatrix<f64>,
+    /// Y' C Y.
     damping: DMatrix<f64>,
-    /// Of every direction: what makes the two comparable.
+    /// Factor on each direction that makes the restraints of all directions comparable.
     scale: DVector<f64>,
     step: f64,
 }
 
 impl Massless {
-    /// From factors of the mass matrix with the constraints; none if every motion has inertia.
+    /// Collects the motions without inertia from factors of the mass matrix with the constraints. Returns `None` if every motion has inertia.
     fn of(system: &System, factors: &Lu, levels: &Levels, step: f64) -> Option<Self> {
         let n = system.first_equation;
         let mut columns = Vec::new();
@@ -73,7 +74,7 @@ impl Massless {
         })
     }
 
-    /// A motion that nothing holds, or that is held by what has no value, if there is one.
+    /// Returns a motion that is unrestrained, or whose restraint is not finite; `None` if there is none.
     fn unrestrained_mode(&self) -> Option<DVector<f64>> {
         let held = self.scaled(&(&self.stiffness * self.step + &self.damping));
         let Some(svd) = singular_values(held, false, true) else {
@@ -89,7 +90,7 @@ impl Massless {
         }
         let mut along = svd.v_t?.row(at).transpose();
         for (k, part) in along.iter_mut().enumerate() {
-            // Directions that nothing at all holds are not scaled.
+            // Directions without any restraint are not scaled.
             if self.scale[k] > 0.0 {
                 *part *= self.scale[k];
             }
@@ -97,7 +98,8 @@ impl Massless {
         Some(&self.motions * along)
     }
 
-    /// What the displacements and the velocities along Y change by, from the balances along Y and from their derivatives by the time.
+    /// Computes the changes of displacements and velocities along Y from the balances along Y and from the time derivatives of these
+    /// balances.
     fn changes(
         &self,
         balance: &DVector<f64>,
@@ -132,7 +134,7 @@ impl Massless {
     }
 }
 
-/// The largest displacement, in lengths of the model, or turn of a motion.
+/// Returns the largest displacement of a motion in model lengths, or its largest rotation in radians.
 fn size(system: &System, motion: &[f64]) -> f64 {
     let mut most = 0.0_f64;
     for body in &system.bodies {
@@ -144,7 +146,7 @@ fn size(system: &System, motion: &[f64]) -> f64 {
     most
 }
 
-/// K Y and C Y.
+/// Returns K Y and C Y.
 fn products(motions: &DMatrix<f64>, levels: &Levels) -> [DMatrix<f64>; 2] {
     let n = motions.nrows();
     let mut out = [0, 1].map(|_| DMatrix::zeros(n, motions.ncols()));
@@ -179,13 +181,13 @@ impl Consistent {
         Ok(())
     }
 
-    /// Brings motions without inertia into balance: their velocities where damping acts, else their positions. Everything else stays. A
-    /// state for which none is found stays as it is.
+    /// Brings motions without inertia into equilibrium: by their velocities where damping acts, otherwise by their positions. All other
+    /// motions keep their positions and velocities. The state remains unchanged if the iteration does not converge.
     ///
-    /// `step` is the time over which damping counts beside stiffness.
+    /// `step` is the time over which damping is compared with stiffness.
     ///
     /// # Errors
-    /// [`Reason`] where an element has no value.
+    /// [`Reason`] if an element has no value.
     pub(super) fn settle_massless(
         &mut self,
         system: &System,
@@ -199,7 +201,7 @@ impl Consistent {
         self.accelerations(system, parameters, state, step)?;
         let mut found = state.clone();
         for _ in 0..ITERATIONS {
-            // The levels and the factors are those of the state: accelerations were its last.
+            // The levels and factors belong to `found`, because its accelerations were computed last.
             let Some(massless) = Massless::of(system, &self.factors, &self.levels, step) else {
                 return Ok(());
             };

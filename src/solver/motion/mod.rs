@@ -1,7 +1,7 @@
-//! Motion over time: initial conditions, kinematics, integration.
+//! Motion over time: initial conditions, kinematics, integration and small motions about a state.
 //!
-//! Radau IIA of three stages on the stabilised index-2 form of the equations of motion, in a rotation chart per step. Knows no files and no
-//! commands.
+//! The integrator is the three-stage Radau IIA method on the stabilised index-2 form of the equations of motion. Rotations are parametrised
+//! by rotation vectors from the start of each step. Independent of files and commands.
 
 mod anderson;
 mod arrival;

@@ -9,26 +9,26 @@ use crate::mechanics::Vec3;
 use crate::mechanics::eigen::{eigenvalues, singular_values};
 use crate::system::{Parameters, PartRates, State, System};
 
-/// A singular value of the mass matrix below this share of the largest is none.
+/// Singular values of the mass matrix below this share of the largest count as zero.
 const NO_MASS: f64 = 1e-12;
 
-/// One eigenvalue and its motion.
+/// An eigenvalue and its mode shape.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Mode {
-    /// Per time: growth and angular frequency.
+    /// Eigenvalue per unit of time: its real part is the growth rate, its imaginary part the angular frequency.
     pub value: Complex<f64>,
-    /// Displacement and rotation vector of each part of the model, ground axes, scaled so that the largest component (rotations times the
-    /// length of the model) is one. Ground does not move.
+    /// Displacement and rotation vector of each part, in ground axes; zero for ground. The largest component is one, where rotations are
+    /// multiplied by the model's length.
     pub shape: Vec<[Complex<f64>; 6]>,
 }
 
 impl Mode {
-    /// Cycles per time of the undamped motion.
+    /// Returns the undamped natural frequency in cycles per unit of time.
     pub fn frequency(&self) -> f64 {
         self.value.norm() / std::f64::consts::TAU
     }
 
-    /// Damping ratio; one for motions that do not oscillate and die out, minus one for those that grow.
+    /// Returns the damping ratio: 1 for a motion that decays without oscillation, -1 for a motion that grows without oscillation.
     pub fn damping_ratio(&self) -> f64 {
         let size = self.value.norm();
         if size > 0.0 {
@@ -39,13 +39,13 @@ impl Mode {
     }
 }
 
-/// The eigenvalues of the equations of motion linearised about a state, by frequency, those of a pair side by side.
+/// Computes the modes of the equations of motion linearised about a state, sorted by frequency, with complex pairs side by side.
 ///
-/// `state` is at rest in equilibrium, or moves and satisfies the constraints at all three levels. Motions without mass have no finite
-/// eigenvalue and are left out. `damped` false leaves the derivatives of forces by velocities out.
+/// `state` is at rest in equilibrium, or it moves and satisfies the constraints at all three levels. Motions without mass have no finite
+/// eigenvalue and are omitted. If `damped` is false, the derivatives of forces by velocities are omitted.
 ///
 /// # Errors
-/// [`Reason`] where an element has no value, or the eigenvalues are not found.
+/// [`Reason`] if an element has no value or the eigenvalue iteration does not converge.
 pub fn modes(
     system: &System,
     parameters: &Parameters,
@@ -55,11 +55,11 @@ pub fn modes(
     modes_in(system, parameters, state, damped, &Coordinates::default())
 }
 
-/// The same in coordinates of the user. They matter where the state moves: the derivatives are those of the present time, and change with it in
-/// one set of coordinates when they do not in another.
+/// Computes modes in the given coordinates. The choice matters only for a moving state: its linearised equations change with time in some
+/// coordinates and not in others, and only their present values are used.
 ///
 /// # Errors
-/// As [`modes`].
+/// The errors of [`modes`].
 pub fn modes_in(
     system: &System,
     parameters: &Parameters,
@@ -86,7 +86,7 @@ pub fn modes_in(
             value,
         })
         .collect();
-    // Sizes that differ by round-off are one: pairs stand side by side.
+    // Sizes that differ by round-off count as equal, so that complex pairs stay side by side.
     let most = found
         .iter()
         .fold(0.0_f64, |a, mode| a.max(mode.value.norm()));
@@ -100,11 +100,10 @@ pub fn modes_in(
     Ok(found)
 }
 
-/// The finite eigenvalues of `F u = value E u`.
+/// Computes the finite eigenvalues of `F u = value E u`. Returns `None` if an iteration does not converge.
 ///
-/// Rows that E does not reach say `A u = 0` without a rate: u is written in what they leave free, `u = N y`, and they are dropped, as
-/// often as it takes. A motion without inertia takes two rounds where stiffness alone holds it: its place, then its velocity.
-/// None if an iteration does not converge.
+/// Rows that E does not reach are algebraic: `A u = 0`. They are removed by writing u in a basis of their null space, `u = N y`, repeatedly
+/// if necessary. A motion without inertia that only stiffness restrains takes two rounds: one removes its position, the next its velocity.
 fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let (mut E, mut F) = (E.clone(), F.clone());
     while E.nrows() > 0 {
@@ -124,16 +123,16 @@ fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<
     Some(Vec::new())
 }
 
-/// An orthonormal basis of what `count` rows at most give zero for: as many columns as are left.
+/// Returns an orthonormal basis of the vectors for which `count` rows of length n give zero; it has n - `count` columns.
 fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     let n = rows.ncols();
-    // Rows of zeros make the right vectors a whole basis.
+    // Additional rows of zeros make the right singular vectors a complete basis.
     let whole = rows.clone().resize_vertically(n, 0.0);
     let Vt = singular_values(whole, false, true)?.v_t?;
     Some(Vt.rows(count, n - count).transpose())
 }
 
-/// From eigenvalues to motions of the parts.
+/// Computes mode shapes from eigenvalues.
 struct Shapes<'a> {
     system: &'a System,
     Z: &'a DMatrix<f64>,
@@ -141,7 +140,7 @@ struct Shapes<'a> {
 }
 
 impl Shapes<'_> {
-    /// By inverse iteration next to the eigenvalue.
+    /// Computes a mode shape by inverse iteration next to its eigenvalue.
     fn of(
         &self,
         E: &DMatrix<f64>,

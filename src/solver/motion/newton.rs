@@ -1,7 +1,7 @@
-//! The equations of one step: three stages, and the linear systems of their iteration.
+//! The equations of one step: three stages, and the linear systems of their Newton iteration.
 //!
-//! With z an eigenvalue of B / h and residuals in the transformed variables, `g` as the system assembles it (its derivatives K by positions,
-//! C by velocities, N by accelerations):
+//! z is an eigenvalue of B / h, and residuals are in the transformed variables. `g` is the residual that the system assembles, with
+//! derivatives K by positions, C by velocities and N by accelerations:
 //!
 //! ```text
 //! r1 = (B d)/h - Th(d) (V - D G' mu),     r3 = Phi,     r4 = G V + Phi_t
@@ -9,7 +9,7 @@
 //! (K + z C + z^2 N) dd + ... = -g - (C + z N) e,    G dd = -r3,    dW = z dd + e
 //! ```
 //!
-//! The unknown of the second system is z^2 dd: its entries stay of one size as the step goes to zero.
+//! The unknown of the second system is z^2 dd, so that the entries of its matrix stay bounded as the step size goes to zero.
 
 use nalgebra::Complex;
 
@@ -20,7 +20,7 @@ use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, PartRates, RowProducts, Scratch, State, System};
 
-/// The eigenvalues of B / h: the real one and one of the pair.
+/// Returns the eigenvalues of B / h: the real one, and one of the complex pair.
 fn eigenvalues(h: f64) -> Triple {
     Triple::new(GAMMA / h, ALPHA_BETA / h)
 }
@@ -32,8 +32,8 @@ pub(super) fn stages(n: usize) -> Stages {
     std::array::from_fn(|_| vec![0.0; n])
 }
 
-/// The unknowns of a step: changes of all unknowns from its start (displacements and rotation vectors of the parts, multipliers, variables,
-/// states), changes of the velocities, and multipliers of the velocity constraints.
+/// Unknowns of a step, relative to its start. `z` contains the changes of all unknowns (displacements and rotation vectors of the parts,
+/// multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Unknowns {
     pub z: Stages,
@@ -60,7 +60,7 @@ impl Unknowns {
         self.z.iter_mut().chain(&mut self.w).chain(&mut self.mu)
     }
 
-    /// Adds a multiple.
+    /// Adds `factor` times `other`.
     pub(crate) fn add(&mut self, factor: f64, other: &Self) {
         for (to, from) in self.all_mut().zip(other.all()) {
             for (x, dx) in to.iter_mut().zip(from) {
@@ -75,7 +75,7 @@ impl Unknowns {
         }
     }
 
-    /// The scalar product, each unknown times its weight.
+    /// Returns the scalar product of the unknowns, each multiplied by its weight.
     pub(crate) fn product(&self, other: &Self, weights: &Self) -> f64 {
         let mut sum = 0.0;
         for ((a, b), w) in self.all().zip(other.all()).zip(weights.all()) {
@@ -86,7 +86,7 @@ impl Unknowns {
     }
 }
 
-/// Residuals of the stages.
+/// Residuals of the stages: `r1` of the rates of displacements, `g` of balances, constraints and states, `r4` of the rates of constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
     r1: Stages,
@@ -95,19 +95,19 @@ pub(super) struct Residuals {
 }
 
 impl Residuals {
-    /// Of one stage: rates of displacements; balances, constraints and states; rates of constraints.
+    /// Returns `r1`, `g` and `r4` of one stage.
     pub(crate) fn at(&self, stage: usize) -> (&[f64], &[f64], &[f64]) {
         (&self.r1[stage], &self.g[stage], &self.r4[stage])
     }
 
-    /// Of one stage: balances, constraints and states, then rates of displacements, then rates of constraints.
+    /// Iterates over the residuals of one stage, in the order `g`, `r1`, `r4`.
     pub(crate) fn of(&self, stage: usize) -> impl Iterator<Item = f64> + '_ {
         let parts = [&self.g[stage], &self.r1[stage], &self.r4[stage]];
         parts.into_iter().flatten().copied()
     }
 }
 
-/// Matrices of a step with their factors.
+/// Equations of a step, with the matrices of its iteration and their factors.
 #[derive(Debug)]
 pub(super) struct StepMatrices {
     pub tableau: Tableau,
@@ -118,7 +118,7 @@ pub(super) struct StepMatrices {
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
-    /// Residuals and corrections of the transformed stages.
+    /// Residuals of the transformed stages, replaced by their corrections.
     transformed: Correction<Triple>,
     pub evaluations: usize,
     pub jacobians: usize,
@@ -161,7 +161,7 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// The derivatives at the stage that was placed last.
+    /// Assembles the derivatives at the stage that [`Self::place_stage`] placed last.
     pub(crate) fn linearise_stage(
         &mut self,
         system: &System,
@@ -174,7 +174,7 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// The same at the second stage of a step as it is predicted: nearer to all stages than the start is.
+    /// Assembles the derivatives at the predicted second stage of a step, which is closer to all stages than the start is.
     pub(crate) fn linearise_within(
         &mut self,
         system: &System,
@@ -189,14 +189,14 @@ impl StepMatrices {
         done
     }
 
-    /// Factors both systems for a step.
+    /// Factors the real and the complex system for step size `h`.
     pub(crate) fn factor(&mut self, system: &System, h: f64) {
         let matrix = self.linear.matrix(system, &mut self.values, eigenvalues(h));
         self.factors.factor_entries(&matrix);
         self.factorisations += 1;
     }
 
-    /// Corrections of the unknowns from the residuals of the stages.
+    /// Computes the corrections of the unknowns from the residuals of the stages.
     pub(crate) fn correct(
         &mut self,
         system: &System,
@@ -231,7 +231,7 @@ impl StepMatrices {
         }
     }
 
-    /// The state of a stage, with its rates.
+    /// Writes the state of a stage, with its rates, to `stage`.
     pub(crate) fn stage_state(
         &self,
         system: &System,
@@ -263,7 +263,7 @@ impl StepMatrices {
         }
     }
 
-    /// Puts a stage of a step into `stage`.
+    /// Writes the state of stage `i` to `self.stage`.
     pub(super) fn place_stage(
         &mut self,
         system: &System,
@@ -340,8 +340,8 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// The error of a step, as positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. `rest` is (r1, g): the
-    /// residuals with the opposite of the weighted sum in place of the rates.
+    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. The last argument is
+    /// (r1, g), where the negative of the weighted sum replaces the rates.
     pub(crate) fn filtered(
         &mut self,
         system: &System,
@@ -353,7 +353,7 @@ impl StepMatrices {
         g[constraints.clone()].fill(0.0);
         let mut r4 = vec![0.0; system.equations];
         if !system.states.is_empty() {
-            // The rows of constraints that states drive see the same rates in place of theirs.
+            // In rows of constraints that depend on states, the same sums replace the rates of the states.
             let first_state = system.first_state();
             for (row, column, [by_place, ..]) in self.linear.levels.entries() {
                 if column >= first_state && constraints.contains(&row) {
@@ -366,7 +366,7 @@ impl StepMatrices {
         of
     }
 
-    /// `g` of the error estimate at the start of the step: minus the inertia of accelerations and of rates of states.
+    /// Returns `g` for the error estimate at the start of the step: minus the inertia terms of accelerations and of rates of states.
     pub(crate) fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
@@ -382,7 +382,7 @@ impl StepMatrices {
     }
 }
 
-/// Turning rates of every body at the displacements of a stage; the identity where a body does not turn.
+/// Returns [`turning_rate`] of every body at the rotation vectors of a stage; the identity for bodies that do not rotate.
 pub(super) fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
     let each = system.bodies.iter().map(|body| {
         if body.freedoms < 6 {

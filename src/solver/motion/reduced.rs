@@ -1,37 +1,38 @@
-//! From equations of which some know no rates to states: what a part without mass does follows from the rest.
+//! Reduction of linear descriptor equations to state equations: algebraic rows, such as those of massless parts, are eliminated.
 
 use nalgebra::DMatrix;
 
 use crate::mechanics::eigen::singular_values;
 
-/// A singular value of the matrix of the rates below this share of the largest is none.
+/// Singular values of the rate matrix below this share of the largest count as zero.
 const NO_RATE: f64 = 1e-12;
-/// A pivot below this share of the largest coefficient of its rows is none.
+/// Pivots below this share of the largest coefficient of the algebraic rows count as zero.
 const NO_PIVOT: f64 = 1e-10;
-/// What depends on rates of the inputs by less than this, of its largest coefficient, does not.
+/// A dependence on input rates below this share of the largest coefficient is neglected.
 const NO_INPUT_RATE: f64 = 1e-9;
-/// The inputs, and their first and second derivatives by the time.
+/// Number of input orders: the inputs, and their first and second time derivatives.
 const ORDERS: usize = 3;
 
-/// Why there are no states.
+/// Reason why no state equations exist.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Irreducible {
-    /// Something moves that nothing determines.
+    /// The equations do not determine some motion.
     Undetermined,
-    /// A state depends on the rate of an input.
+    /// The state with this index depends on the rate of an input.
     StateByInputRate(usize),
 }
 
-/// `v' = A v + B w` for some of the u of `E u' = F u + B w`, by their places; `u = N v + M (w, w', w'')`.
+/// State equations `v' = A v + B w` of the descriptor system `E u' = F u + B w`. The states v are some of the components of u, and
+/// `u = N v + M (w, w', w'')`.
 ///
-/// Rows of the equations that E does not reach say `0 = a v + b w`: as many of the v follow from them and are dropped, those without
-/// inertia first, as often as it takes until every row has a rate. (The reduction of a descriptor system by elimination of its algebraic
-/// rows, as in Luenberger's shuffle algorithm, Automatica 14, 1978.)
+/// Rows that E does not reach are algebraic: `0 = a v + b w`. Each of them eliminates one component of v, those without inertia first. This
+/// is repeated until every row has a rate. (Elimination of the algebraic rows of a descriptor system, as in Luenberger's shuffle algorithm,
+/// Automatica 14, 1978.)
 pub(super) struct Reduced {
     pub A: DMatrix<f64>,
-    /// By the inputs.
+    /// Input matrix. Its first columns belong to the inputs; columns of their derivatives follow and are negligible.
     pub B: DMatrix<f64>,
-    /// Which of the u the states are.
+    /// Indices of the components of u that are states.
     pub kept: Vec<usize>,
     N: DMatrix<f64>,
     M: DMatrix<f64>,
@@ -39,7 +40,7 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// The u of a larger `lightness` go before those of a smaller one.
+    /// Reduces the system. Components of u with a larger `lightness` are eliminated before those with a smaller one.
     pub(super) fn new(
         (E, F, B): (&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>),
         lightness: &[u8],
@@ -87,7 +88,8 @@ impl Reduced {
         }
     }
 
-    /// The derivative by the time of what depends on the inputs and their derivatives.
+    /// Differentiates by time an expression given by its coefficients of the inputs and their derivatives. Coefficients of the highest
+    /// derivative are dropped.
     fn shifted(&self, by_input: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.inputs;
         let mut shifted = DMatrix::zeros(by_input.nrows(), ORDERS * count);
@@ -98,7 +100,7 @@ impl Reduced {
         shifted
     }
 
-    /// Drops as many states as there are rows `0 = a v + b w`, by Gaussian elimination with full pivoting.
+    /// Eliminates one state for each row `0 = a v + b w`, by Gaussian elimination with full pivoting.
     fn eliminate(
         &mut self,
         mut a: DMatrix<f64>,
@@ -141,7 +143,7 @@ impl Reduced {
             }
             pivots.push((row, column));
         }
-        // v of a pivot is minus its row by the others.
+        // The eliminated component equals minus the rest of its row.
         for &(row, column) in &pivots {
             let along = self.N.column(column).into_owned();
             let (mut of_a, of_b) = (a.row(row).into_owned(), b.row(row).into_owned());
@@ -160,7 +162,7 @@ impl Reduced {
         Ok(())
     }
 
-    /// `C v + D w` of `by_u u + by_rate u'`; the first row that depends on the rate of an input where one does.
+    /// Returns C and D of the output `by_u u + by_rate u' + direct w = C v + D w`, or the first row that depends on the rate of an input.
     pub(super) fn output(
         &self,
         by_u: &DMatrix<f64>,
@@ -179,7 +181,7 @@ impl Reduced {
     }
 }
 
-/// The first row that depends on more than the inputs themselves.
+/// Returns the first row that depends on rates of the inputs.
 fn beyond_inputs(by_input: &DMatrix<f64>, inputs: usize) -> Option<usize> {
     let most = by_input.amax();
     let rates = by_input.columns(inputs, by_input.ncols() - inputs);

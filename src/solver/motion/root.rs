@@ -1,10 +1,10 @@
-/// More evaluations are not needed: halving alone would be done by then.
+/// Bound on the number of evaluations: bisection alone would need fewer.
 const MOST: usize = 100;
 
-/// Narrows an interval at whose start a function is not above zero and at whose end it is, to a width of `exact` or of round-off; gives its
-/// ends, which are as they were: not above zero, above zero.
+/// Narrows a bracket around a sign change to the width `exact`, or to round-off where that is wider, and returns its ends. The function is
+/// not above zero at the start of the bracket and above zero at its end, before and after.
 ///
-/// Chandrupatla's method: inverse quadratic interpolation where it is safe, else halving (T. R. Chandrupatla, A new hybrid
+/// Chandrupatla's method: inverse quadratic interpolation where it is safe, otherwise bisection (T. R. Chandrupatla, A new hybrid
 /// quadratic/bisection algorithm, Advances in Engineering Software 28, 1997).
 pub(super) fn narrowed(
     mut f: impl FnMut(f64) -> f64,

@@ -1,12 +1,15 @@
-//! The stages of a step one after the other, each with its own derivatives.
+//! Newton iteration over the stages of a step one after the other, each with its own derivatives.
 //!
-//! In place of B, the inverse of the matrix A of the method, stands the inverse S of L, where A = L U and U has ones on its diagonal: a
-//! stage then depends on those before it alone, and its matrix is that of the statics with z = S_ii / h. Of a constraint nothing is left
-//! after three iterations; what swings falls by [`RATE`] or better in each. Next to a singular position a few errors grow: what the iterations
-//! before have shown of them takes them out ([`AndersonAcceleration`]). (W. Hoffmann, J. J. B. de Swart, Approximating Runge-Kutta
-//! matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration methods,
-//! SIAM J. Sci. Comput. 18, 1997.) Near a singular position it settles where the derivatives of one stage do not serve all three,
-//! and costs a fraction of what [`super::coupled`] does.
+//! The matrix A of the method is factored as A = L U, where U has a unit diagonal. The inverse S of L replaces B, the inverse of A. Each
+//! stage then depends only on the stages before it, and its matrix has the pattern of the static equations, with z = S_ii / h.
+//!
+//! Errors in constraints vanish after three iterations. Errors of oscillating motions fall by [`RATE`] or faster in each iteration. Near a
+//! singular position a few error components grow; [`AndersonAcceleration`] removes them. (W. Hoffmann, J. J. B. de Swart, Approximating
+//! Runge-Kutta matrices by triangular matrices, BIT 37, 1997; P. J. van der Houwen, J. J. B. de Swart, Triangularly implicit iteration
+//! methods, SIAM J. Sci. Comput. 18, 1997.)
+//!
+//! Near a singular position this iteration converges where the derivatives of one stage are too inaccurate for all three. It costs a fraction
+//! of [`super::coupled`].
 
 use super::anderson::AndersonAcceleration;
 use super::linearisation::{Correction, Linearisation};
@@ -16,7 +19,7 @@ use crate::linear::Lu;
 use crate::mechanics::{Mat3, Vec3};
 use crate::system::{NoValue, Parameters, State, System};
 
-/// An iteration leaves at most this of an error, but for what constraints make of it: of a swing of 4.8 / h, where it is largest.
+/// Largest convergence rate of the error of an oscillation, reached at the angular frequency 4.8 / h. Errors in constraints are excluded.
 pub(super) const RATE: f64 = 0.373;
 
 /// Derivatives of the three stages with their factors.
@@ -37,7 +40,7 @@ impl StageSequence {
         Self {
             lower: inverse_of_lower(&A),
             linear: std::array::from_fn(|_| equations.linear.clone()),
-            // Not for steps, for the reason that [`super::coupled`] has.
+            // Not `Lu::for_steps`, for the reason given in [`super::coupled`].
             factors: std::array::from_fn(|_| Lu::for_many(system.moving_unknowns)),
             values: Vec::new(),
             turns: Default::default(),
@@ -45,7 +48,8 @@ impl StageSequence {
         }
     }
 
-    /// Takes the derivatives of the stages and factors them. `sizes` is what one of each unknown counts.
+    /// Evaluates the derivatives of the stages and factors their matrices. `sizes` are the factors on the unknowns for
+    /// [`AndersonAcceleration`].
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
@@ -72,7 +76,7 @@ impl StageSequence {
         Ok(())
     }
 
-    /// Corrections from the residuals of the stages, with the factors there are; gives the step to take.
+    /// Computes the corrections from the residuals of the stages with the present factors, and returns the accelerated step.
     pub(crate) fn correct(
         &mut self,
         equations: &StepMatrices,
@@ -83,7 +87,7 @@ impl StageSequence {
         let (n, all) = (system.first_equation, system.moving_unknowns);
         let first_state = system.first_state();
         for i in 0..3 {
-            // What the stages before have changed, as rates of this one.
+            // Corrections of the earlier stages, as rates of this one.
             let (mut moved, mut quickened) = (vec![0.0; all], vec![0.0; n]);
             for j in 0..i {
                 let by = self.lower[i][j] / h;
@@ -123,7 +127,7 @@ impl StageSequence {
     }
 }
 
-/// Changes the rotation vectors of all bodies that turn.
+/// Applies `change` to the rotation vectors of all bodies that rotate.
 fn each_turn(system: &System, values: &mut [f64], change: impl Fn(usize, Vec3) -> Vec3) {
     for (part, body) in system.bodies.iter().enumerate() {
         if body.freedoms == 6 {
@@ -134,9 +138,9 @@ fn each_turn(system: &System, values: &mut [f64], change: impl Fn(usize, Vec3) -
     }
 }
 
-/// The inverse of L, where a matrix is L U and the diagonal of U is one (Crout).
+/// Returns the inverse of L, where `matrix` = L U and U has a unit diagonal (Crout).
 fn inverse_of_lower(matrix: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    // Rows of [A, 1] under the operations that make A the upper U: on the right stands the inverse of L.
+    // The row operations that turn A into U turn the identity on the right into the inverse of L.
     let mut left = *matrix;
     let mut right = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for k in 0..3 {
@@ -163,7 +167,7 @@ mod tests {
 
     use super::*;
 
-    /// The error of `y' = q y` over a step of one goes through `q (1 - q L)^-1 (A - L)` in each iteration.
+    /// One iteration multiplies the error of `y' = q y` over a step of one by `q (1 - q L)^-1 (A - L)`.
     #[test]
     fn what_swings_falls_by_the_rate() {
         let matrix = |rows: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| rows[i][j]);
@@ -176,7 +180,7 @@ mod tests {
             let q = Complex::new(0.0, 10.0_f64.powf(f64::from(k) * 0.01 - 2.0));
             let step = Matrix3::identity() - complex(&L) * q;
             let step = step.try_inverse().expect("stable") * complex(&(whole - L)) * q;
-            // The largest eigenvalue, by the growth of a high power.
+            // The spectral radius, from the growth of a high power.
             let mut power = step;
             let mut exponent = 1.0;
             for _ in 0..8 {
@@ -186,7 +190,7 @@ mod tests {
             most = most.max(power.norm().powf(1.0 / exponent));
         }
         assert!((0.98 * RATE..1.02 * RATE).contains(&most), "{most}");
-        // Of a constraint nothing is left.
+        // Errors in constraints vanish after three iterations.
         let rest = (Matrix3::identity() - S * whole).pow(3);
         assert!(rest.norm() < 1e-12, "{rest}");
     }

@@ -1,27 +1,27 @@
 use crate::model::IntegratorSettings;
 
-/// How a motion is integrated.
+/// Settings of the integrator.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MotionSettings {
     /// ERROR: what a step may err by, relative to the larger of one and the largest value of a kind.
     pub error: f64,
-    /// HINIT: the first step.
+    /// HINIT: size of the first step.
     pub hinit: f64,
-    /// HMAX: the largest step.
+    /// HMAX: largest step size.
     pub hmax: f64,
-    /// HMIN: a step below ends the simulation.
+    /// HMIN: step size below which the simulation ends with an error.
     pub hmin: f64,
-    /// DTOUT: how far apart outputs are.
+    /// DTOUT: time between outputs.
     pub output: f64,
-    /// MAXIT: iterations of a step.
+    /// MAXIT: largest number of iterations per step.
     pub maxit: usize,
-    /// What the tolerance of the iterations is multiplied by: CORRECTOR, and ADAPTIVITY over the step.
+    /// Factor on the convergence tolerance of the iteration: 10 for CORRECTOR=MODIFIED, otherwise 1.
     pub corrector: f64,
-    /// ADAPTIVITY.
+    /// ADAPTIVITY: the convergence tolerance is multiplied by 1 + ADAPTIVITY / step size.
     pub adaptivity: f64,
 }
 
-/// The tolerance of the method inside of ERROR: what is left of the error stays below it.
+/// Ratio of the internal tolerance to ERROR. It keeps the error of the solution below ERROR.
 pub(super) const INSIDE: f64 = 0.1;
 
 impl MotionSettings {

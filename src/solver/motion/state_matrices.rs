@@ -1,4 +1,4 @@
-//! State matrices of small motions about a state: from inputs to outputs.
+//! State matrices of small motions about a state, from inputs to outputs.
 
 use nalgebra::DMatrix;
 
@@ -8,31 +8,32 @@ use super::linearised::Linearised;
 use super::reduced::{Irreducible, Reduced};
 use crate::system::{Parameters, State, System};
 
-/// Coordinates whose rates have less of inertia than this, of the largest, have none.
+/// Rates with less inertia than this share of the largest count as massless.
 const NO_MASS: f64 = 1e-12;
 
-/// `u' = A u + B w, z = C u + D w` about a state.
+/// State equations `u' = A u + B w, z = C u + D w` about a state.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StateMatrices {
-    /// States by states.
+    /// State matrix: states by states.
     pub A: DMatrix<f64>,
-    /// States by inputs.
+    /// Input matrix: states by inputs.
     pub B: DMatrix<f64>,
-    /// Outputs by states.
+    /// Output matrix: outputs by states.
     pub C: DMatrix<f64>,
-    /// Outputs by inputs.
+    /// Feedthrough matrix: outputs by inputs.
     pub D: DMatrix<f64>,
-    /// What each state is: displacements and rotations (radians) of parts along ground axes, their velocities, dynamic states.
+    /// Name of each state: displacements and rotations (radians) of parts along ground axes, their velocities, dynamic states.
     pub states: Vec<String>,
 }
 
-/// The state matrices from some VARIABLEs to others, by their places in the model. An input is what is added to its variable.
+/// Computes the state matrices from input VARIABLEs to output VARIABLEs, both by their index in the model. An input is added to the value of
+/// its VARIABLE.
 ///
-/// The displacements among the states are as many coordinates as there are freedoms, their rates are the derivatives of these by the time.
-/// Of motions without inertia those are states that damping makes so: the others follow from the stiffness.
+/// The states contain as many coordinates as there are degrees of freedom, and the time derivatives of these coordinates. Motions without
+/// inertia are states only where damping acts; elsewhere they follow from the stiffness.
 ///
 /// # Errors
-/// [`Reason`] where an element has no value, a motion has no mass and nothing holds it, or the rate of an input is needed.
+/// [`Reason`] if an element has no value, a motion without mass is not restrained, or the rate of an input is needed.
 pub fn state_matrices(
     system: &System,
     parameters: &Parameters,
@@ -42,7 +43,7 @@ pub fn state_matrices(
 ) -> Result<StateMatrices, MotionFailure> {
     let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
     let (p, r) = (about.chosen.len(), about.rates);
-    // A coordinate and its rate have inertia where the rate of the rate does.
+    // A coordinate and its rate have inertia if the derivative of the rate enters the equations.
     let by_rate = about.E.rows(p, about.E.nrows() - p);
     let weight: Vec<f64> = by_rate.column_iter().map(|column| column.amax()).collect();
     let most = weight[p..p + r].iter().fold(0.0_f64, |a, b| a.max(*b));
@@ -52,7 +53,7 @@ pub fn state_matrices(
         at.map(|at| p + at)
     };
     let is_light = |k: usize| !(weight[k] > NO_MASS * most);
-    // Rates without inertia go first: what damping holds is a place.
+    // Rates without inertia are eliminated first, so that a motion restrained by damping keeps its position as a state.
     let lightness: Vec<u8> = (0..weight.len())
         .map(|k| match k {
             k if k < p => u8::from(rate_of(k).is_some_and(is_light)),

@@ -1,4 +1,4 @@
-//! Radau IIA of three stages: its coefficients, and the transformation that takes its stages apart.
+//! The three-stage Radau IIA method: its coefficients, and the transformation that decouples its stages.
 //!
 //! Source: Hairer, Wanner, Solving Ordinary Differential Equations II, IV.8.
 
@@ -6,10 +6,10 @@ use nalgebra::{Complex, Matrix3};
 
 const ROOT: f64 = 2.449_489_742_783_178;
 
-/// Times of the stages.
+/// Times of the stages, as shares of the step.
 pub(super) const C: [f64; 3] = [(4.0 - ROOT) / 10.0, (4.0 + ROOT) / 10.0, 1.0];
 
-/// The matrix of the method.
+/// Runge-Kutta matrix A of the method.
 pub(super) const A: [[f64; 3]; 3] = [
     [
         (88.0 - 7.0 * ROOT) / 360.0,
@@ -31,13 +31,13 @@ pub(super) const E: [f64; 3] = [
     -1.0 / 3.0,
 ];
 
-/// The real eigenvalue of the inverse of A.
+/// Real eigenvalue of the inverse of A.
 pub(super) const GAMMA: f64 = 3.637_834_252_744_496;
-/// One of the complex pair.
+/// One of the complex pair of eigenvalues of the inverse of A.
 pub(super) const ALPHA_BETA: Complex<f64> =
     Complex::new(2.681_082_873_627_752, 3.050_430_199_247_411);
 
-/// What does not fit into constants: the inverse of A, and the transformation with its inverse.
+/// Matrices derived from A: its inverse B, the transformation T that makes B block-diagonal, and the inverse of T.
 #[derive(Clone, Debug)]
 pub(super) struct Tableau {
     pub B: [[f64; 3]; 3],
@@ -50,11 +50,11 @@ impl Tableau {
         let B = Matrix3::from_fn(|i, j| A[i][j])
             .try_inverse()
             .expect("the matrix of Radau IIA is regular");
-        // The columns of T: the real eigenvector, real and imaginary part of the complex one, so that
-        // T^-1 B T = [gamma; [alpha, -beta; beta, alpha]].
+        // The columns of T are the real eigenvector and the real and negated imaginary parts of the complex one, so that T^-1 B T = [gamma;
+        // [alpha, -beta; beta, alpha]].
         let eigenvector = |value: Complex<f64>| {
             let M = B.map(|b| Complex::new(b, 0.0)) - Matrix3::from_diagonal_element(value);
-            // Across two rows of a singular matrix.
+            // The cross product of two rows spans the null space of the singular matrix.
             let (a, b) = (M.row(0).transpose(), M.row(1).transpose());
             let v = a.cross(&b);
             v / v[2]
@@ -79,7 +79,8 @@ impl Tableau {
     }
 }
 
-/// Values at the stage times of polynomials through zero at 0 and given values at the stages: weights at time `s` (in steps).
+/// Returns weights that interpolate stage values at time `s`, measured in steps. The interpolant is the cubic through zero at time 0 and
+/// through the given values at the stage times.
 pub(super) fn lagrange(s: f64) -> [f64; 3] {
     std::array::from_fn(|i| {
         let mut weight = s / C[i];

@@ -1,4 +1,4 @@
-//! The equations of motion against differences, and motions against what is known of them.
+//! Derivatives of the equations of motion against differences, and motions against known solutions.
 
 use super::{Consistent, Integrator, Kept, MotionSettings, assemble};
 use crate::linear::Levels;
@@ -41,7 +41,7 @@ fn deck(statements: &str) -> Deck {
     }
 }
 
-/// Two parts in general position with everything that has a rate.
+/// Parts in general position with every element whose equations contain rates.
 const EVERYTHING: &str = "
 ACCGRAV/KGRAV=-9.81
 PART/2, MASS=2.3, CM=20, IP=0.4,0.7,0.9,0.05,-0.03,0.08, QG=0.3,-0.2,0.5, REULER=0.2,1.1,-0.7
@@ -70,7 +70,7 @@ fn number(k: usize) -> f64 {
     (1.7 * k as f64 + 0.3).sin()
 }
 
-/// A state in which everything moves.
+/// Returns a state in which everything moves.
 fn moving(deck: &Deck) -> State {
     let mut state = deck.state.clone();
     state.time = 0.37;
@@ -107,7 +107,7 @@ fn moving(deck: &Deck) -> State {
     state
 }
 
-/// The state with one unknown at one level moved.
+/// Returns the state with one unknown changed by `h` at one level.
 fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) -> State {
     let mut new = state.clone();
     let mut step = vec![0.0; system.moving_unknowns];
@@ -139,7 +139,7 @@ fn moved(system: &System, state: &State, level: usize, column: usize, h: f64) ->
     new
 }
 
-/// Every joint with friction between parts in general position; stiction below a velocity.
+/// Every joint with friction, between parts in general position. `stiction` is the stiction velocity.
 fn frictions(stiction: f64) -> String {
     let parts: Vec<&str> = EVERYTHING
         .lines()
@@ -170,7 +170,7 @@ fn frictions(stiction: f64) -> String {
             k = k + 1,
         );
     }
-    // What functions see of them: force, torque, coefficients, velocities and creeps along every axis.
+    // All outputs of the frictions that functions can read: force, torque, coefficients, velocities and creeps along every axis.
     for index in (1..13).chain(14..26) {
         let terms: Vec<String> = (1..=6)
             .map(|k| format!("0.{k}*FRICTION({k},{index})"))
@@ -180,7 +180,7 @@ fn frictions(stiction: f64) -> String {
     all
 }
 
-/// Three parts between which matrices act, and a matrix by velocities.
+/// Three parts connected by multi-point forces with stiffness matrices, one with a damping matrix and one with a damping ratio.
 fn damped_points() -> String {
     let matrix = |id: usize, first: usize| {
         let values: Vec<String> = (0..144)
@@ -203,7 +203,7 @@ fn damped_points() -> String {
     )
 }
 
-/// Forces, states and constraints that read VARIABLEs of VARIABLEs, of forces, reactions, rates and outputs; one loop among them.
+/// Forces, states and constraints that read VARIABLEs of VARIABLEs, of forces, reactions, rates and outputs, with one loop among them.
 fn chained() -> String {
     "JOINT/1, UNIVERSAL, I=20, J=30
 MOTION/1, I=21, J=1, B3, FUNCTION=0.3*VARVAL(11)
@@ -227,7 +227,7 @@ DIFF/91, FUNCTION=VARVAL(15)-DIF(91)*VARVAL(14)
     .to_string()
 }
 
-/// All frictions stick, with some creep behind them.
+/// Makes all frictions stick, with some creep.
 fn stick(deck: &Deck, state: &mut State) {
     let mut scratch = Scratch::new(&deck.system);
     deck.system.grip_on(&deck.parameters, state, &mut scratch);
@@ -308,7 +308,7 @@ fn derivatives_by_places_velocities_and_accelerations_are_those_of_differences()
     }
 }
 
-/// Along a motion with constant accelerations the residuals of the constraints have the rates and second rates that are computed.
+/// Along a motion with constant accelerations, first and second differences of the constraint residuals match the computed rates.
 #[test]
 fn rates_of_constraints_are_those_of_the_residuals_along_a_motion() {
     let joints = "
@@ -361,7 +361,7 @@ VARIABLE/3, FUNCTION=0.2*SIN(TIME)
         for (part, pose) in at.poses.iter_mut().enumerate() {
             let (velocity, acceleration) = (&state.velocities[part], &state.accelerations[part]);
             pose.p += velocity.linear * t + acceleration.linear * (0.5 * t * t);
-            // To second order: w' is the acceleration, w x w vanishes.
+            // To second order: w' is the acceleration, and w x w vanishes.
             pose.R = exp(&(velocity.angular * t + acceleration.angular * (0.5 * t * t))) * pose.R;
         }
         let mut scratch = Scratch::new(system);
@@ -433,8 +433,8 @@ fn integrated(
     (state, integrator.statistics())
 }
 
-/// m = 1, l = 2, IP = (.04, .1, .1), revolute, 5 s: quadrature of the energy integral gives theta = -3.123812342989 rad and
-/// theta' = -.412436065475, that is x = -1.999683868884, z = -.035558747545.
+/// m = 1, l = 2, IP = (.04, .1, .1), revolute joint, 5 s. Quadrature of the energy integral gives theta = -3.123812342989 rad and theta' =
+/// -.412436065475, hence x = -1.999683868884 and z = -.035558747545.
 #[test]
 fn the_error_of_a_pendulum_is_what_is_asked_for() {
     let deck = deck(
@@ -450,7 +450,7 @@ fn the_error_of_a_pendulum_is_what_is_asked_for() {
             .max((cm.z + 0.035558747545).abs());
         let spin = (state.velocities[1].angular.norm() - 0.412436065475).abs();
         println!("{error:e}: {off:e} {spin:e} {statistics:?}");
-        // Positions reach 2, spins 3.1.
+        // Positions reach 2, angular velocities 3.1.
         assert!(
             off < 10.0 * error * 2.0 && spin < 10.0 * error * 4.0,
             "{error}: {off} {spin}"
@@ -460,7 +460,7 @@ fn the_error_of_a_pendulum_is_what_is_asked_for() {
     }
 }
 
-/// A body that nothing holds keeps its momentum and its energy while it tumbles.
+/// A free body keeps its momentum and its energy while it tumbles.
 #[test]
 fn a_free_body_keeps_momentum_and_energy() {
     let deck = deck(
@@ -504,7 +504,7 @@ fn a_free_body_keeps_momentum_and_energy() {
     assert!((start.poses[1].R - state.poses[1].R).norm() > 0.1);
 }
 
-/// Joints whose axes turn with the part: their multipliers turn too, and stay those of the balance over many steps.
+/// Multipliers of a joint whose axes turn with the part turn too, and stay close to the multipliers of the balance over many steps.
 #[test]
 fn multipliers_of_turning_axes_stay() {
     let deck = deck(

@@ -1,4 +1,4 @@
-//! What is left of the forces on each part, summed anew.
+//! Remaining forces on each part, summed independently of the residual.
 
 use std::fmt;
 
@@ -9,20 +9,20 @@ use crate::model::PartIx;
 use crate::system::{Name, NoValue, Parameters, Scratch, State, System};
 use admire_syntax::units::{Dimension, Units};
 
-/// Share of the largest sum of sizes on a part that may be left by round-off.
+/// Share of the largest sum of load sizes on a part that may remain by round-off.
 const ROUND_OFF: f64 = 1e-9;
-/// What round-off of arms leaves of the largest sum of forces times the length of the model, as a share of it.
+/// Share of the largest sum of forces times the model's length that may remain as torque, by round-off of lever arms.
 const ARMS: f64 = 1e-12;
-/// So many times IMBALANCE may be left: it holds for single components.
+/// Remaining force as a multiple of IMBALANCE that is allowed, because IMBALANCE applies to single components.
 const COMPONENTS: f64 = 10.0;
 
-/// What is left at one part.
+/// Remaining force or torque on one part.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Left {
-    /// Length of the force or torque that is left.
+    /// Size of the force or torque.
     #[serde(rename = "left")]
     pub size: f64,
-    /// The part where it is.
+    /// The part that the force or torque acts on.
     #[serde(serialize_with = "in_words")]
     pub part: Name,
 }
@@ -31,31 +31,32 @@ fn in_words<S: serde::Serializer>(name: &Name, out: S) -> Result<S::Ok, S::Error
     out.collect_str(name)
 }
 
-/// The largest force and torque that are left over on a part, in units of the deck: force, and force times length.
+/// The largest remaining force and torque on a part, in units of the deck: force, and force times length.
 ///
-/// They are summed from the single loads of the free-body diagrams, torques about the centres of the parts. The residual that Newton's
-/// method brought to zero is put together in another way.
+/// They are sums of the single loads of the free-body diagrams, with torques about the centres of the parts. The residual that Newton's
+/// method reduces to zero is computed in another way.
 #[derive(Clone, PartialEq, Debug, Default, Serialize)]
 pub struct Balance {
-    /// Where the largest force is left; `None` if no part moves.
+    /// Largest remaining force; `None` if no part can move.
     pub force: Option<Left>,
-    /// Where the largest torque is left; `None` if no part turns.
+    /// Largest remaining torque; `None` if no part can rotate.
     pub torque: Option<Left>,
-    /// The largest sum of sizes of forces on a part.
+    /// Largest sum of the sizes of all forces on one part.
     #[serde(skip)]
     forces: f64,
-    /// The largest sum of sizes of torques on a part, and what round-off of arms may be a share of.
+    /// Largest sum of the sizes of all torques on one part, plus an allowance for round-off of lever arms.
     #[serde(skip)]
     torques: f64,
 }
 
-/// The loads on one part.
+/// Sums of the loads on one part.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
     force: Vec3,
     torque: Vec3,
-    /// Sums of their sizes.
+    /// Sum of the sizes of the forces.
     forces: f64,
+    /// Sum of the sizes of the torques.
     torques: f64,
 }
 
@@ -73,7 +74,7 @@ impl Balance {
         Self::summed(system, parameters, state, (scratch, &mut Vec::new()))
     }
 
-    /// The same with memory for the sums.
+    /// Sums the loads on every part, with work space for the sums.
     pub(super) fn summed(
         system: &System,
         parameters: &Parameters,
@@ -97,7 +98,7 @@ impl Balance {
         let (mut force, mut torque) = (None, None);
         for (part, body) in system.bodies.iter().enumerate() {
             let left = |size: f64, before: &mut Option<(f64, usize)>| {
-                // A NaN must not hide.
+                // A NaN counts as larger than the value before it.
                 if before.is_none_or(|(most, _)| !(size <= most)) {
                     *before = Some((size, part));
                 }
@@ -121,7 +122,7 @@ impl Balance {
         Ok(out)
     }
 
-    /// True if no more is left than the tolerance IMBALANCE and round-off explain.
+    /// Returns true if IMBALANCE and round-off explain the remaining force and torque.
     pub fn holds(&self, imbalance: f64) -> bool {
         let within = |left: &Option<Left>, sizes: f64| {
             let most = COMPONENTS * imbalance + ROUND_OFF * sizes;
@@ -130,7 +131,7 @@ impl Balance {
         within(&self.force, self.forces) && within(&self.torque, self.torques)
     }
 
-    /// Keeps the worse of the two, in each of the two kinds.
+    /// Keeps the larger force and the larger torque of two balances.
     pub fn or_worse(&mut self, other: &Self) {
         let larger = |own: &mut Option<Left>, other: &Option<Left>| {
             let most = own.as_ref().map_or(-1.0, |own| own.size);
@@ -144,7 +145,7 @@ impl Balance {
         self.torques = self.torques.max(other.torques);
     }
 
-    /// What is left, in words: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part moves.
+    /// Describes the remaining force and torque: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part can move.
     pub fn told(&self, units: &Units) -> String {
         let kinds = [
             (&self.force, Dimension::FORCE),
@@ -183,7 +184,7 @@ mod tests {
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
-    /// A block of 2 kg hangs on a spring of 10 N/mm: k x = m g, so that what is left beside the equilibrium is k times the way to it.
+    /// A block of 2 kg on a spring of 10 N/mm: k x = m g. Next to the equilibrium, the remaining force is k times the distance from it.
     const DECK: &str = "A block on a spring
 UNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND
 PART/1, GROUND
@@ -220,7 +221,7 @@ END
             assert!((force.size - told).abs() < 1e-6 * told, "{left}");
             assert_eq!(force.part.to_string(), "PART/2");
             assert!(!left.holds(settings.imbalance), "{left}");
-            // A solution that is not one is no answer, in fits and sweeps as in a run.
+            // A false solution is refused in fits and sweeps as in a single run.
             let refused =
                 solver.judge(&system, &parameters, &wrong, &settings, &mut report.clone());
             let Err(crate::statics::SolveError::Unbalanced(found)) = refused else {

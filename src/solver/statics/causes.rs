@@ -1,4 +1,4 @@
-//! The usual reasons why an iteration finds nothing, as far as they are present in this model. Knows no iteration.
+//! Usual reasons why an iteration finds no equilibrium, as far as they are present in the model. Independent of the iteration itself.
 
 use std::collections::BTreeMap;
 
@@ -9,19 +9,19 @@ use crate::function::Program;
 use crate::linear::{Lu, Matrix};
 use crate::system::{Load, Parameters, Scratch, State, System};
 
-/// A joint whose markers are further apart than this part of the model's length is open.
+/// Joint equations that are violated by more than this share of the model's length count as open.
 const OPEN: f64 = 1e-3;
-/// Share of the imbalance along a free motion from which it counts as driven.
+/// Share of the imbalance along a free motion above which the motion counts as driven.
 const DRIVEN: f64 = 1e-9;
-/// A joint whose markers are closer than this part of the model's length is closed.
+/// Joint equations that are violated by less than this share of the model's length count as closed.
 const CLOSED: f64 = 1e-6;
-/// So many causes of a kind are told, the others counted.
+/// Number of causes of one kind that are listed; the remaining ones are counted.
 const TOLD: usize = 3;
 
-/// What a weight is told by.
+/// Wording for the weight of a part.
 const WEIGHT: &str = "the weight of ";
 
-/// What is known when the iteration has ended.
+/// Data available after an iteration has failed.
 pub(super) struct Ended<'a> {
     pub system: &'a System,
     pub parameters: &'a Parameters,
@@ -29,18 +29,19 @@ pub(super) struct Ended<'a> {
     pub end: &'a State,
     /// Residual at the end.
     pub g: &'a [f64],
-    /// The last equations that were assembled, and factors of them or of earlier ones.
+    /// Equations that were assembled last.
     pub matrix: &'a Matrix,
+    /// Factors of these equations or of earlier ones.
     pub factors: &'a Lu,
-    /// As many iterations were done as MAXIT allows.
+    /// True if as many iterations were done as MAXIT allows.
     pub spent: bool,
-    /// Steps that were cut to TLIMIT or ALIMIT.
+    /// Number of steps that were cut to TLIMIT or ALIMIT.
     pub limited: usize,
     pub settings: &'a StaticSettings,
 }
 
 impl Ended<'_> {
-    /// A massless free motion, which by itself explains the failure; else all causes that are seen.
+    /// Returns all causes that are found. The error is a massless free motion, which explains the failure by itself.
     pub(crate) fn causes(&self, scratch: &mut Scratch) -> Result<Vec<String>, FreeMotion> {
         let mut out = Vec::new();
         self.free_motions(scratch, &mut out)?;
@@ -64,7 +65,7 @@ impl Ended<'_> {
 
     fn free_motions(&self, scratch: &mut Scratch, out: &mut Vec<String>) -> Result<(), FreeMotion> {
         let mut told = Vec::new();
-        // Where joints stand open the motion is not one the parts could make.
+        // With open joints the motion is not one that the parts could perform.
         let equations = &self.g[self.system.first_equation..self.system.first_variable];
         let closed = equations
             .iter()
@@ -77,8 +78,8 @@ impl Ended<'_> {
             let Some(motion) = free_motion(system, parameters, self.end, (self.matrix, &z)) else {
                 continue;
             };
-            // The tangent is all but symmetric: what a free motion does not move on its own must be balanced along it. A joint that is
-            // open because of it counts with its multiplier.
+            // The tangent is almost symmetric, so that the equations have a solution only if the residual does no work along a free motion.
+            // Open joints contribute with their multipliers.
             let (mut work, mut size) = (0.0, 0.0);
             for k in 0..self.system.first_variable {
                 work += self.g[k] * z[k];
@@ -91,7 +92,7 @@ impl Ended<'_> {
                     None
                 };
                 let by = drivers.unwrap_or_else(|| "something drives it".to_string());
-                // An arm that begins level meets no stiffness there, and does as soon as it has fallen some way.
+                // An arm that starts level has no stiffness there, but it has some once it has fallen a little.
                 let level = if by.contains(WEIGHT) && motion.motion.starts_with(FREE.about) {
                     "; if that is so only where it begins, let it begin elsewhere"
                 } else {
@@ -104,7 +105,7 @@ impl Ended<'_> {
         Ok(())
     }
 
-    /// What does work along a motion, in words.
+    /// Describes the loads that do work along a motion.
     fn drivers(&self, z: &[f64], scratch: &mut Scratch) -> Option<String> {
         let (system, parameters, state) = (self.system, self.parameters, self.end);
         let mut here = system.evaluate(parameters, state, scratch).ok()?;
@@ -123,7 +124,7 @@ impl Ended<'_> {
             let (v, w) = speed(load);
             *powers.entry(by(load)).or_default() += load.force.dot(&v) + load.torque.dot(&w);
         }
-        // What only passes forces on does no work on the whole.
+        // Elements that only transmit forces do no work in total.
         let most = powers.values().fold(0.0_f64, |a, p| a.max(p.abs()));
         powers.retain(|_, power| power.abs() > 1e-6 * most);
         let names: Vec<&str> = powers.keys().map(String::as_str).collect();
@@ -157,7 +158,7 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Projected angles lose their meaning where two of them are large (guide/formats.md 2.7).
+    /// Reports bushings, fields and beams whose projected angles are so large that they lose their meaning (guide/formats.md 2.7).
     fn large_angles(&self, scratch: &mut Scratch, out: &mut Vec<String>) {
         let mut here = self.system.at(self.parameters, self.end, scratch);
         here.place_markers();
@@ -180,7 +181,7 @@ impl Ended<'_> {
         some(told, out);
     }
 
-    /// Statics seeks where the rates of states are zero.
+    /// Reports states whose rate is a nonzero constant. In an equilibrium the rates of all states are zero.
     fn steady_rates(&self, out: &mut Vec<String>) {
         let system = self.system;
         let mut depends = vec![false; self.g.len()];

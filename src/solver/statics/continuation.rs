@@ -1,4 +1,4 @@
-//! Ways to an equilibrium that plain iteration does not find, and what to tell when there is none.
+//! Continuation: other ways to an equilibrium that plain iteration does not find, and the error if there is none.
 
 use super::causes::Ended;
 use super::measures::largest;
@@ -7,11 +7,11 @@ use super::settings::MOST_ITERATIONS;
 use super::{Continuation, Report, StaticSettings, Softest, SolveError};
 use crate::system::{Parameters, State, System};
 
-/// The way of an arm in a half turn, in its lengths, and some more.
+/// Path of the end of an arm in a half turn, in lengths of the arm, with a margin.
 const HALF_TURN: f64 = 4.0;
 
 impl Solver {
-    /// Ways to an equilibrium that plain iteration does not find. Gives the one that helped and the iterations used.
+    /// Tries other ways to an equilibrium after plain iteration has failed. Returns the successful one, if any, and the number of iterations.
     pub(super) fn continuation(
         &mut self,
         system: &System,
@@ -45,8 +45,8 @@ impl Solver {
         let (None, Some(there)) = (&found, on_its_way) else {
             return (found, iterations);
         };
-        // An arm that begins level has far to go at the slow pace, and where it has fallen some way the plain one does, in as many steps
-        // of TLIMIT as a half turn of the model is long.
+        // An arm that starts level has a long way to go at the slow pace of the damping. Once it has fallen some way, plain iteration covers
+        // the rest. The steps allowed for it are as many steps of TLIMIT as make up a half turn of the model.
         state.clone_from(&there);
         let steps = (HALF_TURN * system.length / settings.tlimit).ceil() as usize;
         let patient = NewtonOptions {
@@ -58,9 +58,11 @@ impl Solver {
         (found.is_ok().then_some(Continuation::Damped), iterations)
     }
 
-    /// Newton's method is drawn to saddles of the energy as to its minima. From a start that is no equilibrium, and so far off that steps
-    /// were cut, it may pass a stable equilibrium and end at an unstable one: then the slow ways are tried, and what they find is taken.
-    /// Large systems are left where they are: their stability costs more than their solution.
+    /// Replaces an unstable equilibrium by another one, if continuation finds one.
+    ///
+    /// Newton's method converges to saddles of the energy as well as to minima. If the start is so far from equilibrium that steps were cut,
+    /// it may pass a stable equilibrium and end at an unstable one. Continuation is then tried, and its result is taken. Large systems are
+    /// not examined, because their stability costs more than their solution.
     pub(super) fn leave_saddle(
         &mut self,
         system: &System,
@@ -87,14 +89,15 @@ impl Solver {
         Ok(())
     }
 
-    /// Back to where the solution began, with what is known of redundant equations.
+    /// Resets the state to the start of the solution, but keeps the marks of redundant equations.
     pub(super) fn restart(&self, state: &mut State) {
         let redundant = std::mem::take(&mut state.redundant);
         state.clone_from(&self.start);
         state.redundant = redundant;
     }
 
-    /// Holds the imbalance of the start and releases it little by little. Gives that way if it led there, and the iterations used.
+    /// Holds the imbalance of the start and releases it step by step. Returns this continuation if it succeeded, and the number of
+    /// iterations.
     fn release(
         &mut self,
         system: &System,
@@ -143,7 +146,7 @@ impl Solver {
         )
     }
 
-    /// What to tell about a failure.
+    /// Converts a failure to an error with its probable causes.
     pub(super) fn explain(
         &mut self,
         system: &System,

@@ -1,15 +1,15 @@
-//! Reactions, variables and states to begin with, where functions have no value before these are known.
+//! First values of reactions, variables and states, for functions that have no value before these are known.
 
 use super::newton::Solver;
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Gives values to functions that divide by reactions or by outputs of linear states, which are zero before the first solution: the
-    /// functions without a value count as zero, and the parts stay where they are while all else follows the linear solution. Again, as long as
-    /// more functions have a value each time.
+    /// Finds first values for functions that divide by reactions or by outputs of linear states, which are zero before the first solution.
+    /// Functions without a value count as zero, and the parts stay in place, while all other unknowns follow the linear solution. This is
+    /// repeated as long as it gives more functions a value.
     ///
     /// # Errors
-    /// [`NoValue`] if an element has none here.
+    /// [`NoValue`] if an element has no value here.
     pub(super) fn give_values(
         &mut self,
         system: &System,
@@ -26,7 +26,7 @@ impl Solver {
             system.assemble_leniently(parameters, state, scratch, g, next)?;
             self.next.finish();
             self.matrix.factor(&self.next);
-            // These factors are the tangent of no equilibrium.
+            // These factors are not the tangent of an equilibrium.
             self.poses.clear();
             for (dx, g) in self.dx.iter_mut().zip(&self.g) {
                 *dx = -g;
@@ -41,7 +41,7 @@ impl Solver {
             }
             *state = trial;
             lacking = still;
-            // Other ways to the equilibrium begin there, too.
+            // Continuation also starts from here.
             self.start.clone_from(state);
         }
         Ok(())

@@ -7,11 +7,11 @@ use crate::system::{Parameters, Scratch, State, System};
 pub struct FreedomCount {
     /// Six for every part that can move, three for every point mass.
     pub of_parts: usize,
-    /// Scalar equations of joints, primitives, motions, couplers, gears and general constraints.
+    /// Number of scalar equations of joints, primitives, motions, couplers, gears and general constraints.
     pub equations: usize,
-    /// Those of them that say nothing new in this configuration, in the words ADAMS names equations with.
+    /// Equations that are redundant in this configuration, in the notation of ADAMS.
     pub redundant: Vec<String>,
-    /// What has no value in this configuration and why, if anything: the equations of joints and motions count all the same.
+    /// The element that has no value in this configuration, with the reason. The equations of joints and motions are counted all the same.
     pub without_value: Option<String>,
 }
 
@@ -35,7 +35,7 @@ impl FreedomCount {
         matrix.finish();
         let mut redundant = redundant_equations(system, &matrix);
         if without_value.is_some() {
-            // Of these nothing is known: they count as equations like any other.
+            // The gradients of GCONs are not known here. Their equations count as independent.
             for condition in &system.conditions {
                 redundant[condition.equation] = false;
             }
@@ -51,12 +51,12 @@ impl FreedomCount {
         }
     }
 
-    /// The Gruebler count: freedoms of the parts less all equations. Negative for overconstrained mechanisms.
+    /// Returns the Gruebler count: degrees of freedom of the parts minus all equations. It is negative for overconstrained mechanisms.
     pub fn gruebler(&self) -> i64 {
         self.of_parts as i64 - self.equations as i64
     }
 
-    /// What is left of them: redundant equations do not count.
+    /// Returns the actual degrees of freedom, for which redundant equations do not count.
     pub fn actual(&self) -> i64 {
         self.gruebler() + self.redundant.len() as i64
     }

@@ -1,4 +1,4 @@
-//! Eigenvalues of the reduced tangent stiffness next to a shift, from the factors of the shifted equations.
+//! Eigenvalues of the reduced tangent stiffness next to a shift, from factors of the shifted equations.
 
 use nalgebra::DMatrix;
 
@@ -6,17 +6,18 @@ use crate::linear::{Lu, Matrix, Sink};
 use crate::mechanics::eigen::eigenvalues;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
-/// Dimension of the Krylov space. Two shifts lie a factor [`CLOSER`] apart, so that an eigenvalue between them stands out by that much
-/// in the inverse and is found.
+/// Dimension of the Krylov space. Successive shifts differ by the factor [`CLOSER`]. An eigenvalue between two of them therefore stands out
+/// in the inverse by that factor and is found.
 const DIMENSION: usize = 30;
-/// Every shift is closer to zero by this.
+/// Ratio of each shift to the previous one.
 const CLOSER: f64 = 1e-2;
-/// So many shifts: down to the round-off of the largest stiffness.
+/// Number of shifts: the last one reaches the round-off of the largest stiffness.
 const SHIFTS: i32 = 7;
-/// Inverse eigenvalues smaller than this beside the largest are not settled yet.
+/// Inverse eigenvalues below this share of the largest have not converged and are ignored.
 const SETTLED: f64 = 1e-3;
 
-/// `[S - shift W, G'; G, 0]`, factored: W the squares of the lengths, G the constraints, S the stiffness.
+/// The factored matrix `[S - shift W, G'; G, 0]`, where W contains the squares of the lengths, G the constraint gradients and S the
+/// stiffness.
 pub(super) struct ShiftInvert<'a> {
     system: &'a System,
     parameters: &'a Parameters,
@@ -48,10 +49,11 @@ impl<'a> ShiftInvert<'a> {
         }
     }
 
-    /// The smallest eigenvalue and its motion, times lengths; no eigenvalue is larger than the bound. `None` if nothing can move.
+    /// Returns the smallest eigenvalue and its motion, multiplied by lengths; `None` if nothing can move. `bound` is an upper bound of all
+    /// eigenvalues.
     ///
-    /// Shifts go from the bound towards zero below everything that is not negative. A negative eigenvalue that one has passed is told
-    /// by a negative inverse.
+    /// The shifts are negative and shrink from about the bound towards zero, so that they stay below all eigenvalues that are not negative. A
+    /// negative eigenvalue that a shift has passed shows as a negative inverse.
     pub(crate) fn smallest(mut self, bound: f64) -> Result<Option<(f64, Vec<f64>)>, NoValue> {
         let bound = if bound > 0.0 { bound } else { 1.0 };
         let mut estimate = f64::INFINITY;
@@ -84,7 +86,7 @@ impl<'a> ShiftInvert<'a> {
         Ok(Some((estimate, motion)))
     }
 
-    /// A motion by inverse iteration beside its eigenvalue.
+    /// Returns the motion of an eigenvalue by inverse iteration.
     fn near(&mut self, value: f64, bound: f64) -> Result<Vec<f64>, NoValue> {
         self.factor(value - 1e-9 * bound)?;
         let mut vector: Vec<f64> = start(self.lengths.len());
@@ -101,13 +103,13 @@ impl<'a> ShiftInvert<'a> {
         Ok(vector)
     }
 
-    /// The smallest of the eigenvalues that stand out beside the shift. `None` if nothing can move.
+    /// Returns the smallest of the eigenvalues that stand out next to the shift; `None` if nothing can move.
     fn least_beside(&mut self, shift: f64, bound: f64) -> Result<Option<f64>, NoValue> {
         self.factor(shift)?;
         let mut vector: Vec<f64> = start(self.lengths.len());
         let before = norm(&vector);
         self.apply(&mut vector);
-        // Any motion at all makes this at least 1 / 2 bound times its share of the start.
+        // Any motion that the constraints allow makes this at least 1 / (2 bound) times its share of the start vector.
         let after = norm(&vector);
         let moves = after * bound > 1e-9 * before;
         if !moves {
@@ -129,7 +131,7 @@ impl<'a> ShiftInvert<'a> {
         let (scratch, g, matrix) = (&mut self.scratch, &mut self.g, &mut self.matrix);
         self.system
             .assemble(self.parameters, self.state, scratch, g, matrix)?;
-        // The Jacobian of the forces is the stiffness with the other sign.
+        // The Jacobian of the forces is the negative stiffness.
         for (k, length) in self.lengths.iter().enumerate() {
             matrix.add(k, k, shift * length * length);
         }
@@ -138,7 +140,7 @@ impl<'a> ShiftInvert<'a> {
         Ok(())
     }
 
-    /// The motion under the forces W times a motion; motions are taken times their lengths.
+    /// Replaces a motion x by the response to the forces W x. Motions are multiplied by their lengths.
     fn apply(&mut self, vector: &mut [f64]) {
         self.g.fill(0.0);
         for ((g, x), length) in self.g.iter_mut().zip(vector.iter()).zip(&self.lengths) {
@@ -150,7 +152,7 @@ impl<'a> ShiftInvert<'a> {
         }
     }
 
-    /// The operator on the Krylov space of a vector of this length, as an upper Hessenberg matrix.
+    /// Returns the operator on the Krylov space of `vector`, whose norm is `length`, as an upper Hessenberg matrix.
     fn arnoldi(&mut self, mut vector: Vec<f64>, mut length: f64) -> DMatrix<f64> {
         let size = DIMENSION.min(self.lengths.len());
         let mut H = DMatrix::zeros(size, size);
@@ -162,7 +164,7 @@ impl<'a> ShiftInvert<'a> {
             basis.push(vector.clone());
             self.apply(&mut vector);
             let whole = norm(&vector);
-            // Twice is enough (Kahan).
+            // Two passes of orthogonalisation are enough (Kahan).
             for _ in 0..2 {
                 for (i, b) in basis.iter().enumerate() {
                     let share: f64 = vector.iter().zip(b).map(|(x, y)| x * y).sum();
@@ -174,7 +176,7 @@ impl<'a> ShiftInvert<'a> {
             }
             length = norm(&vector);
             if length <= 1e-12 * whole {
-                // The space is complete.
+                // The Krylov space is complete.
                 return H.view((0, 0), (j + 1, j + 1)).clone_owned();
             }
             if j + 1 < size {
@@ -185,7 +187,7 @@ impl<'a> ShiftInvert<'a> {
     }
 }
 
-/// A vector with a share of everything, the same every time.
+/// Returns a reproducible start vector with a component in every direction.
 fn start(n: usize) -> Vec<f64> {
     let mut seed = 0x9E37_79B9_7F4A_7C15_u64;
     let mut next = || {

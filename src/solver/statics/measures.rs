@@ -1,13 +1,13 @@
-//! Sizes of residuals and corrections, in the words of EQUILIBRIUM.
+//! Sizes of residuals and corrections, in the terms of the EQUILIBRIUM statement.
 
 use super::{Far, StaticSettings};
 use crate::mechanics::log;
 use crate::model::PartIx;
 use crate::system::{State, System};
 
-/// The largest entry.
+/// Returns the magnitude of the largest entry.
 pub(super) fn largest(g: &[f64]) -> f64 {
-    // A NaN must not hide.
+    // A NaN counts as larger than all entries before it.
     g.iter().fold(
         0.0,
         |a: f64, b| {
@@ -16,7 +16,7 @@ pub(super) fn largest(g: &[f64]) -> f64 {
     )
 }
 
-/// The largest force or torque over model length that is not balanced.
+/// Returns the largest unbalanced force, or torque over the model's length.
 pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
     let mut out = 0.0_f64;
     for body in &system.bodies {
@@ -28,13 +28,14 @@ pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
     out
 }
 
-/// Every equation within IMBALANCE, or within what round-off leaves of the forces that cancel in it.
+/// Returns true if every equation is within IMBALANCE, or within the round-off of the forces that cancel in it. `force` is the largest of
+/// these forces.
 pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -> bool {
     let floor = 64.0 * f64::EPSILON * force;
     for body in &system.bodies {
         for k in 0..body.freedoms {
             let scale = if k < 3 { 1.0 } else { 4.0 * system.length };
-            // Written so that a NaN is out of balance.
+            // Written so that a NaN counts as unbalanced.
             let within = g[body.first + k].abs() <= imbalance.max(floor * scale);
             if !within {
                 return false;
@@ -47,8 +48,8 @@ pub(super) fn balanced(system: &System, g: &[f64], imbalance: f64, force: f64) -
         .all(|g| g.abs() <= imbalance.max(floor))
 }
 
-/// Largest correction: translations by the larger of position and model length, rotations in radians, multipliers by the
-/// largest of them, variables and states by the larger of their value and one.
+/// Returns the largest relative correction. Translations are relative to the larger of position and model length, rotations are in radians.
+/// Multipliers are relative to the largest of them, at least one; variables and states to the larger of their value and one.
 pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) -> f64 {
     let mut out = 0.0_f64;
     for (part, body) in system.bodies.iter().enumerate() {
@@ -104,14 +105,14 @@ pub(super) fn limit(system: &System, settings: &StaticSettings, dx: &[f64]) -> f
     out
 }
 
-/// How far the centre of a part has moved between two states, and by what angle the part has turned.
+/// Returns the displacement of the centre of a part between two states, and the angle by which the part has turned.
 pub(super) fn moved(system: &System, a: &State, b: &State, part: PartIx) -> (f64, f64) {
     let shift = system.reference_point(b, part) - system.reference_point(a, part);
     let turn = log(&(a.poses[part.0].R.transpose() * b.poses[part.0].R));
     (shift.norm(), turn.norm())
 }
 
-/// The parts that went far from one state to another.
+/// Returns the parts that moved far between two states.
 pub(super) fn far(system: &System, a: &State, b: &State) -> Vec<Far> {
     let parts = (0..system.bodies.len()).map(PartIx);
     let gone = parts.filter_map(|part| {
@@ -126,7 +127,7 @@ pub(super) fn far(system: &System, a: &State, b: &State) -> Vec<Far> {
     gone.collect()
 }
 
-/// The largest motion of a part between two states, rotations times the model length.
+/// Returns the largest motion of a part between two states, with rotations multiplied by the model's length.
 pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
     let apart = (0..system.bodies.len()).map(|part| {
         let (shift, turn) = moved(system, a, b, PartIx(part));
@@ -135,7 +136,7 @@ pub(super) fn distance(system: &System, a: &State, b: &State) -> f64 {
     apart.fold(0.0, f64::max)
 }
 
-/// Length of the motion of all parts, rotations times the model length.
+/// Returns the norm of the motion of all parts, with rotations multiplied by the model's length.
 pub(super) fn motion_norm(system: &System, dx: &[f64]) -> f64 {
     let mut sum = 0.0;
     for body in &system.bodies {

@@ -5,20 +5,20 @@ use super::rank::UNDETERMINED;
 use crate::linear::Lu;
 use crate::system::System;
 
-/// The free motions of a model: the null space of its tangent.
+/// Null space of the tangent: the free motions of a model.
 ///
-/// A solution of the linear equations is unique but for a combination of free motions. Without that combination it has minimum norm, with
-/// rotations multiplied by the model's length. It then does not depend on the unknowns that the factors left free, nor on the part frames.
+/// A solution of the linear equations is unique up to a combination of free motions. Without that combination it has minimum norm, where
+/// rotations are multiplied by the model's length. It then depends neither on which unknowns have no pivot nor on the part frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FreeMotionSpace {
-    /// Orthonormal in the product of [`weights`](Self::weights).
+    /// Basis of the free motions, orthonormal in the scalar product with [`weights`](Self::weights).
     motions: Vec<Vec<f64>>,
-    /// Of each unknown: 1 for a translation, the square of the model's length for a rotation, 0 for a reaction or a variable.
+    /// Weight of each unknown: 1 for a translation, the square of the model's length for a rotation, 0 for a reaction or a variable.
     weights: Vec<f64>,
 }
 
 impl FreeMotionSpace {
-    /// Those of factors.
+    /// Returns the null space found by a factorisation.
     pub(super) fn of(system: &System, factors: &Lu) -> Self {
         let mut new = Self::default();
         if factors.deficiency() == 0 {
@@ -35,7 +35,7 @@ impl FreeMotionSpace {
             let mut z = factors.null_vector(m);
             new.take_off(&mut z);
             let norm = new.product(&z, &z).sqrt();
-            // A null vector in which no part moves is one of undetermined reactions.
+            // A null vector in which no part moves describes undetermined reactions.
             if norm > UNDETERMINED * largest(&z[system.first_equation..]) {
                 for value in &mut z {
                     *value /= norm;
@@ -56,8 +56,8 @@ impl FreeMotionSpace {
         }
     }
 
-    /// The transpose of [`take_off`](Self::take_off): replaces weights `w` by those with the product that `w` has with the solution of minimum
-    /// norm.
+    /// Applies the transpose of [`take_off`](Self::take_off): replaces weights `w` by weights whose product with any solution equals the
+    /// product of `w` with the solution of minimum norm.
     pub(super) fn ignore(&self, weights: &mut [f64]) {
         for motion in self.motions.iter().rev() {
             let seen: f64 = weights.iter().zip(motion).map(|(w, z)| w * z).sum();

@@ -1,6 +1,6 @@
 //! Static equilibrium and its sensitivities.
 //!
-//! Newton's method on the force balance with Lagrange multipliers. Knows no files and no commands.
+//! Newton's method on the force balance with Lagrange multipliers. Independent of files and commands.
 
 mod balance;
 mod causes;

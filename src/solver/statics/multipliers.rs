@@ -1,15 +1,15 @@
-//! Multipliers to begin with.
+//! Initial values of the multipliers.
 
 use super::newton::Solver;
 use crate::linear::{Lu, Matrix, Sink};
 use crate::system::{NoValue, Parameters, State, System};
 
 impl Solver {
-    /// Sets the multipliers to those that balance the forces best where the parts are, in the sense of least squares, torques over the
-    /// model's length. True if it did; multipliers that are not all zero are left.
+    /// Sets the multipliers to those that balance the forces best at the present positions, in the least-squares sense, with torques divided
+    /// by the model's length. Returns true if they were set. Multipliers that are not all zero are kept.
     ///
-    /// The stiffness along a motion that constraints bend is the second derivative of the energy along it only with these (Nocedal and
-    /// Wright, Numerical Optimization, 18.3): with multipliers of zero a pendulum meets none, and may go to either equilibrium.
+    /// Along a motion on curved constraints, the stiffness is the second derivative of the energy only with these multipliers (Nocedal and
+    /// Wright, Numerical Optimization, 18.3). With zero multipliers a pendulum has no stiffness and may reach either equilibrium.
     ///
     /// # Errors
     /// [`NoValue`] if an element is undefined in this configuration.
@@ -24,7 +24,7 @@ impl Solver {
         }
         self.assemble(system, parameters, state)?;
         let (bodies, variables) = (system.first_equation, system.first_variable);
-        // [-W, G'; G, 0] with W the squares of the lengths; variables and states follow the multipliers, the parts stay.
+        // [-W, G'; G, 0], where W contains the squares of the lengths. Variables and states follow the multipliers; the parts stay in place.
         let mut matrix = Matrix::new(system.unknowns());
         matrix.clear();
         for body in &system.bodies {

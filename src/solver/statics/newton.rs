@@ -1,4 +1,4 @@
-//! Newton's method on the static equations, with step control that is only used where the plain step fails.
+//! Newton's method on the static equations, with step control that acts only if the full step fails.
 
 use super::balance::Sum;
 use super::measures::{
@@ -12,30 +12,30 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
 
-/// An equation with less than this share of a free motion takes no part in it.
+/// Equations with less than this share of a free motion do not belong to it.
 const LEAST_SHARE: f64 = 1e-6;
-/// ADAMS' default of STABILITY: up to here it only holds massive free motions.
+/// ADAMS' default of STABILITY. Up to this value its only effect is to hold massive free motions.
 const DEFAULT_STABILITY: f64 = 1e-5;
-/// So many shortened steps in one sequence are too many.
+/// Number of shortened steps in one sequence above which the iteration is given up.
 const CREEPING: usize = 10;
-/// Shortest fraction of a step the line search tries.
+/// Shortest fraction of a step that the line search tries.
 const SHORTEST: f64 = 1.0 / 256.0;
-/// Relative corrections below which old factors are tried.
+/// Relative correction below which old factors are tried.
 const NEAR: f64 = 1e-3;
 /// Relative size of corrections and imbalances that may be round-off.
 const NOISE: f64 = 1e-9;
-/// Relative error of the numbers of a deck, which have ten digits or so.
+/// Relative error of the numbers of a deck, which have about ten digits.
 const WRITTEN: f64 = 1e-9;
-/// Rank tolerance of a model that is known to have free motions, against scaled pivots of 1. Near an equilibrium, round-off of large forces and
-/// what is left of the imbalance resist a free motion a little.
+/// Scaled pivots below this count as zero in a model that is known to have free motions. Near an equilibrium, round-off of large forces and
+/// the remaining imbalance give a free motion a little stiffness.
 const FREE_MOTION_RANK_TOLERANCE: f64 = 1e-8;
-/// A removed constraint equation may be violated by so much of the model's length.
+/// Largest violation of a removed constraint equation, as a share of the model's length.
 const CONSISTENT: f64 = 1e-6;
 
-/// Solves one equilibrium with memory of its own. Those who solve many keep a [`Solver`].
+/// Solves one equilibrium with work space of its own. To solve many, use one [`Solver`].
 ///
 /// # Errors
-/// [`SolveError`]; the state is then as it was.
+/// [`SolveError`]; the state is then unchanged.
 pub fn solve(
     system: &System,
     parameters: &Parameters,
@@ -45,25 +45,25 @@ pub fn solve(
     Solver::new(system).solve(system, parameters, state, settings)
 }
 
-/// Memory for solving one system again and again: nothing is allocated per iteration.
+/// Static solver for one system. All solutions share its work space.
 #[derive(Clone, Debug)]
 pub struct Solver {
     pub(super) scratch: Scratch,
-    /// Factors of the last Jacobian in use.
+    /// Factors of the Jacobian in use.
     pub(super) matrix: Lu,
-    /// Memory of the last tangent.
+    /// A tangent that was given back, whose memory serves the next one.
     spare: Option<Tangent>,
-    /// Assembled at the trial state.
+    /// Jacobian, assembled at the trial state.
     pub(super) next: Matrix,
     pub(super) g: Vec<f64>,
     pub(super) g_trial: Vec<f64>,
     pub(super) dx: Vec<f64>,
     dx_bar: Vec<f64>,
     step: Vec<f64>,
-    /// What is not yet released of the imbalance at the start.
+    /// Imbalance at the start, which continuation releases step by step.
     pub(super) held: Vec<f64>,
     pub(super) start: State,
-    /// The multipliers of the start are not those that were given, which were zero.
+    /// True if the multipliers at the start were computed, because the given ones were zero.
     began: bool,
     trial: State,
     pub(super) history: Vec<Iteration>,
@@ -71,17 +71,17 @@ pub struct Solver {
     pub(super) limited: usize,
     at_roundoff: bool,
     factorisations: usize,
-    /// Iterations that may still be done.
+    /// Number of iterations that may still be done.
     pub(super) remaining: usize,
-    /// Where the factors are the tangent of an equilibrium.
+    /// Poses of the equilibrium whose tangent the factors are; empty if they are not the tangent of an equilibrium.
     pub(super) poses: Vec<Pose>,
-    /// What was left over at worst.
+    /// Worst balance of all solutions so far.
     worst: Option<Balance>,
-    /// Memory for the sums of a balance.
+    /// Work space for the sums of a balance.
     sums: Vec<Sum>,
 }
 
-/// Why a sequence of iterations ended without an answer.
+/// Reason why a sequence of iterations found no equilibrium.
 pub(super) enum Failure {
     NotConverged,
     NoValue(NoValue),
@@ -93,13 +93,13 @@ impl From<NoValue> for Failure {
     }
 }
 
-/// How a sequence of iterations is run.
+/// Options of a sequence of iterations.
 #[derive(Clone, Copy)]
 pub(super) struct NewtonOptions {
-    /// Fraction of `held` that still acts against the imbalance.
+    /// Fraction of the imbalance in `held` that is still held.
     pub held: f64,
     pub damped: bool,
-    /// The factors are those of an earlier iteration.
+    /// True if the factors are those of an earlier iteration.
     pub keep: bool,
     pub error: f64,
     pub imbalance: f64,
@@ -107,7 +107,7 @@ pub(super) struct NewtonOptions {
 }
 
 impl Solver {
-    /// Memory for a system.
+    /// Allocates the work space for a system.
     pub fn new(system: &System) -> Self {
         let n = system.unknowns;
         Self {
@@ -136,12 +136,12 @@ impl Solver {
         }
     }
 
-    /// Memory for whoever looks at a state of the system between solutions.
+    /// Returns the work space for evaluations of the system between solutions.
     pub fn scratch(&mut self) -> &mut Scratch {
         &mut self.scratch
     }
 
-    /// Lets go of all factors: the next solve works out its own.
+    /// Discards all factors, so that the next solution computes its own.
     pub fn forget(&mut self, system: &System) {
         *self = Self {
             worst: self.worst.take(),
@@ -149,10 +149,10 @@ impl Solver {
         };
     }
 
-    /// Finds the equilibrium next to the state and puts it there.
+    /// Finds the equilibrium next to the state and moves the state there.
     ///
     /// # Errors
-    /// [`SolveError`]; the state is then as it was.
+    /// [`SolveError`]; the state is then unchanged.
     pub fn solve(
         &mut self,
         system: &System,
@@ -200,7 +200,7 @@ impl Solver {
         let result = self.iterate(system, parameters, state, settings, plain);
         report.iterations += self.history.len();
         if let Err(failure) = result {
-            // The plain iteration is what the user knows: it is what is told if nothing helps.
+            // The plain iteration is the one that users know. Its failure is reported if continuation fails, too.
             let error = self.explain(system, parameters, state, settings, failure);
             if !settings.continuation || self.remaining == 0 {
                 return Err(error);
@@ -215,7 +215,7 @@ impl Solver {
             self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
         }
         if self.matrix.deficiency() > 0 {
-            // The factors may be some iterations old, the free motions are to be those of here.
+            // The factors may be several iterations old, but the free motions must be those of this state.
             self.assemble(system, parameters, state)?;
             self.matrix.factor(&self.next);
         }
@@ -237,8 +237,8 @@ impl Solver {
         Ok(report)
     }
 
-    /// Sums the forces on every part anew, by another way than the residual takes. What round-off of the model's own numbers
-    /// leaves (`at_roundoff`) is an answer with its residual; anything else that does not cancel is none.
+    /// Sums the forces on every part again, in another way than the residual. A remainder due to round-off of the model's own numbers
+    /// (`at_roundoff`) is accepted; any other remainder is an error.
     pub(super) fn judge(
         &mut self,
         system: &System,
@@ -256,22 +256,22 @@ impl Solver {
         Ok(())
     }
 
-    /// The worst balance of all equilibria that were found so far; `None` before the first.
+    /// Returns the worst balance of all equilibria found so far; `None` before the first one.
     pub fn worst_balance(&self) -> Option<&Balance> {
         self.worst.as_ref()
     }
 
-    /// True if nothing resists some motion of what was solved last.
+    /// Returns true if the last solution had a motion without stiffness.
     pub fn has_free_motions(&self) -> bool {
         self.matrix.deficiency() > 0
     }
 
-    /// Declares that the model has free motions: a scaled pivot below 1e-8 then counts as none.
+    /// Declares that the model has free motions; scaled pivots below 1e-8 then count as zero.
     pub fn expect_free_motions(&mut self) {
         self.matrix.set_rank_tolerance(FREE_MOTION_RANK_TOLERANCE);
     }
 
-    /// The linearised equations at an equilibrium.
+    /// Linearises the equations at an equilibrium.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -287,12 +287,12 @@ impl Solver {
         Ok(tangent)
     }
 
-    /// Takes back a tangent of the same system, whose memory serves the next one.
+    /// Takes back a tangent of the same system, so that the next one can use its memory.
     pub fn give_back(&mut self, tangent: Tangent) {
         self.spare = Some(tangent);
     }
 
-    /// Marks the constraint equations that say nothing new in this configuration.
+    /// Marks the constraint equations that are redundant in this configuration.
     fn find_redundant(
         &mut self,
         system: &System,
@@ -313,7 +313,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Removed equations must hold all the same.
+    /// Checks that the removed equations are satisfied, and lists the redundant ones in the report.
     fn check_removed(
         &mut self,
         system: &System,
@@ -337,7 +337,7 @@ impl Solver {
                     violation,
                 });
             }
-            // What is switched off is not held, but says nothing about the others.
+            // A deactivated equation is removed without being redundant.
             if system.equation_is_active(k) {
                 report.redundant.push(equation);
             }
@@ -345,7 +345,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Jacobian at the state; `g_trial` is overwritten.
+    /// Assembles the Jacobian at the state; `g_trial` is overwritten.
     pub(super) fn assemble(
         &mut self,
         system: &System,
@@ -359,7 +359,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Residual at the trial state, the held part of the first imbalance taken off.
+    /// Computes the residual at the trial state, minus the part of the first imbalance that is held.
     fn evaluate(
         &mut self,
         system: &System,
@@ -398,7 +398,7 @@ impl Solver {
         self.evaluate(system, parameters, way)?;
         std::mem::swap(&mut self.g, &mut self.g_trial);
         let first = largest(&self.g).max(f64::MIN_POSITIVE);
-        // The first damped step is about half of TLIMIT long.
+        // The first damped step has about half the length of TLIMIT.
         let damping = 2.0 * force_imbalance(system, &self.g) / settings.tlimit;
         let mut iteration = 0;
         while iteration < way.maxit && self.remaining > 0 {
@@ -435,7 +435,8 @@ impl Solver {
                 && balanced(system, &self.g, way.imbalance, 0.0)
                 && self.is_noise(system, state, WRITTEN)
             {
-                // In equilibrium to the digits of the deck, and next to singular there: the correction is their rounding, magnified.
+                // The state is in equilibrium within the digits of the deck, but the equations are nearly singular: the correction is their
+                // magnified rounding.
                 self.dx.fill(0.0);
                 correction = 0.0;
             }
@@ -446,7 +447,7 @@ impl Solver {
             let way_now = NewtonOptions { keep, ..way };
             let Some(step) = self.take(system, parameters, state, way_now, (limit, correction))?
             else {
-                // The old factors do not serve: the same place again with new ones.
+                // The old factors are not good enough: the iteration is repeated with new ones.
                 keep = false;
                 continue;
             };
@@ -458,7 +459,7 @@ impl Solver {
                 correction,
                 step,
             });
-            // A search that creeps has lost its way: something else should be tried.
+            // A search with many shortened steps makes no progress; another method should be tried.
             if self.shortened > CREEPING && settings.continuation && !way.damped {
                 return Err(Failure::NotConverged);
             }
@@ -472,22 +473,23 @@ impl Solver {
             if correction < way.error && balanced(system, &self.g, way.imbalance, noise) {
                 return Ok(());
             }
-            // Below round-off of stiffness times position no iteration gets any further.
+            // Below the round-off of stiffness times position, further iterations gain nothing.
             if largest(&self.g) > 0.1 * imbalance
                 && self.is_noise(system, state, 8.0 * f64::EPSILON)
             {
                 self.at_roundoff = true;
                 return Ok(());
             }
-            // Near the end the factors change so little that old ones do.
+            // Close to convergence the factors change so little that old ones suffice.
             let falling = !keep || correction < 0.1 * before;
             keep = !way.damped && correction < NEAR && falling;
         }
         Err(Failure::NotConverged)
     }
 
-    /// Goes along `dx` to the trial state. The whole (limited) step is taken unless it makes things worse in the residual and in
-    /// the next correction (Deuflhard's natural monotonicity test); then shorter ones are tried, or none if the factors are old.
+    /// Moves along `dx` to the trial state, and returns the fraction of the step that was taken. The full (limited) step is taken unless it
+    /// increases both the residual and the next correction (Deuflhard's natural monotonicity test). Shorter steps are then tried; with old
+    /// factors the result is `None`.
     fn take(
         &mut self,
         system: &System,
@@ -521,8 +523,8 @@ impl Solver {
         }
     }
 
-    /// True if every equation is within what a relative error of positions, angles and multipliers makes of its terms. `dx_bar`
-    /// is overwritten.
+    /// Returns true if every equation is satisfied within the effect of a given relative error of positions, angles and multipliers on its
+    /// terms. `dx_bar` and `step` are overwritten.
     fn is_noise(&mut self, system: &System, state: &State, relative: f64) -> bool {
         let floor = &mut self.dx_bar;
         floor.fill(0.0);
@@ -546,7 +548,8 @@ impl Solver {
         for (row, column, value) in self.next.entries() {
             floor[row] += value.abs() * scales[column];
         }
-        // Round-off of a force or torque goes by its size, whatever axis it is read along: along a motion that nothing resists no term is left.
+        // The round-off of a force or torque depends on its size, whatever the axis. Along a free motion the terms vanish and would show no
+        // round-off.
         for body in &system.bodies {
             for first in (0..body.freedoms).step_by(3) {
                 let own = &mut floor[body.first + first..body.first + first + 3];
@@ -554,7 +557,7 @@ impl Solver {
                 own.fill(most);
             }
         }
-        // Such a motion leaves one equation out, in which the round-off of all others in it gathers.
+        // A free motion leaves one equation without a pivot. The round-off of all other equations of the motion gathers in it.
         for m in 0..self.matrix.deficiency() {
             let z = self.matrix.null_vector(m);
             let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();

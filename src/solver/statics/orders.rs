@@ -1,6 +1,5 @@
-//! Our elimination beside faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains: what it costs to find the order, and what each
-//! factorisation costs after that. Both find the same answer;
-//! `cargo test --lib compared_with_faer -- --nocapture` shows the times.
+//! Comparison of our elimination with faer's sparse LU (COLAMD, AMD) on the Jacobian of long chains: the time to find the order, and the time
+//! of each factorisation after that. Both must give the same solution. `cargo test --lib compared_with_faer -- --nocapture` shows the times.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -14,7 +13,8 @@ use crate::system::{Scratch, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
 
-/// Links on bushings, every tenth also on a bushing to ground, every seventh on a hinge instead (not the last: it would swing freely).
+/// Jacobian of a chain of links on bushings. Every tenth link is also on a bushing to ground. Every seventh is on a hinge instead, except the
+/// last, which would swing freely.
 fn chain(links: u32) -> Matrix {
     let mut deck = String::from("chain\nPART/1, GROUND\nMARKER/1, PART=1\nMARKER/12, PART=1\n");
     for id in 2..links + 2 {
@@ -118,10 +118,10 @@ fn compared_with_faer() {
             "  faer:  order {order:.4} s, first {first:.4} s, again {again:.5} s, solve {solve:.5} s; answers {:.0e} apart",
             apart / size
         );
-        // A sum of differences, unlike the largest of them, does not pass over what is no number.
+        // Unlike the largest difference, a sum of differences is NaN if one of them is NaN.
         let sum: f64 = (0..n).map(|k| (x[k] - y[k]).abs()).sum();
         assert!(sum.is_finite() && lu.deficiency() == 0, "{links} links");
-        // Round-off of two eliminations in different orders: the chain's condition grows with its length.
+        // Eliminations in different orders differ by round-off, and the condition number of the chain grows with its length.
         assert!(apart < 1e-8 * size, "{links} links: {apart:e} of {size:e}");
     }
 }

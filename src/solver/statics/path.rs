@@ -1,10 +1,10 @@
-//! What is added to the Jacobian to change the way to the equilibrium, and never the equilibrium.
+//! Additions to the Jacobian that change the path to the equilibrium, but not the equilibrium.
 
 use crate::linear::Matrix;
 use crate::model::PartIx;
 use crate::system::{Parameters, State, System};
 
-/// STABILITY times mass, over the units consistency factor, to the stiffness block.
+/// Adds STABILITY times mass, divided by the units consistency factor, to the stiffness block.
 pub(super) fn add_stability(
     system: &System,
     parameters: &Parameters,
@@ -22,7 +22,7 @@ pub(super) fn add_stability(
     }
 }
 
-/// Viscous damping on every part.
+/// Adds viscous damping to every part.
 pub(super) fn add_damping(system: &System, damping: f64, matrix: &mut Matrix) {
     for body in &system.bodies {
         for k in 0..body.freedoms {

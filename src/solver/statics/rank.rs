@@ -1,4 +1,4 @@
-//! Motions nothing resists and constraint equations that say nothing new, in the user's words.
+//! Motions without stiffness and redundant constraint equations, described in the user's terms.
 
 use nalgebra::DMatrix;
 
@@ -11,16 +11,16 @@ use crate::system::{Parameters, State, System};
 
 /// Squares of motions below this share of the largest are round-off.
 const ROUND_OFF: f64 = 1e-20;
-/// A stiffness below this share of the products that make it up is round-off.
+/// A stiffness below this share of the products that it is the sum of is round-off.
 const LOST: f64 = 1e-14;
-/// What sums of many forces leave of stiffnesses that cancel: a thousand roundings.
+/// Share of a stiffness that remains as round-off when many forces cancel: a thousand roundings.
 const ASSEMBLED: f64 = 1e3 * f64::EPSILON;
-/// Parts that move by less than this beside the reactions of a null vector do not move: the reactions are what is undetermined.
+/// Motions of parts below this share of the reactions in a null vector count as zero. Such a null vector describes undetermined reactions.
 pub(super) const UNDETERMINED: f64 = 1e-12;
-/// A spin with less than this of the inertia that its part could have has none.
+/// Share of the largest possible kinetic energy of a motion below which the motion counts as massless.
 const NO_INERTIA: f64 = 1e-14;
 
-/// Which constraint equations depend on those before them. `J` holds the whole Jacobian, not factored.
+/// Returns which constraint equations depend on those before them. `J` contains the whole Jacobian, not factored.
 pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
     let first = system.first_equation;
     let rows: Vec<(u32, u32, f64)> = J
@@ -29,19 +29,19 @@ pub(super) fn redundant_equations(system: &System, J: &Matrix) -> Vec<bool> {
         .map(|(row, column, value)| ((row - first) as u32, column as u32, value))
         .collect();
     let mut redundant = system.redundant_rows(&rows);
-    // What holds velocities has no row in statics, and says something new all the same.
+    // Nonholonomic constraints have no row in statics, but they are not redundant.
     for (redundant, of_velocities) in redundant.iter_mut().zip(&system.is_nonholonomic) {
         *redundant &= !of_velocities;
     }
     redundant
 }
 
-/// How motions are told.
+/// Wording for the description of motions.
 pub(super) struct Words {
     along: &'static str,
     pub about: &'static str,
     screw: &'static str,
-    /// Parts and rotations that have less than this share of the largest motion are passed over.
+    /// Parts and rotations below this share of the largest motion are omitted.
     share: f64,
 }
 
@@ -66,7 +66,8 @@ const SOFT: Words = Words {
     share: 0.1,
 };
 
-/// Says a free motion of the assembled equations in words. `None` if no part moves in it (then multipliers or variables are undetermined).
+/// Describes a free motion `z` of the assembled equations. Returns `None` if no part moves in it, so that multipliers or variables are
+/// undetermined.
 pub(super) fn free_motion(
     system: &System,
     parameters: &Parameters,
@@ -76,7 +77,7 @@ pub(super) fn free_motion(
     let (mut motion, part, turns) = moving(system, parameters, state, z, &FREE)?;
     let (v, w) = motion_of(system, part, z);
     let (size, first) = if turns { (w.norm(), 3) } else { (v.norm(), 0) };
-    // Of the same part and the same unit.
+    // Entries of the same part and the same unit.
     let own = system.bodies[part].first + first;
     let own = own..own + 3;
     let squares = J
@@ -98,7 +99,7 @@ pub(super) fn free_motion(
     Some(motion)
 }
 
-/// Twice the energy of a motion by the assembled equations. `None` where it is round-off.
+/// Returns twice the energy of a motion by the assembled equations; `None` if that is round-off.
 fn stiffness_along(system: &System, J: &Matrix, z: &[f64]) -> Option<f64> {
     let (mut work, mut size) = (0.0, 0.0);
     for (row, column, value) in J.entries() {
@@ -110,7 +111,7 @@ fn stiffness_along(system: &System, J: &Matrix, z: &[f64]) -> Option<f64> {
     (work > LOST * size).then_some(work)
 }
 
-/// Says a motion against which there is little stiffness or less than none.
+/// Describes a motion with little or negative stiffness.
 pub(super) fn soft_motion(
     system: &System,
     parameters: &Parameters,
@@ -120,7 +121,7 @@ pub(super) fn soft_motion(
     moving(system, parameters, state, z, &SOFT).map(|(motion, ..)| motion)
 }
 
-/// A motion in words, the part that moves most, and whether it turns.
+/// Returns the description of a motion, the part that moves most, and whether that part rotates.
 fn moving(
     system: &System,
     parameters: &Parameters,
@@ -139,7 +140,7 @@ fn moving(
         }
     }
     let (part, size) = largest?;
-    // Multipliers scale as forces; a motion far below their noise is none.
+    // Multipliers scale as forces. Motions far below their round-off count as zero.
     let multipliers = z[system.first_equation..]
         .iter()
         .fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -168,10 +169,11 @@ fn moving(
     Some((motion, part, turns))
 }
 
-/// All motions nothing resists, or one among them that has no mass either, which then leaves the parts undetermined.
+/// Returns all motions without stiffness. If one of them has no mass either, that motion is returned as an error, because the parts are then
+/// undetermined.
 ///
-/// Massless is a motion along which the kinetic energy stays zero, whatever joints make others move with it. Any combination of the
-/// null vectors may be one: they are taken along the principal axes of the energy.
+/// A motion is massless if its kinetic energy is zero, including the energy of parts that joints move along with it. Any combination of the
+/// null vectors may be massless. They are therefore examined along the principal axes of the energy.
 pub(super) fn free_motions(
     system: &System,
     parameters: &Parameters,
@@ -195,7 +197,7 @@ pub(super) fn free_motions(
     let pair = |a: usize, b: usize| energies(system, parameters, state, (&vectors[a], &vectors[b]));
     let energy = DMatrix::from_fn(n, n, |a, b| pair(a, b).0);
     let size = DMatrix::from_fn(n, n, |a, b| pair(a, b).1);
-    // Axes in which the sizes are alike, then those of the energy.
+    // Scales the axes so that all sizes are equal, then turns them to the principal axes of the energy.
     let alike = symmetric_eigen(size);
     let mut axes = alike.eigenvectors;
     for (mut axis, square) in axes.column_iter_mut().zip(alike.eigenvalues.iter()) {
@@ -216,7 +218,8 @@ pub(super) fn free_motions(
     Ok(motions)
 }
 
-/// Twice the kinetic energy that two motions share, and the same if every part had mass one, its inertia that of the model's length.
+/// Returns twice the mutual kinetic energy of two motions, and its value if every part had mass one and the model's length as its radius of
+/// gyration.
 fn energies(
     system: &System,
     parameters: &Parameters,
@@ -244,7 +247,7 @@ fn energies(
     (energy, size)
 }
 
-/// Velocity of the mass centre and angular velocity of a part in a motion, ground axes.
+/// Returns the velocity of the mass centre and the angular velocity of a part in a motion, in ground axes.
 fn at_mass_centre(
     system: &System,
     parameters: &Parameters,
@@ -260,7 +263,8 @@ fn at_mass_centre(
     (v + w.cross(&arm), w)
 }
 
-/// True if the kinetic energy of a motion is nothing beside what it would be with all the inertia a mass may have.
+/// Returns true if the kinetic energy of a motion is negligible, compared with parts that have the same mass and the model's length as their
+/// radius of gyration.
 fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64]) -> bool {
     let (energy, size) = energies(system, parameters, state, (z, z));
     let mut most = 0.0;
@@ -277,11 +281,11 @@ fn is_massless(system: &System, parameters: &Parameters, state: &State, z: &[f64
     }
     let heaviest = system.bodies.iter().filter(|b| b.freedoms > 0);
     let heaviest = heaviest.fold(0.0_f64, |a, b| a.max(parameters.theta()[b.mass]));
-    // Parts that move by round-off only have a mass that counts for nothing.
+    // If parts with mass move by round-off only, their mass does not count.
     most <= ROUND_OFF * heaviest * size || energy <= NO_INERTIA * most
 }
 
-/// Velocity of the reference point and angular velocity of a part in a motion, ground axes.
+/// Returns the velocity of the reference point and the angular velocity of a part in a motion, in ground axes.
 pub(super) fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3) {
     let body = &system.bodies[part];
     let d = &z[body.first..body.first + body.freedoms];
@@ -292,7 +296,7 @@ pub(super) fn motion_of(system: &System, part: usize, z: &[f64]) -> (Vec3, Vec3)
     }
 }
 
-/// A rotation: about the line through two markers of the part where there are such, else through one, else in space.
+/// Describes a rotation: about the line through two markers of the part, or else about an axis through one marker, or else about a direction.
 fn spin(
     system: &System,
     parameters: &Parameters,
@@ -304,7 +308,7 @@ fn spin(
     let pose = &state.poses[part];
     let reference = system.local_reference(state, part);
     let axis = w.normalize();
-    // Point of the axis nearest to the reference point, seen from there.
+    // Point of the axis nearest to the reference point, relative to the reference point.
     let foot = w.cross(v) / w.norm_squared();
     let mut near: Vec<(usize, f64)> = Vec::new();
     for &marker in &system.used {
@@ -335,7 +339,7 @@ fn spin(
     }
 }
 
-/// `x`, `y`, `z`, or the components of a direction in ground axes.
+/// Returns `x`, `y` or `z`, or the components of another direction, in ground axes.
 fn direction(axis: &Vec3) -> String {
     for (k, word) in ["x", "y", "z"].into_iter().enumerate() {
         if axis[k].abs() > 1.0 - 1e-9 {

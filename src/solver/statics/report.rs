@@ -5,7 +5,7 @@ use crate::mechanics::Vec3;
 use crate::system::{EquationName, Name, NoValue};
 use admire_syntax::units::{Dimension, Units};
 
-/// One iteration as it went.
+/// Record of one iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Iteration {
     /// Largest residual of any equation before the step.
@@ -16,10 +16,10 @@ pub struct Iteration {
     pub step: f64,
 }
 
-/// Rows of [`history_table`] at the start and at the end.
+/// Number of rows of [`history_table`] at the start and at the end of a long history.
 const ROWS: usize = 6;
 
-/// The iterations as lines of a table: the first and the last ones where there are many.
+/// Returns the iterations as lines of a table; of a long history only the first and the last ones.
 pub fn history_table(history: &[Iteration]) -> Vec<String> {
     let mut out = vec!["iteration  imbalance  correction  step".to_string()];
     for (k, i) in history.iter().enumerate() {
@@ -40,18 +40,18 @@ pub fn history_table(history: &[Iteration]) -> Vec<String> {
     out
 }
 
-/// A motion that nothing resists.
+/// A motion without stiffness.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FreeMotion {
     /// The part that moves most.
     pub part: Name,
-    /// Other parts that take part in it.
+    /// Other parts that take part in the motion.
     pub others: Vec<Name>,
-    /// What moves how: `spins freely about the line MARKER/13-MARKER/15`.
+    /// Description of the motion, for example `spins freely about the line MARKER/13-MARKER/15`.
     pub motion: String,
-    /// Direction of the translation or of the rotation axis, ground axes.
+    /// Direction of the translation or of the rotation axis, in ground axes.
     pub axis: Vec3,
-    /// What little holds it; `None` if nothing does.
+    /// Stiffness that is too small to hold the motion; `None` if there is none.
     pub weak: Option<Weak>,
 }
 
@@ -60,7 +60,7 @@ pub struct FreeMotion {
 pub struct Weak {
     /// Force per length, or torque per angle.
     pub stiffness: f64,
-    /// Its share of the largest that the part has.
+    /// Share of the largest stiffness of the part.
     pub share: f64,
 }
 
@@ -94,22 +94,22 @@ impl fmt::Display for FreeMotion {
     }
 }
 
-/// A part that went so far in one solution that the equilibrium may be another than the one that is meant.
+/// A part that moved so far in one solution that the equilibrium may not be the intended one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Far {
     /// The part.
     pub part: Name,
-    /// What its centre moved by: length units.
+    /// Displacement of its centre, in length units.
     pub shift: f64,
-    /// What it turned by: radians.
+    /// Rotation, in radians.
     pub turn: f64,
 }
 
 impl Far {
-    /// Radians from which a turn is a far one.
+    /// Rotation above which a part has moved far, radians.
     pub(super) const TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-    /// What it did, in words: `PART/4 'KNUCKLE' turned by 118 degrees`.
+    /// Describes the motion, for example `PART/4 'KNUCKLE' turned by 118 degrees`.
     pub fn described(&self, units: &Units) -> String {
         let part = &self.part;
         if self.turn > Self::TURN {
@@ -124,48 +124,48 @@ impl Far {
     }
 }
 
-/// How a converged solve went.
+/// Report of a converged solution.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Report {
-    /// Iterations in all, those of continuation included.
+    /// Total number of iterations, including those of continuation.
     pub iterations: usize,
-    /// How many of them worked out and factored a new Jacobian; the others used an earlier one.
+    /// Number of iterations that assembled and factored a new Jacobian; the others used an earlier one.
     pub factorisations: usize,
     /// Largest residual of any equation at the end.
     pub imbalance: f64,
     /// Largest relative correction of the last iteration.
     pub correction: f64,
-    /// Every iteration of the last sequence.
+    /// All iterations of the last sequence.
     pub history: Vec<Iteration>,
-    /// Motions nothing resists, harmless because nothing drives them and mass holds them.
+    /// Motions without stiffness. They are harmless, because nothing drives them and they have mass.
     pub free_motions: Vec<FreeMotion>,
     /// Redundant constraint equations that were removed, as `Zi.Xj in JOINT/4`.
     pub redundant: Vec<EquationName>,
-    /// How the equilibrium was reached if not by plain iteration.
+    /// Continuation that reached the equilibrium; `None` if plain iteration did.
     pub continuation: Option<Continuation>,
-    /// True if IMBALANCE is below what round-off allows in this model: the iteration went as far as it can.
+    /// True if IMBALANCE is below the round-off of this model, and the iteration stopped at the round-off.
     pub at_roundoff: bool,
-    /// Iterations whose step was shortened beyond TLIMIT and ALIMIT.
+    /// Number of times that a step was halved after the limits TLIMIT and ALIMIT were applied.
     pub shortened: usize,
-    /// What is left of the forces on each part, summed anew at the end.
+    /// Remaining forces on the parts, summed again at the end.
     pub balance: Balance,
     /// Parts that turned by more than 60 degrees or moved by more than the mechanism's size.
     pub far: Vec<Far>,
 }
 
-/// Help that was needed.
+/// Method that reached an equilibrium after plain iteration failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Continuation {
-    /// The imbalance of the start was released in so many steps.
+    /// The imbalance of the start was released in steps.
     Load {
-        /// How many.
+        /// Number of steps.
         steps: usize,
     },
-    /// Motions were slowed down as by a damper, less and less.
+    /// Motions were slowed down by a viscous damping that decreased to zero.
     Damped,
 }
 
-/// Why there is no equilibrium.
+/// Reason why no equilibrium was found.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 pub enum SolveError {
     /// The iteration did not reach the tolerances.
@@ -176,25 +176,25 @@ pub enum SolveError {
     NotConverged {
         /// The equation with the largest imbalance: `PART/4 'KNUCKLE' force along z`.
         worst: String,
-        /// Its imbalance.
+        /// Imbalance of that equation.
         imbalance: f64,
-        /// Every iteration of the last sequence.
+        /// All iterations of the last sequence.
         history: Vec<Iteration>,
-        /// Usual causes that are present in this model.
+        /// Usual causes that are present in the model.
         causes: Vec<String>,
     },
-    /// A massless part moves without any resistance.
+    /// A massless part moves without any stiffness.
     #[error("{0}: {lacks}", lacks = .0.lacks())]
     FreeMotion(Box<FreeMotion>),
-    /// A removed constraint equation is violated where the others hold.
+    /// A removed constraint equation is violated although the others hold.
     #[error("{equation} contradicts the other constraints: it is violated by {violation:.3e}")]
     Inconsistent {
         /// The equation, as `Zi.Xj in JOINT/4`.
         equation: String,
-        /// Its residual.
+        /// Residual of the equation.
         violation: f64,
     },
-    /// The iteration ended, but forces that are summed anew do not cancel.
+    /// The iteration converged, but the forces do not cancel when they are summed again.
     #[error("the forces of this equilibrium do not cancel when they are summed anew: {0} is left")]
     Unbalanced(Box<Balance>),
     /// An element has no value in this configuration.

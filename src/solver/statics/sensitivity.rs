@@ -3,11 +3,11 @@ use rayon::prelude::*;
 use super::{SolveError, Tangent};
 use crate::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
-/// How an equilibrium and what it shows change with the numbers of theta.
+/// Sensitivity of an equilibrium, and of quantities measured at it, to the numbers in theta.
 ///
-/// With the residual g(x, theta) = 0 and a quantity q(x, theta), J = dg/dx:
-/// `dq/dtheta = q_theta - q_x J^-1 g_theta`. Direct: solve `J dx = -g_theta` once per number. Adjoint: solve `J' a = -q_x` once per
-/// quantity, then `dq/dtheta = q_theta + a . g_theta`. Source: e.g. Haug, Choi, Komkov, Design Sensitivity Analysis, 1986, ch. 1.
+/// The residual is g(x, theta) = 0, a quantity is q(x, theta), and J = dg/dx. Then `dq/dtheta = q_theta - q_x J^-1 g_theta`. The direct
+/// method solves `J dx = -g_theta` once per number. The adjoint method solves `J' a = -q_x` once per quantity; then
+/// `dq/dtheta = q_theta + a . g_theta`. Source: e.g. Haug, Choi, Komkov, Design Sensitivity Analysis, 1986, ch. 1.
 #[derive(Clone, Debug)]
 pub struct Sensitivity<'a> {
     system: &'a System,
@@ -18,7 +18,7 @@ pub struct Sensitivity<'a> {
 }
 
 impl<'a> Sensitivity<'a> {
-    /// At an equilibrium.
+    /// Linearises at an equilibrium.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -36,7 +36,7 @@ impl<'a> Sensitivity<'a> {
         })
     }
 
-    /// The derivatives of several quantities by one number.
+    /// Returns the derivatives of several quantities by one number.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -55,8 +55,8 @@ impl<'a> Sensitivity<'a> {
         Ok(out)
     }
 
-    /// The derivatives of all quantities (columns) by all numbers (rows), by whichever way needs fewer back-substitutions. Uses all
-    /// cores; the result does not depend on how many there are.
+    /// Returns the derivatives of all quantities (columns) by all numbers (rows), by the method with fewer back-substitutions. It uses all
+    /// cores; the result does not depend on their number.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -82,7 +82,7 @@ impl<'a> Sensitivity<'a> {
         Ok((0..slots.len()).map(row).collect())
     }
 
-    /// The derivatives of one quantity by several numbers.
+    /// Returns the derivatives of one quantity by several numbers.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.

@@ -1,30 +1,30 @@
 use crate::model::EquilibriumSettings;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
-/// MAXIT beyond this is as good as never: a typing error may not hang the machine.
+/// Upper limit of MAXIT, so that a typing error does not hang the machine.
 pub(crate) const MOST_ITERATIONS: usize = 20_000;
 
-/// EQUILIBRIUM's own words, and what the built-in solver may do beyond ADAMS' plain iteration.
+/// Settings of the EQUILIBRIUM statement, and of the built-in solver's extensions of ADAMS' plain iteration.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StaticSettings {
     /// ERROR: largest relative correction of the last iteration.
     pub error: f64,
-    /// IMBALANCE: largest residual of any equation, in its own unit.
+    /// IMBALANCE: largest residual allowed in any equation, in its own unit.
     pub imbalance: f64,
-    /// TLIMIT: largest translation of one iteration, length units.
+    /// TLIMIT: largest translation per iteration, length units.
     pub tlimit: f64,
-    /// ALIMIT: largest rotation of one iteration, radians.
+    /// ALIMIT: largest rotation per iteration, radians.
     pub alimit: f64,
-    /// MAXIT, at most [`MOST_ITERATIONS`].
+    /// MAXIT: largest number of iterations per sequence, at most [`MOST_ITERATIONS`].
     pub maxit: usize,
-    /// Iterations in all, those of continuation among them: MAXIT where the model states it.
+    /// Largest total number of iterations, including those of continuation: MAXIT if the model states it, otherwise unlimited.
     pub budget: Option<usize>,
-    /// PATTERN: whether iteration k works out a new Jacobian; repeated cyclically.
+    /// PATTERN: whether iteration k computes a new Jacobian; repeated cyclically.
     pub pattern: Vec<bool>,
-    /// STABILITY times mass is added to the Jacobian. Up to ADAMS' default of 1e-5 its only use is to hold massive free motions,
-    /// which are held exactly instead.
+    /// STABILITY: this number times mass is added to the Jacobian. Values up to ADAMS' default of 1e-5 have no effect: their only use is to
+    /// hold massive free motions, which are held exactly instead.
     pub stability: f64,
-    /// Whether continuation may be tried where plain iteration fails.
+    /// Whether continuation may be tried if plain iteration fails.
     pub continuation: bool,
 }
 
@@ -61,7 +61,7 @@ impl StaticSettings {
         }
     }
 
-    /// Says that MAXIT is beyond what is done.
+    /// Returns a warning if MAXIT exceeds [`MOST_ITERATIONS`].
     pub fn limited(e: &EquilibriumSettings) -> Option<Diagnostic> {
         (e.maxit > MOST_ITERATIONS).then(|| {
             let message = format!("MAXIT = {} is taken as {MOST_ITERATIONS}", e.maxit);

@@ -1,4 +1,4 @@
-//! From an unstable equilibrium on to a stable one.
+//! From an unstable equilibrium to a stable one.
 
 use super::measures::{distance, force_imbalance, largest, limit};
 use super::newton::Solver;
@@ -6,27 +6,27 @@ use super::path::add_damping;
 use super::{Report, StaticSettings, Softest, SolveError};
 use crate::system::{NoValue, Parameters, State, System};
 
-/// The first push, as a part of the model's length.
+/// Size of the first displacement, as a share of the model's length.
 const PUSH: f64 = 1e-2;
-/// Steps of one descent.
+/// Largest number of steps of one descent.
 const STEPS: usize = 400;
-/// A descent that leads further than this many lengths of the model ends nowhere.
+/// Distance from the start, in model lengths, at which a descent is given up.
 const FAR: f64 = 1e4;
 
-/// How a stable equilibrium was reached from an unstable one.
+/// A stable equilibrium that was reached from an unstable one.
 #[derive(Clone, Debug)]
 pub struct StabilisedEquilibrium {
-    /// Largest motion of a part from the unstable equilibrium: length units, rotations times the model's length.
+    /// Largest motion of a part from the unstable equilibrium, in length units; rotations are multiplied by the model's length.
     pub moved: f64,
-    /// The same of the stable equilibrium that the other way leads to, if it leads to one.
+    /// Largest motion of a part to the stable equilibrium in the opposite direction; `None` if that direction leads to none.
     pub other: Option<f64>,
-    /// How the stable equilibrium was found.
+    /// Report of the solution at the stable equilibrium.
     pub report: Report,
-    /// Its softest motion; `None` if nothing can move.
+    /// Softest motion of the stable equilibrium; `None` if nothing can move.
     pub softest: Option<Softest>,
 }
 
-/// Why neither way leads to a stable equilibrium.
+/// Reasons why neither direction leads to a stable equilibrium.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("no stable equilibrium was found: one way {0}, the other way {1}")]
 pub struct Unsettled(pub String, pub String);
@@ -43,16 +43,17 @@ impl From<SolveError> for Descent {
     }
 }
 
-/// Why a descent ended without an answer.
+/// Reason why a descent ended without an equilibrium.
 struct Descent(String);
 
 impl Solver {
-    /// Goes on from an unstable equilibrium to a stable one: pushed along the softest motion, then the way parts would take in thick
-    /// honey, by implicit steps damped by more than the negative stiffness, and where no stiffness is negative any more by
-    /// Newton's method. Both ways are gone; the nearer equilibrium is taken, and its stability is checked.
+    /// Continues from an unstable equilibrium to a stable one, in both directions of the softest motion, and takes the nearer result.
+    ///
+    /// The parts are displaced along the softest motion. An overdamped descent follows, in implicit steps with more damping than the negative
+    /// stiffness. Where no stiffness is negative any more, Newton's method takes over. The stability of the result is checked.
     ///
     /// # Errors
-    /// [`Unsettled`]; the state is then as it was.
+    /// [`Unsettled`]; the state is then unchanged.
     pub fn settle(
         &mut self,
         system: &System,
@@ -118,7 +119,7 @@ impl Solver {
                         Softest::at_equilibrium(system, parameters, &trial, &mut self.scratch)?;
                     *state = trial;
                     match there {
-                        // Another one that does not last: on from there, away from the start.
+                        // Another unstable equilibrium: the descent continues from there, away from the start.
                         Some(saddle) if saddle.is_unstable() => {
                             let way = self.onwards(system, parameters, &start, state, &saddle);
                             self.perturb(system, parameters, state, settings, (&saddle, way));
@@ -137,7 +138,7 @@ impl Solver {
         Err(Descent(format!("none is found in {STEPS} steps")))
     }
 
-    /// Moves the parts along a motion.
+    /// Displaces the parts along a motion.
     fn perturb(
         &mut self,
         system: &System,
@@ -160,7 +161,7 @@ impl Solver {
         system.accept(parameters, state, &mut self.scratch);
     }
 
-    /// Which way along a motion leads away from the start.
+    /// Returns the direction along a motion that leads away from the start.
     fn onwards(
         &mut self,
         system: &System,
@@ -182,7 +183,7 @@ impl Solver {
         }
     }
 
-    /// One implicit step of motion in honey; `negative` is the size of the negative stiffness.
+    /// Takes one implicit step of the overdamped descent; `negative` is the size of the negative stiffness.
     fn flow(
         &mut self,
         system: &System,
@@ -198,7 +199,7 @@ impl Solver {
         let pull = force_imbalance(system, g) / settings.tlimit;
         add_damping(system, 2.0 * negative + pull, next);
         self.matrix.factor(next);
-        // These factors are the tangent of no equilibrium.
+        // These factors are not the tangent of an equilibrium.
         self.poses.clear();
         let mut dx: Vec<f64> = self.g.iter().map(|g| -g).collect();
         self.matrix.solve(&mut dx);

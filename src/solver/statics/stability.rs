@@ -8,22 +8,24 @@ use crate::linear::{Lu, Matrix};
 use crate::mechanics::eigen::{eigenvalues, symmetric_eigen};
 use crate::system::{Parameters, Scratch, State, System};
 
-/// Freedoms up to which all eigenvalues are worked out: that work grows with the third power.
+/// Number of unknowns of the parts up to which all eigenvalues are computed; the work grows with its third power.
 const DENSE: usize = 150;
 
-/// A stiffness smaller than this part of the largest possible one is round-off.
+/// Share of the largest possible stiffness below which a stiffness is round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Steps of inverse iteration; the shift is so near that two or three do.
+/// Number of steps of inverse iteration; the shift is so close that two or three suffice.
 const ITERATIONS: usize = 6;
-/// Steps towards the equilibrium that the error of an eigenvalue is seen by: the second takes away what the first one's length adds.
+/// Number of Newton steps by which the error of an eigenvalue is estimated. The second one corrects the error caused by the length of the
+/// first.
 const STEPS: usize = 2;
 
-/// The smallest eigenvalue (real part) of the tangent stiffness over the motions the constraints allow, rotations taken times
-/// the model's length: force per length. Negative where the equilibrium is unstable. `None` if nothing can move.
+/// Returns the smallest eigenvalue (real part) of the tangent stiffness over the motions that the constraints allow, as a force per length.
+/// Rotations are multiplied by the model's length. The eigenvalue is negative at an unstable equilibrium. `None` if nothing can move.
 ///
-/// With Z an orthonormal basis of the motions that no constraint resists and S the stiffness left when VARIABLEs and states follow,
-/// the eigenvalues of `Z' S Z`, S unsymmetric in general. Small systems: all of them. Large ones: those next to a series of shifts, by
-/// Arnoldi's method with the factors of the shifted equations (Golub and Van Loan, Matrix Computations, 10.5).
+/// Z is an orthonormal basis of the motions that the constraints allow, and S is the stiffness after elimination of VARIABLEs and states. The
+/// eigenvalues of `Z' S Z` are meant, where S is unsymmetric in general. In small systems all of them are computed. In large systems only
+/// those next to a series of shifts are computed, by Arnoldi's method with the factors of the shifted equations (Golub and Van Loan, Matrix
+/// Computations, 10.5).
 ///
 /// # Errors
 /// [`SolveError::NoValue`] if an element has no value there.
@@ -36,7 +38,7 @@ pub fn smallest_eigenvalue(
     Ok(found.map(|(stiffness, ..)| stiffness))
 }
 
-/// The smallest eigenvalue as it was computed, its motion times lengths, and a bound of all eigenvalues.
+/// Returns the smallest eigenvalue as computed, its motion multiplied by lengths, and an upper bound of all eigenvalues.
 fn smallest(
     system: &System,
     parameters: &Parameters,
@@ -61,16 +63,16 @@ fn smallest(
 /// The softest motion that the constraints allow.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Softest {
-    /// The smallest eigenvalue, force per length; zero where it is round-off.
+    /// Smallest eigenvalue, force per length; zero if it is round-off.
     pub stiffness: f64,
-    /// How far the eigenvalue may be off: by round-off, and at an equilibrium by what that is off.
+    /// Error bound of the eigenvalue, from round-off and, at an equilibrium, from its remaining imbalance.
     pub error: f64,
-    /// Its motion: unknowns of the bodies, ground axes; the largest motion of a part is one length unit.
+    /// Motion of the eigenvalue: unknowns of the bodies, in ground axes. The largest motion of a part is one length unit.
     pub motion: Vec<f64>,
 }
 
 impl Softest {
-    /// The softest motion at any state, its error that of round-off. `None` if nothing can move, or if no eigenvalue could be found.
+    /// Returns the softest motion at any state, with the error bound of round-off. `None` if nothing can move or no eigenvalue is found.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -100,11 +102,11 @@ impl Softest {
         }))
     }
 
-    /// The softest motion at an equilibrium, with the error that its eigenvalue has because the equilibrium is met within ERROR and
-    /// IMBALANCE only. `None` if nothing can move, or if no eigenvalue could be found.
+    /// Returns the softest motion at an equilibrium. The error bound includes the effect of the tolerances ERROR and IMBALANCE on the
+    /// equilibrium. `None` if nothing can move or no eigenvalue is found.
     ///
-    /// The parts go two of Newton's steps nearer: the eigenvalue is that there, its error the change up to there. The steps are damped by more than
-    /// the eigenvalue, so that what nothing holds stays.
+    /// Two Newton steps move the parts closer to the equilibrium. The eigenvalue is evaluated at their end, and its error bound is the change
+    /// on the way. The steps are damped by more than the eigenvalue, so that free motions stay in place.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -141,8 +143,8 @@ impl Softest {
         Ok(Some(here))
     }
 
-    /// The softest motion at an equilibrium that is unstable or neutral, `None` where it is stable. Cheaper than
-    /// [`Softest::at_equilibrium`] for small systems.
+    /// Returns the softest motion at an unstable or neutral equilibrium, and `None` at a stable one. For small systems this is cheaper than
+    /// [`Softest::at_equilibrium`].
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -157,7 +159,7 @@ impl Softest {
             let tangent = assembled(system, parameters, state, scratch)?;
             let lengths = lengths(system);
             if let Some((reduced, _)) = reduced(system, &tangent, &lengths) {
-                // No eigenvalue has a smaller real part than the symmetric part allows.
+                // No eigenvalue has a smaller real part than the smallest eigenvalue of the symmetric part.
                 let symmetric = (&reduced + reduced.transpose()) * 0.5;
                 if symmetric.cholesky().is_some() {
                     return Ok(None);
@@ -168,22 +170,22 @@ impl Softest {
         Ok(softest.filter(|softest| softest.is_unstable() || softest.is_neutral()))
     }
 
-    /// True where looking at the stability costs no more than the solution: large systems are factored several times for it.
+    /// Returns true if the stability costs no more than the solution. Large systems are factored several times for it.
     pub fn is_cheap(system: &System) -> bool {
         system.first_equation <= DENSE
     }
 
-    /// True where the equilibrium is unstable beyond doubt.
+    /// Returns true if the stiffness is negative by more than its error bound.
     pub fn is_unstable(&self) -> bool {
         self.stiffness < -self.error
     }
 
-    /// True where the sign of the stiffness cannot be told.
+    /// Returns true if the sign of the stiffness is uncertain.
     pub fn is_neutral(&self) -> bool {
         self.stiffness.abs() <= self.error
     }
 
-    /// The part that moves most.
+    /// Returns the part that moves most.
     pub fn part(&self, system: &System) -> usize {
         let size = |part: usize| {
             let (v, w) = motion_of(system, part, &self.motion);
@@ -194,7 +196,7 @@ impl Softest {
             .unwrap_or(0)
     }
 
-    /// What moves how, in the user's words: `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
+    /// Describes the motion in the user's terms: `PART/4 'arm' turns about the line MARKER/13-MARKER/15, together with ...`.
     pub fn described(
         &self,
         system: &System,
@@ -206,11 +208,11 @@ impl Softest {
     }
 }
 
-/// From motions times lengths to the unknowns, the largest motion of a part one.
+/// Converts a motion multiplied by lengths to the unknowns, and scales the largest motion of a part to one.
 fn in_unknowns(system: &System, lengths: &[f64], mut motion: Vec<f64>) -> Vec<f64> {
     let largest = motion.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let first = motion.iter().find(|x| x.abs() > 0.5 * largest).copied();
-    // Either way is as good; the same one every time.
+    // Both signs are equivalent; this choice is reproducible.
     let scale = first.unwrap_or(1.0).signum() / largest.max(f64::MIN_POSITIVE);
     for (x, length) in motion.iter_mut().zip(lengths) {
         *x *= scale / length;
@@ -232,7 +234,7 @@ fn assembled(
     Ok(matrix)
 }
 
-/// What one unit of each freedom of a body moves: 1 for translations, the length of the model for rotations.
+/// Returns the displacement per unit of each unknown of the bodies: 1 for translations, the model's length for rotations.
 fn lengths(system: &System) -> Vec<f64> {
     let mut out = vec![1.0; system.first_equation];
     for body in &system.bodies {
@@ -243,7 +245,7 @@ fn lengths(system: &System) -> Vec<f64> {
     out
 }
 
-/// No eigenvalue is larger: the largest sum of a row of the stiffness, and what variables add.
+/// Returns an upper bound of all eigenvalues: the largest row sum of the stiffness, plus the contribution of VARIABLEs and states.
 fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
     let n = system.first_equation;
     let mut rows = vec![0.0_f64; system.unknowns()];
@@ -261,7 +263,8 @@ fn bound(system: &System, tangent: &Matrix, lengths: &[f64]) -> f64 {
     largest(&rows[..n]) + variables
 }
 
-/// The stiffness of the motions the constraints allow, and those motions as columns, times lengths. `None` if there are none.
+/// Returns the stiffness of the motions that the constraints allow, and these motions as columns, multiplied by lengths. `None` if there are
+/// none.
 fn reduced(
     system: &System,
     tangent: &Matrix,
@@ -274,7 +277,7 @@ fn reduced(
     for (row, column, value) in tangent.entries() {
         J[(row, column)] += value / (scale(row) * scale(column));
     }
-    // Variables and states follow the motion.
+    // VARIABLEs and states are eliminated.
     if v > 0 {
         let own = J.view((n + m, n + m), (v, v)).clone_owned();
         let by_others = J.view((n + m, 0), (v, n + m)).clone_owned();
@@ -286,7 +289,7 @@ fn reduced(
     }
     let K = -J.view((0, 0), (n, n));
     let mut G = J.view((n, 0), (m, n)).clone_owned();
-    // Every constraint counts alike, whatever its unit.
+    // Every constraint counts equally, whatever its unit.
     for mut row in G.row_iter_mut() {
         let length = row.norm();
         if length > 0.0 {
@@ -302,7 +305,7 @@ fn reduced(
     Some((Z.transpose() * K * &Z, Z))
 }
 
-/// The smallest eigenvalue and its motion, times lengths.
+/// Returns the smallest of all eigenvalues, and its motion multiplied by lengths.
 fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec<f64>)> {
     let (reduced, Z) = reduced(system, tangent, lengths)?;
     let values = eigenvalues(reduced.clone())?;
@@ -311,7 +314,7 @@ fn dense(system: &System, tangent: &Matrix, lengths: &[f64]) -> Option<(f64, Vec
     Some((least, motion.iter().copied().collect()))
 }
 
-/// An eigenvector by inverse iteration beside its eigenvalue; one of the plane of a complex pair.
+/// Returns an eigenvector by inverse iteration next to its eigenvalue; for a complex pair, a vector in its invariant plane.
 fn near(matrix: &DMatrix<f64>, value: f64) -> DVector<f64> {
     let n = matrix.nrows();
     let beside = value - 1e-9 * matrix.amax().max(f64::MIN_POSITIVE);
@@ -339,7 +342,8 @@ mod tests {
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
-    /// A chain of links on bushings, hinged here and there, with a force that follows a VARIABLE and pushes with `push` per length.
+    /// A chain of links on bushings, with a hinge at every seventh link. A VARIABLE gives a force that grows by `push` per unit of
+    /// displacement of the end.
     fn chain(links: u32, push: f64) -> (System, State) {
         let mut deck = String::from(
             "chain\nUNITS/FORCE=NEWTON, MASS=KILOGRAM, LENGTH=MILLIMETER, TIME=SECOND\nPART/1, GROUND\n\
@@ -380,7 +384,7 @@ mod tests {
         (system, state)
     }
 
-    /// Both ways give the same, for stable and for unstable chains: the one unstable motion hides among many that are softer.
+    /// Both methods agree for stable and unstable chains. The only unstable motion is hidden among many that are softer.
     #[test]
     fn both_ways_agree() {
         for push in [0.0, 1.0, 50.0, 1e4, 1e7] {
@@ -404,7 +408,7 @@ mod tests {
         }
     }
 
-    /// A marker a hair beside its part makes products that underflow: the eigenvalues are found all the same, and soon.
+    /// A marker very close to the origin of its part makes products underflow. The eigenvalues are found all the same, and quickly.
     #[test]
     fn places_next_to_nothing_do_not_keep_it_from_ending() {
         let (system, state) = solved(
@@ -417,7 +421,7 @@ mod tests {
         let parameters = system.parameters();
         let smallest = smallest_eigenvalue(&system, &parameters, &state).unwrap();
         let (length, kt) = (system.length, 4000.0_f64.to_radians());
-        // The bushing is 100 mm long beside a joint at its own marker: its forces have no arm, so that only KT is left.
+        // The bushing is 100 mm long and has a joint at its own marker. Its forces have no lever arm, so that only KT is left.
         let expected = kt / (length * length);
         let smallest = smallest.unwrap();
         assert!(

@@ -6,14 +6,14 @@ use crate::mechanics::{Vec3, Vec6};
 use crate::model::{MarkerIx, PartIx};
 use crate::system::{Parameters, Scratch, Slot, State, System};
 
-/// Rotations below this in radians, and shifts below this of the size of the model, are round-off of a motion as large as that.
+/// Rotations below this in radians, and translations below this share of the model's length, are round-off of a free motion of unit size.
 const ROUND_OFF: f64 = 1e-9;
-/// A motion whose rotations are below this share of it shifts only.
+/// Share of a motion below which its rotations are neglected, so that it counts as a pure translation.
 const ONLY_SHIFTS: f64 = 1e-6;
 
-/// The linearised equations at an equilibrium, factored: `J dx = -dg`.
+/// Linearised equations at an equilibrium with their factors: `J dx = -dg`.
 ///
-/// Vectors of unknowns are laid out as [`System`] says; a part's share is at [`System::part_unknowns`].
+/// Vectors of unknowns are laid out as described at [`System`]; the unknowns of a part are at [`System::part_unknowns`].
 #[derive(Clone, Debug)]
 pub struct Tangent {
     factors: Lu,
@@ -23,7 +23,7 @@ pub struct Tangent {
 }
 
 impl Tangent {
-    /// At an equilibrium. Those who have just solved take [`Solver::tangent`](super::Solver::tangent), which is cheaper.
+    /// Linearises at an equilibrium. Directly after a solution, [`Solver::tangent`](super::Solver::tangent) is cheaper.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -38,7 +38,7 @@ impl Tangent {
         Ok(new)
     }
 
-    /// Memory for a system, with factors that may know the order of elimination already.
+    /// Allocates the work space for a system. The factors may already contain an elimination order.
     pub(super) fn with(system: &System, factors: Lu) -> Self {
         Self {
             factors,
@@ -48,7 +48,7 @@ impl Tangent {
         }
     }
 
-    /// Linearises the equations anew, at this state. The matrix is memory; it may know the pattern.
+    /// Linearises the equations at a state. `matrix` is work space, which may already contain the pattern.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -68,19 +68,20 @@ impl Tangent {
         Ok(())
     }
 
-    /// How many motions nothing resists; they are held where they are.
+    /// Returns the number of motions without stiffness; their unknowns are held.
     pub fn deficiency(&self) -> usize {
         self.factors.deficiency()
     }
 
-    /// The motions that nothing resists: changes of the unknowns of parts, reactions left out. The largest rotation of a part is one radian; in
-    /// one that only shifts, the largest shift is the size of the model.
+    /// Returns the motions without stiffness, as changes of the unknowns of parts without reactions. The largest rotation of a part is one
+    /// radian. In a pure translation, the largest displacement is the model's length.
     pub fn free_motions(&self, system: &System) -> Vec<Vec<f64>> {
         let each = (0..self.deficiency()).map(|m| self.factors.null_vector(m));
         each.filter_map(|z| motion_of_parts(system, z)).collect()
     }
 
-    /// The change of the unknowns under a change `dg` of the residual, of minimum norm where there are free motions: replaces `dg` by `-J^-1 dg`.
+    /// Replaces a change `dg` of the residual by the change of the unknowns that it causes: `-J^-1 dg`, of minimum norm if there are free
+    /// motions.
     pub fn respond(&mut self, dg: &mut [f64]) {
         for value in dg.iter_mut() {
             *value = -*value;
@@ -89,7 +90,7 @@ impl Tangent {
         self.free_space.take_off(dg);
     }
 
-    /// The same for many changes that follow one another.
+    /// Replaces many changes of the residual, which follow one another, as [`respond`](Self::respond) does with one.
     pub fn respond_to_all(&self, changes: &mut [f64]) {
         for value in changes.iter_mut() {
             *value = -*value;
@@ -100,7 +101,7 @@ impl Tangent {
         }
     }
 
-    /// Replaces the weights w of the unknowns by `a = -J^-T w`: then `d(w . x) = a . dg` for every change of the residual.
+    /// Replaces weights w of the unknowns by `a = -J^-T w`. Then `d(w . x) = a . dg` for every change of the residual.
     pub(crate) fn adjoint(&mut self, weights: &mut [f64]) {
         self.free_space.ignore(weights);
         for value in weights.iter_mut() {
@@ -109,7 +110,7 @@ impl Tangent {
         self.factors.solve_transposed(weights);
     }
 
-    /// The change of the unknowns per unit of a number of theta.
+    /// Returns the change of the unknowns per unit of a number in theta.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.
@@ -126,7 +127,7 @@ impl Tangent {
         Ok(dg)
     }
 
-    /// The change of the unknowns under a wrench on marker I in J axes, with its opposite at the same point of the part of J.
+    /// Returns the change of the unknowns under a wrench on marker I in J axes, with the opposite wrench at the same point on the part of J.
     pub fn by_wrench(
         &mut self,
         system: &System,
@@ -142,7 +143,7 @@ impl Tangent {
     }
 }
 
-/// A null vector without its reactions, in the unit of [`Tangent::free_motions`]; `None` if no part moves in it.
+/// Returns a null vector without its reactions, scaled as in [`Tangent::free_motions`]; `None` if no part moves in it.
 fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
     let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let reactions = largest(&z[system.first_equation..]);
@@ -177,16 +178,16 @@ fn motion_of_parts(system: &System, mut z: Vec<f64>) -> Option<Vec<f64>> {
     Some(z)
 }
 
-/// Velocity of the origin and angular velocity of a part in a free motion, ground axes.
+/// Returns the velocity of the origin and the angular velocity of a part in a free motion, in ground axes.
 pub fn twist(system: &System, state: &State, part: PartIx, motion: &[f64]) -> (Vec3, Vec3) {
     let [x, y, z, rx, ry, rz] = system.pose_change(state, part, motion);
     let (v, w) = (Vec3::new(x, y, z), Vec3::new(rx, ry, rz));
-    // An origin on the axis of a rotation stays.
+    // An origin on the axis of rotation does not move.
     let stays = v.amax() < ROUND_OFF * system.length;
     (if stays { Vec3::zeros() } else { v }, w)
 }
 
-/// Moves the parts of a state along a free motion, each steadily along its own screw, by `amount` of it.
+/// Displaces the parts of a state by `amount` times a free motion, each part in a steady screw motion of its own.
 pub fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64) {
     for part in 0..system.bodies.len() {
         let (v, w) = twist(system, state, PartIx(part), motion);
@@ -195,7 +196,7 @@ pub fn displace(system: &System, state: &mut State, motion: &[f64], amount: f64)
     }
 }
 
-/// The change of a point of a part under a change of the unknowns, ground axes. `local` in part axes.
+/// Returns the displacement of a point of a part under a change of the unknowns, in ground axes. `local` is in part axes.
 pub fn point_change(
     system: &System,
     state: &State,
@@ -207,7 +208,7 @@ pub fn point_change(
     Vec3::new(x, y, z) + Vec3::new(rx, ry, rz).cross(&(state.poses[part.0].R * local))
 }
 
-/// Tangents at one state after another. The order of elimination is that of the first one, as long as its pivots serve.
+/// Tangents at successive states. The elimination order of the first one is reused as long as its pivots are acceptable.
 #[derive(Clone, Debug)]
 pub struct Tangents {
     tangent: Tangent,
@@ -215,7 +216,7 @@ pub struct Tangents {
 }
 
 impl Tangents {
-    /// Memory for a system.
+    /// Allocates the work space for a system.
     pub fn new(system: &System) -> Self {
         let n = system.unknowns();
         Self {
@@ -224,7 +225,7 @@ impl Tangents {
         }
     }
 
-    /// At this state.
+    /// Linearises at a state and returns the tangent.
     ///
     /// # Errors
     /// [`SolveError::NoValue`] if an element has no value there.

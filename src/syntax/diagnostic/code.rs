@@ -1,25 +1,25 @@
-/// Declares the codes with their documentation in one place.
+/// Declares all codes with their names and documentation.
 macro_rules! codes {
     ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
-        /// A stable kebab-case code. `admire explain CODE` prints its documentation.
+        /// Stable code of a diagnostic, spelled in kebab case. `admire explain CODE` prints its documentation.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
         pub enum Code { $($(#[doc = $doc])+ $variant,)+ }
 
         impl Code {
-            /// Every code there is.
+            /// All codes.
             pub const ALL: &'static [Code] = &[$(Code::$variant,)+];
 
-            /// The code as shown, for example `undefined-id`.
+            /// Returns the code as shown to users, for example `undefined-id`.
             pub const fn as_str(self) -> &'static str {
                 match self { $(Code::$variant => $name,)+ }
             }
 
-            /// The code of this name.
+            /// Returns the code with this name.
             pub fn parse(name: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|code| code.as_str() == name)
             }
 
-            /// What the code means: the documentation of its variant.
+            /// Returns the meaning of the code: the documentation of its variant.
             pub const fn explain(self) -> &'static str {
                 match self { $(Code::$variant => concat!($($doc, "\n",)+),)+ }
             }
@@ -29,18 +29,18 @@ macro_rules! codes {
 
 codes! {
     // Reading a dataset or a command file.
-    /// A statement or command whose keyword is not in the grammar, an error for `check` and `mdi` alike. It is kept as it is and takes part
-    /// in nothing.
+    /// The keyword of a statement or command is not in the grammar; an error for both `check` and `mdi`.
+    /// The statement is kept unchanged and otherwise ignored.
     UnknownStatement = "unknown-statement",
-    /// An argument whose keyword the statement does not have.
+    /// The statement has no argument with this keyword.
     UnknownArgument = "unknown-argument",
-    /// A keyword cut so short that several keywords begin with it.
+    /// An abbreviated keyword matches several keywords.
     AmbiguousKeyword = "ambiguous-keyword",
-    /// Text that does not follow the syntax of the statement it stands in.
+    /// The text violates the syntax of its statement.
     SyntaxError = "syntax-error",
     /// A number that cannot be read.
     BadNumber = "bad-number",
-    /// A FUNCTION expression that does not follow the grammar of expressions.
+    /// A FUNCTION expression violates the grammar of expressions.
     BadExpression = "bad-expression",
     /// An argument has more or fewer values than the grammar allows.
     WrongCount = "wrong-count",
@@ -53,168 +53,170 @@ codes! {
     /// The dataset has no END statement.
     MissingEnd = "missing-end",
     // Meaning of a model.
-    /// An id that no statement of the needed kind defines.
+    /// An id that no statement of the required kind defines.
     UndefinedId = "undefined-id",
     /// Two statements of one kind with the same id.
     DuplicateId = "duplicate-id",
-    /// A statement ADAMS accepts and the built-in solver does not solve.
+    /// A statement that ADAMS accepts but the built-in solver does not support.
     NotSolvedNatively = "not-solved-natively",
-    /// A statement ADAMS takes into account in statics, and the built-in solver in motion alone.
+    /// A statement that ADAMS includes in statics, but the built-in solver includes in motion only.
     NotSolvedInStatics = "not-solved-in-statics",
-    /// A statement that has no effect on a static answer, or is inactive in statics.
+    /// A statement that has no effect on a static solution, or is inactive in statics.
     InactiveInStatics = "inactive-in-statics",
     /// A user-written subroutine, which only real ADAMS can run.
     UserSubroutine = "user-subroutine",
-    // Lint: what is wrong with a dataset that reads well.
-    /// Arguments that cannot stand together, for example REULER and ZP of a MARKER, or two types of a JOINT.
+    // Lint: problems of a dataset that was read without errors.
+    /// Arguments that exclude each other, for example REULER and ZP of a MARKER, or two types of a JOINT.
     ConflictingArguments = "conflicting-arguments",
-    /// A MARKER whose axes are given by ZP and XP was moved. An edit of QP moves these points along, so that the marker does not turn;
-    /// where they are given values of their own the marker turns.
+    /// A MARKER whose axes are given by the points ZP and XP was moved.
+    /// An edit of QP alone moves ZP and XP along, so that the marker keeps its orientation. If ZP or XP get values of their own, the marker
+    /// turns.
     MarkerPoints = "marker-points",
-    /// An argument that is written twice in one statement. The later one counts.
+    /// An argument appears twice in one statement; the later one counts.
     RepeatedArgument = "repeated-argument",
-    /// A number with the degree suffix where no angle is meant, or an angle without it that looks like degrees. The suffix D always
-    /// multiplies by pi/180; without it an angle is in radians.
+    /// A number that is not an angle has the degree suffix, or an angle without the suffix looks like degrees.
+    /// The suffix D always multiplies by pi/180; an angle without it is in radians.
     WrongDimension = "wrong-dimension",
-    /// Both markers of a constraint or force are on one part: a constraint is singular, a force moves nothing.
+    /// Both markers of a constraint or force are on the same part: the constraint is singular, or the force has no effect.
     MarkersOnOnePart = "markers-on-one-part",
-    /// A FLOATING marker where a fixed one is needed, or a fixed one where the solver must move it (JFLOAT).
+    /// A FLOATING marker where a fixed one is required, or a fixed one where the solver must be able to move it (JFLOAT).
     FloatingMarker = "floating-marker",
     /// The dataset has no PART with GROUND, or more than one.
     NoGround = "no-ground",
-    /// A part has mass and no CM marker, or its CM marker is on another part: where its weight acts is unknown.
+    /// A part with mass has no CM marker, or its CM marker is on another part: the point where its weight acts is unknown.
     MassWithoutCm = "mass-without-cm",
-    /// Moments of inertia no body has: a principal moment below zero, or one larger than the sum of the two others.
+    /// Physically impossible moments of inertia: a principal moment is negative or exceeds the sum of the other two.
     ImpossibleInertia = "impossible-inertia",
-    /// A part has no mass and no constraint holds it: its acceleration is not defined. Where only forces act on it, which is enough
-    /// for statics, this is a note.
+    /// A part has neither mass nor constraints, so its acceleration is undefined.
+    /// Only a note if forces act on the part, because this is enough for statics.
     FreeWithoutMass = "free-without-mass",
-    /// A force element exerts a torque on a POINT_MASS, which does not turn: the torque does nothing there.
+    /// A force element exerts a torque on a POINT_MASS; a POINT_MASS does not rotate, so the torque has no effect.
     LostTorque = "lost-torque",
-    /// A MOTION on a joint that has no such freedom, such as a FIXED one, or a second MOTION on the same freedom.
+    /// A MOTION acts on a freedom that its joint lacks, such as one of a FIXED joint, or on a freedom that already has a MOTION.
     WrongMotion = "wrong-motion",
-    /// The stiffness matrix of a FIELD is not symmetric. ADAMS accepts it; elastic forces then give or take energy.
+    /// The stiffness matrix of a FIELD is not symmetric; ADAMS accepts it, but the elastic forces then do not conserve energy.
     UnsymmetricStiffness = "unsymmetric-stiffness",
-    /// A STEP, STEP5 or HAVSIN that begins and ends at the same x: its value there is not defined.
+    /// A STEP, STEP5 or HAVSIN begins and ends at the same x, so its value there is undefined.
     StepWithoutWidth = "step-without-width",
-    /// KT of a BUSHING looks like a stiffness per degree; ADAMS takes it per radian, 57.3 times as much. The lever arm sqrt(KT/K)
-    /// of rubber bushings is some 5 to 50 mm; below 2.5 mm this is asked.
+    /// KT of a BUSHING looks like a stiffness per degree; ADAMS reads it per radian, where the same stiffness has a 57.3 times larger value.
+    /// The lever arm sqrt(KT/K) of rubber bushings is about 5 to 50 mm; values below 2.5 mm are reported.
     KtPerDegree = "kt-per-degree",
     /// The x (or z) values of a SPLINE do not increase.
     SplineNotIncreasing = "spline-not-increasing",
-    /// A FUNCTION of the motion has no derivative everywhere: IF, ABS, MAX, MIN, MOD, SIGN and rounding bend or jump, and the search
-    /// for equilibrium may stumble there. IF of TIME or MODE alone is not reported.
+    /// A FUNCTION of the motion is not differentiable everywhere, so the search for equilibrium may fail there.
+    /// IF, ABS, MAX, MIN, MOD, SIGN and rounding have kinks or jumps. An IF that depends only on TIME or MODE is not reported.
     NoDerivative = "no-derivative",
-    /// A SPLINE, ARRAY, MATRIX, STRING or CURVE that nothing uses. Not reported where user subroutines may read it.
+    /// A SPLINE, ARRAY, MATRIX, STRING or CURVE that nothing refers to; not reported if user subroutines may read it.
     Unreferenced = "unreferenced",
-    /// A tab between words. The FORTRAN solver counts it as one column; `admire fix` writes a blank.
+    /// A tab between words; the FORTRAN solver counts it as one column, and `admire fix` replaces it by a blank.
     Tab = "tab",
-    /// A line longer than the 80 columns the FORTRAN solver reads. Reported only for decks of that solver.
+    /// A line longer than the 80 columns that the FORTRAN solver reads; reported only for decks of that solver.
     LineTooLong = "line-too-long",
-    /// The I and J markers of a BUSHING, BEAM or FIELD are turned by more than 10 degrees against each other at the design position:
-    /// its rotational deformation is measured by projected angles, which hold only for small ones.
+    /// The I and J markers of a BUSHING, BEAM or FIELD are rotated by more than 10 degrees relative to each other at the design position.
+    /// The rotational deformation is measured by projected angles, which are valid only for small rotations.
     BushingAngle = "bushing-angle",
-    /// The markers of a JOINT or JPRIM are not where the constraint needs them at the design position: origins apart or axes
-    /// not aligned. ADAMS moves the parts when it assembles the model.
+    /// The markers of a JOINT or JPRIM do not meet its constraint at the design position: origins apart or axes not aligned.
+    /// ADAMS moves the parts when it assembles the model.
     JointNotAligned = "joint-not-aligned",
-    /// In the units of UNITS the mechanism is unlike anything built: a kilometre long, denser than matter, in a gravity far from
-    /// 9.81 m/s2, or stiffer than steel can be. Most often the numbers are in other units than UNITS says. An error where several
-    /// quantities say so.
+    /// In the units of UNITS the mechanism is implausible; most often the numbers are in other units than UNITS states.
+    /// Examples: a size of a kilometre, a density above any material, a gravity far from 9.81 m/s2, a stiffness above
+    /// steel. An error if several quantities are implausible.
     ImplausibleUnits = "implausible-units",
     // Files.
     /// A file that does not exist or cannot be read.
     CannotRead = "cannot-read",
-    /// No method of identification gives an answer: nothing is unknown, or no load case can be solved and compared.
+    /// Identification has no result: there are no unknowns, or no load case can be solved and compared.
     NoFit = "no-fit",
     /// A file that cannot be written.
     CannotWrite = "cannot-write",
-    /// A results file that ends before its end: the run was killed or is still going. Whole steps are read.
+    /// A results file is incomplete because the run was killed or is still in progress; its complete steps are read.
     TruncatedResults = "truncated-results",
-    /// A results file whose structure is broken, or that uses XML it has no business to use (DTD, entities, deep nesting).
+    /// A results file has a broken structure, or uses XML features that no results file needs (DTD, entities, deep nesting).
     MalformedResults = "malformed-results",
-    /// A results file, or a part of one, of a layout that is not known here.
+    /// A results file, or a part of it, has an unknown layout.
     UnsupportedResults = "unsupported-results",
-    /// A file that was found under a name that differs in upper and lower case.
+    /// A file was found under a name that differs in upper and lower case.
     FileNameCase = "file-name-case",
-    /// A path of another computer: the file was looked up by its base name here.
+    /// A path from another computer; the file was looked up here by its base name.
     ForeignPath = "foreign-path",
-    /// `admire` reads what a deck or command file names only below the folder of that file and the working directory;
-    /// ADMIRE_ALLOW_PATH, and `--allow-path` of `admire solve`, add folders.
+    /// A deck or command file names a file outside of the folders from which `admire` reads.
+    /// The folder of the deck or command file and the working directory are allowed, with their subfolders. ADMIRE_ALLOW_PATH, and
+    /// `--allow-path` of `admire solve`, add folders.
     ReadOutside = "read-outside",
-    /// A command file may write only beside itself, beside its model and in the working directory; ADMIRE_ALLOW_PATH adds folders.
+    /// A command file writes outside of its own folder, the folder of its model and the working directory; ADMIRE_ALLOW_PATH adds folders.
     WriteOutside = "write-outside",
     // Running a command file.
-    /// An option of OUTPUT or RESULTS that ADAMS follows and this solver does not: a file or a spelling that is not written.
+    /// An option of OUTPUT or RESULTS that ADAMS supports and this solver does not: a file or a number format that is not written.
     OutputNotWritten = "output-not-written",
-    /// A word of the launcher's command line that means nothing here.
+    /// A word of the launcher's command line that has no meaning here.
     LauncherWord = "launcher-word",
-    /// A launch form only a full ADAMS installation can run.
+    /// A launch form that only a full ADAMS installation can run.
     LauncherRefused = "launcher-refused",
-    /// A command ADAMS executes and this solver does not.
+    /// A command that ADAMS executes and this solver does not.
     CommandNotSupported = "command-not-supported",
-    /// A command that needs a model, before any was read.
+    /// A command that needs a model came before any model was read.
     NoModel = "no-model",
     /// No static equilibrium was found.
     NoEquilibrium = "no-equilibrium",
-    /// A simulation over time could not go on: inconsistent initial conditions, a singular mass matrix, a step below HMIN, a function
-    /// without a value.
+    /// A simulation over time failed.
+    /// Causes: inconsistent initial conditions, a singular mass matrix, a step size below HMIN, or a function without a value.
     NoMotion = "no-motion",
-    /// An equilibrium that does not last: some motion is met by a negative stiffness, so that the slightest push leads away from it.
-    /// `admire solve --stable` goes on to a stable one.
+    /// The equilibrium is unstable: some motion has a negative stiffness, so that the slightest disturbance leads away from it.
+    /// `admire solve --stable` continues to a stable equilibrium.
     UnstableEquilibrium = "unstable-equilibrium",
-    /// A part turned by more than 60 degrees or moved by more than the mechanism's size in one static solution: the equilibrium may be
-    /// another than the one that is meant.
+    /// A part rotated by more than 60 degrees or moved by more than the size of the mechanism in one static solution.
+    /// The equilibrium found may differ from the intended one.
     LargeMotion = "large-motion",
-    /// A command asks for more than this program is willing to do.
+    /// A command exceeds a limit of this program.
     LimitExceeded = "limit-exceeded",
-    /// A study names a program that is started for every run. Only `study.toml` can name one; decks and command files start nothing.
+    /// A study names a program that is started for every run; only `study.toml` can name one, decks and command files start nothing.
     RunsProgram = "runs-program",
     // Studies: study.toml and its CSV files.
-    /// `study.toml` does not follow the syntax of TOML.
+    /// `study.toml` violates the syntax of TOML.
     StudySyntax = "study-syntax",
-    /// A key of `study.toml` that means nothing there. Most are spelling mistakes, and the setting that was meant keeps its default.
+    /// A key of `study.toml` is unknown in its place; most often it is misspelt, and the intended setting keeps its default.
     UnknownKey = "unknown-key",
-    /// A value of `study.toml` of the wrong type or outside of its range. The default is taken.
+    /// A value of `study.toml` has the wrong type or is outside of its range; the default is used instead.
     BadSetting = "bad-setting",
-    /// A key of `study.toml` that must be given is missing.
+    /// A required key of `study.toml` is missing.
     MissingSetting = "missing-setting",
-    /// A path of `study.toml` leads out of the study folder. Nothing outside of it is read.
+    /// A path in `study.toml` leads out of the study folder; nothing outside of it is read.
     OutsideStudy = "outside-study",
-    /// A CSV file has no column of the needed name.
+    /// A CSV file lacks a required column.
     MissingColumn = "missing-column",
-    /// A study that cannot be meant: a unit, the noise or the loads are not those of the readings. `--force` fits it all the same.
+    /// An implausible study: a unit, the noise or the loads do not match the readings. `--force` fits it nevertheless.
     ImplausibleStudy = "implausible-study",
-    /// A cell of a CSV file that is no finite number. The reading is left out.
+    /// A cell of a CSV file is not a finite number; the reading is left out.
     BadReading = "bad-reading",
-    /// A CSV file with semicolons or tabs between its cells, or decimal commas. Says how it was read.
+    /// A CSV file uses semicolons or tabs between its cells, or decimal commas; the message says how it was read.
     CsvDialect = "csv-dialect",
-    /// Which column of a rig's file each curve of `[kc]` is read from, in which unit and with which sign.
+    /// Source of each curve of `[kc]`: the column of the rig's file, its unit and its sign.
     KcCurves = "kc-curves",
-    /// An address of `study.toml` that names nothing in the deck, or nothing of the needed kind.
+    /// An address in `study.toml` names nothing in the deck, or nothing of the required kind.
     UnknownTarget = "unknown-target",
-    /// A part named in a CSV file that the deck does not have.
+    /// A CSV file names a part that is not in the deck.
     UnknownPart = "unknown-part",
-    /// A reading of a mark that the first session did not measure on its part.
+    /// A reading of a mark that was not measured on its part in the first session.
     UnknownMark = "unknown-mark",
-    /// A case named somewhere that the load cases do not have.
+    /// A named case is not among the load cases.
     UnknownCase = "unknown-case",
-    /// Two load cases share a label, or the readings of two cases are copies of each other.
+    /// Two load cases share a label, or the readings of two cases are identical copies.
     DuplicateCase = "duplicate-case",
     /// The same mark is read twice in one case.
     DuplicateReading = "duplicate-reading",
-    /// A part has fewer than three marks in a load case: its pose there is unknown.
+    /// A part has fewer than three marks in a load case, so its pose is undetermined.
     MissingMarks = "missing-marks",
-    /// The marks of a part lie so nearly on one line that its rotation about the line cannot be seen.
+    /// The marks of a part are nearly collinear, so its rotation about their line cannot be determined.
     CollinearMarks = "collinear-marks",
-    /// Two marks of one part carry each other's label.
+    /// The labels of two marks of one part are swapped.
     SwappedMarks = "swapped-marks",
-    /// Coordinates are in another length unit than the deck.
+    /// Coordinates have another length unit than the deck.
     WrongUnits = "wrong-units",
-    /// The marks of a part do not fit a rigid body within their noise.
+    /// The marks of a part are inconsistent with a rigid body, beyond their noise.
     InconsistentMarks = "inconsistent-marks",
-    /// An effect to plant on a virtual rig that does not exist, sits nowhere, or lacks a number.
+    /// An effect to be added to a virtual rig does not exist, has no location, or lacks a number.
     BadEffect = "bad-effect",
-    /// A load case the solver finds no equilibrium for. It is still applied in its order; no fit uses it.
+    /// The solver finds no equilibrium for a load case; the case is still applied in its order, but no fit uses it.
     UnreachableCase = "unreachable-case",
 }
 

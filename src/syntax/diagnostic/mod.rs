@@ -1,6 +1,4 @@
-//! What to tell a person about a text or a model, as data.
-//!
-//! Knows neither how it is printed nor which rule found it.
+//! Diagnostics about a text or a model, as data; independent of how they are printed and of the rules that find them.
 
 mod code;
 
@@ -10,7 +8,7 @@ pub use code::Code;
 
 use crate::text::{Edit, Span};
 
-/// How bad it is.
+/// Severity of a diagnostic.
 #[derive(
     Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Serialize, serde::Deserialize,
 )]
@@ -18,94 +16,94 @@ use crate::text::{Edit, Span};
 pub enum Severity {
     /// Information.
     Note,
-    /// The answer may differ from what was meant.
+    /// The result may differ from the intended one.
     Warning,
-    /// The input cannot be used as it is.
+    /// The input cannot be used in its present form.
     Error,
 }
 
-/// A place in a file and what is said of it.
+/// A location in a file, with a message about it.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Label {
-    /// The file, as named by its [`Source`](crate::text::Source).
+    /// File name, as given by its [`Source`](crate::text::Source).
     pub file: Arc<str>,
-    /// The smallest span that shows the trouble.
+    /// Smallest span that shows the problem.
     pub span: Span,
-    /// What to say of this place; may be empty.
+    /// Message about the location; may be empty.
     pub message: String,
 }
 
 impl Label {
-    /// True if it is about the file as a whole: an empty place in front of it.
+    /// Returns true if the label concerns the file as a whole: its span is empty and at offset 0.
     pub fn is_about_all(&self) -> bool {
         self.span == Span::at(0)
     }
 }
 
-/// Whether a fix may be applied without asking.
+/// Whether a fix may be applied without confirmation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Applicability {
-    /// Keeps the meaning of the file.
+    /// The fix keeps the meaning of the file.
     Safe,
-    /// May change the meaning; a person decides.
+    /// The fix may change the meaning; a person must decide.
     MaybeIncorrect,
 }
 
 /// A proposed change of the file of the first label.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Fix {
-    /// What the fix does, in one line.
+    /// Description of the fix in one line.
     pub title: String,
-    /// The edits, in offsets of the file as it is.
+    /// Edits with offsets in the unchanged file.
     pub edits: Vec<Edit>,
-    /// Whether it may be applied without asking.
+    /// Whether the fix may be applied without confirmation.
     pub applicability: Applicability,
 }
 
-/// An object of a model, as a message calls it.
+/// An object of a model that a message mentions.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Object {
     /// Keyword in capitals.
     pub kind: &'static str,
-    /// Its number.
+    /// Id of the object.
     pub id: u32,
-    /// As in the message: `CONTACT/1 'cam_to_pin'`.
+    /// Name of the object in the message: `CONTACT/1 'cam_to_pin'`.
     pub called: String,
-    /// View name, where it says more than keyword and id.
+    /// View name, if it adds information to keyword and id.
     pub view: Option<String>,
 }
 
-/// One complaint.
+/// One diagnostic: an error, a warning or a note.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Diagnostic {
-    /// Stable kebab-case code.
+    /// Stable code in kebab case.
     pub code: Code,
-    /// How bad it is.
+    /// Severity of the diagnostic.
     pub severity: Severity,
-    /// One sentence, no full stop.
+    /// One sentence without a full stop.
     pub message: String,
-    /// The object it is about, where the message names one and no place tells it.
+    /// Object that the message mentions, if no label locates it.
     pub object: Option<Object>,
-    /// Places, the primary one first.
+    /// Locations, the primary one first.
     pub labels: Vec<Label>,
-    /// What to do about it.
+    /// Advice on how to resolve the problem.
     pub help: Option<String>,
-    /// A proposed change.
+    /// Proposed change.
     pub fix: Option<Fix>,
 }
 
 impl Diagnostic {
-    /// An error without a place yet.
+    /// Creates an error without a location.
     pub fn error(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Error, message)
     }
 
-    /// A warning without a place yet.
+    /// Creates a warning without a location.
     pub fn warning(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Warning, message)
     }
 
-    /// A note without a place yet.
+    /// Creates a note without a location.
     pub fn note(code: Code, message: impl Into<String>) -> Self {
         Self::new(code, Severity::Note, message)
     }
@@ -122,14 +120,14 @@ impl Diagnostic {
         }
     }
 
-    /// Says which object it is about.
+    /// Sets the object of the diagnostic.
     #[must_use]
     pub fn about(mut self, object: Object) -> Self {
         self.object = Some(object);
         self
     }
 
-    /// Adds a place.
+    /// Adds a location.
     #[must_use]
     pub fn label(
         mut self,
@@ -145,14 +143,14 @@ impl Diagnostic {
         self
     }
 
-    /// Says what to do.
+    /// Sets the advice.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Proposes a change.
+    /// Sets the proposed change.
     #[must_use]
     pub fn fix(
         mut self,
@@ -169,17 +167,17 @@ impl Diagnostic {
     }
 }
 
-/// A thing and the complaints about it: the front half of the ladder never fails.
+/// A result together with its diagnostics, for operations such as parsing that always return a result.
 #[derive(Clone, Debug)]
 pub struct Checked<T> {
-    /// The thing, as good as it could be made.
+    /// The result, as complete as the input permits.
     pub value: T,
-    /// What was found on the way.
+    /// Diagnostics found while producing the result.
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl<T> Checked<T> {
-    /// A thing nobody complains about.
+    /// Wraps a result without diagnostics.
     pub fn clean(value: T) -> Self {
         Self {
             value,
@@ -187,7 +185,7 @@ impl<T> Checked<T> {
         }
     }
 
-    /// True if any complaint is an error.
+    /// Returns true if any diagnostic is an error.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()

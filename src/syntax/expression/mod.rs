@@ -1,6 +1,6 @@
 //! FUNCTION expressions as trees with spans.
 //!
-//! Knows the grammar of expressions and the names of functions, not what they compute.
+//! The module covers the grammar of expressions and the names of functions; it does not evaluate them.
 
 mod parse;
 mod references;
@@ -17,18 +17,19 @@ use crate::text::Span;
 /// A parsed FUNCTION expression.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Expression {
-    /// The tree.
+    /// Root of the tree.
     pub root: Node,
-    /// Its text with continuation marks and comments removed, for messages and reports.
+    /// Text of the expression without continuation marks and comments, for messages and reports.
     pub text: String,
-    /// Where it stands in the file.
+    /// Location in the file.
     pub span: Span,
-    /// Every number literal in order of appearance: value (radians if it has the degree suffix) and place in the file. Literal k
-    /// is the address `....FUNCTION.{k+1}`.
+    /// All number literals in order of appearance, with value (radians if it has the degree suffix) and location.
+    ///
+    /// Literal k has the address `....FUNCTION.{k+1}`.
     pub literals: Vec<super::Number>,
 }
 
-/// An operator of two operands.
+/// An operator with two operands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names say it.
 pub enum BinaryOperator {
@@ -41,7 +42,7 @@ pub enum BinaryOperator {
     Cross,
 }
 
-/// A constant by name.
+/// A named constant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)] // The names are the manual's.
 pub enum Constant {
@@ -50,36 +51,36 @@ pub enum Constant {
     Dtor,
 }
 
-/// A node of the tree.
+/// A node of the expression tree.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Node {
-    /// A number literal: its index in [`Expression::literals`].
+    /// A number literal, as an index into [`Expression::literals`].
     Literal(usize),
     /// PI, RTOD, DTOR.
     Constant(Constant),
-    /// A name without arguments that the state defines: TIME, MODE.
+    /// A function without arguments whose value depends on the state of the run: TIME, MODE.
     Name(&'static FunctionDef),
-    /// Minus.
+    /// Unary minus.
     Negate(Box<Node>),
-    /// Two operands.
+    /// A binary operation.
     Binary(BinaryOperator, Box<Node>, Box<Node>),
-    /// IF(test: negative, zero, positive).
+    /// A choice by sign: IF(test: negative, zero, positive).
     If(Box<[Node; 4]>),
     /// `[x, y, z]`, a vector of three expressions.
     Vector(Box<[Node; 3]>),
-    /// A function call, with the place of the whole call.
+    /// A function call.
     Call {
-        /// Which function.
+        /// Function that is called.
         function: &'static FunctionDef,
-        /// Its arguments.
+        /// Arguments of the call.
         arguments: Vec<Node>,
-        /// Where the call stands in the file.
+        /// Location of the whole call in the file.
         span: Span,
     },
 }
 
 impl Node {
-    /// What stands directly inside of it, in order.
+    /// Returns the direct children of the node, in order.
     pub fn children(&self) -> Vec<&Self> {
         match self {
             Self::Literal(_) | Self::Constant(_) | Self::Name(_) => Vec::new(),
@@ -91,7 +92,7 @@ impl Node {
         }
     }
 
-    /// It and everything inside of it; of what stands side by side the last first.
+    /// Iterates over the node and all its descendants; siblings are visited from last to first.
     pub fn walk(&self) -> impl Iterator<Item = &Self> {
         let mut open = vec![self];
         std::iter::from_fn(move || {

@@ -8,17 +8,17 @@ use crate::fix::did_you_mean;
 use crate::grammar::{Count, FUNCTIONS, FunctionDef, all_nearest, find_function};
 use crate::text::{Source, Span};
 
-/// How many parentheses, calls and signs may stand inside each other.
+/// Maximum nesting of parentheses, calls and signs.
 const DEEPEST_NESTING: usize = 300;
-/// How many levels the tree may have; a sum of n terms has n - 1. Keeps every walk of a tree within a small stack.
+/// Maximum height of the tree; a sum of n terms has height n. The limit bounds the stack of every tree walk.
 const DEEPEST_TREE: usize = 1000;
-/// Names longer than this are not compared with known names.
+/// Maximum length of an unknown name for which similar names are suggested.
 const LONGEST_NAME: usize = 24;
 
-/// The expression that `tokens` spell: those of one function text, blanks, line ends, comments and continuation marks included
-/// (all of these separate and mean nothing). `span` is the place of the whole text, used where nothing stands.
+/// Parses the expression given by the tokens of one function text, following the grammar of guide/formats.md 3.1.
 ///
-/// The grammar is that of guide/formats.md 3.1. The first error ends the reading; the value is `None` then.
+/// Blanks, line ends, comments and continuation marks only separate tokens. `span` is the location of the whole text; it locates errors
+/// where no token is left. Parsing stops at the first error and the value is then `None`.
 pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Expression>> {
     let belongs = |token: &Token| is_significant(token) && span.contains(token.span);
     let tokens = if tokens.iter().all(belongs) {
@@ -53,10 +53,10 @@ pub fn parse(source: &Source, tokens: &[Token], span: Span) -> Checked<Option<Ex
 }
 
 impl Expression {
-    /// Reads an expression that stands alone, such as `AX(21,1)*RTOD` in a study. Spans are offsets in `text`.
+    /// Parses a stand-alone expression, such as `AX(21,1)*RTOD` in a study. Spans are offsets in `text`.
     ///
     /// # Errors
-    /// `bad-expression` with the place in `text`, in a file named `expression`.
+    /// Returns `bad-expression` located in `text`, as a file named `expression`.
     pub fn parse_str(text: &str) -> Result<Self, Diagnostic> {
         let source = Source::new("expression", text.as_bytes().to_vec());
         let span = Span::new(0, text.len());
@@ -77,12 +77,12 @@ fn is_significant(token: &Token) -> bool {
             | TokenKind::LineEnd
             | TokenKind::Comment
             | TokenKind::Continuation
-            // Only ever the mark at the end of a line.
+            // The `&` occurs only as the mark at the end of a line.
             | TokenKind::Punctuation(b'&')
     )
 }
 
-/// The text with every run of blanks, comments and continuation marks between two tokens as one blank.
+/// Returns the text of the tokens, with each run of blanks, comments and continuation marks replaced by one blank.
 fn text_of(source: &Source, tokens: &[Token]) -> String {
     let long = tokens.iter().map(|token| token.span.len() + 1).sum();
     let mut text = Vec::with_capacity(long);
@@ -94,12 +94,12 @@ fn text_of(source: &Source, tokens: &[Token]) -> String {
         text.extend_from_slice(source.slice(token.span));
         end = Some(token.span.end());
     }
-    // What is an expression is ASCII.
+    // A parsed expression contains only ASCII.
     String::from_utf8(text)
         .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
-/// A node and how many levels it has.
+/// A node and the height of its tree.
 type Grown = (Node, usize);
 type Parsed<T> = Result<T, Box<Diagnostic>>;
 
@@ -124,7 +124,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `term { (+|-) term }`
+    /// Parses `term { (+|-) term }`.
     fn sum(&mut self) -> Parsed<Grown> {
         let mut left = self.product()?;
         loop {
@@ -139,7 +139,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `factor { (*|/|%) factor }`
+    /// Parses `factor { (*|/|%) factor }`.
     fn product(&mut self) -> Parsed<Grown> {
         let mut left = self.factor()?;
         loop {
@@ -155,7 +155,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `[+|-] power`; several signs are tolerated.
+    /// Parses `[+|-] power`; several signs are accepted.
     fn factor(&mut self) -> Parsed<Grown> {
         let minus = match self.punctuation() {
             Some(b'+') => false,
@@ -171,7 +171,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `primary [ ** factor ]`, right associative. The two stars may stand apart.
+    /// Parses `primary [ ** factor ]`, right associative; blanks may separate the two stars.
     fn power(&mut self) -> Parsed<Grown> {
         let base = self.primary()?;
         let star = TokenKind::Punctuation(b'*');
@@ -214,7 +214,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `[x, y, z]` of the C++ solver (`operators.html`).
+    /// Parses a vector `[x, y, z]` of the C++ solver (`operators.html`).
     fn vector(&mut self, opened: Span) -> Parsed<Grown> {
         self.at += 1;
         let (x, a) = self.sum()?;
@@ -227,8 +227,9 @@ impl Parser<'_> {
         Ok((Node::Vector(Box::new([x, y, z])), height))
     }
 
-    /// The place of `-1.5` if that and a closing parenthesis come next: a literal of its own, so that a number of a function can be
-    /// set to a negative value and read back.
+    /// Returns the span of a negative number such as `-1.5` if it and a closing parenthesis come next.
+    ///
+    /// The number becomes one literal, so that a number of a function can be set to a negative value and read back.
     fn negative_number(&self) -> Option<Span> {
         let [minus, number, close] = self.tokens.get(self.at..self.at + 3)? else {
             return None;
@@ -252,7 +253,7 @@ impl Parser<'_> {
         Ok((Node::Literal(self.literals.len() - 1), 1))
     }
 
-    /// A constant, a name without arguments, IF, or a call.
+    /// Parses what a name begins: a constant, a name without arguments, an IF, or a call.
     fn name(&mut self, span: Span) -> Parsed<Grown> {
         let source = self.source;
         let name = source.slice(span);
@@ -288,7 +289,7 @@ impl Parser<'_> {
         }
     }
 
-    /// `IF(test: negative, zero, positive)`; the name is read already.
+    /// Parses `IF(test: negative, zero, positive)` after its name.
     fn choice(&mut self, name: Span) -> Parsed<Grown> {
         self.at += 1;
         let (test, a) = self.sum()?;
@@ -312,7 +313,7 @@ impl Parser<'_> {
         Ok((Node::If(Box::new([test, negative, zero, positive])), height))
     }
 
-    /// The arguments of a function; the name is read already.
+    /// Parses the arguments of a function after its name.
     fn call(&mut self, function: &'static FunctionDef, name: Span) -> Parsed<Grown> {
         self.at += 1;
         let mut arguments = Vec::with_capacity(function.count.min.max(2));
@@ -365,7 +366,7 @@ impl Parser<'_> {
         ))
     }
 
-    /// One level more than the highest child.
+    /// Returns the height of a node from the height of its highest child; an error if it exceeds the limit.
     fn height(&self, child: usize) -> Parsed<usize> {
         if child < DEEPEST_TREE {
             Ok(child + 1)
@@ -410,7 +411,7 @@ impl Parser<'_> {
             .map_or(Span::at(self.span.end()), |token| token.span)
     }
 
-    /// Reads one mark; `opened` is what it would close.
+    /// Consumes one expected punctuation mark; `opened` is the span to show if the expression ends first.
     fn expect(&mut self, byte: u8, opened: Span) -> Parsed<Span> {
         match self.peek() {
             Some(token) if token.kind == TokenKind::Punctuation(byte) => {
@@ -470,7 +471,7 @@ impl Parser<'_> {
         error
     }
 
-    /// What stands at a span, cut to a length that fits a message.
+    /// Returns the text at a span, truncated for use in a message.
     fn shown(&self, span: Span) -> String {
         let short = Span::new(
             span.start(),

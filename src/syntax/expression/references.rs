@@ -1,8 +1,8 @@
 use super::{Expression, Node};
 
-/// What the arguments of a function are: ids of objects, or plain values (`None`). The last entry repeats for what follows.
+/// Returns the id space of each argument of a function, or `None` for a plain value; the last entry applies to all further arguments.
 ///
-/// The space is the id space of the grammar; functions that are not listed take values only.
+/// Id spaces are named as in the grammar. Functions not listed here take plain values only.
 fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
     const MARKER: Option<&str> = Some("marker");
     const MARKERS: &[Option<&str>] = &[MARKER];
@@ -46,15 +46,16 @@ fn argument_spaces(function: &str) -> &'static [Option<&'static str>] {
     }
 }
 
-/// The id space of argument `at`, from 0, of a function; `None` for plain values.
+/// Returns the id space of argument `at` (from 0) of a function, or `None` for a plain value.
 pub fn argument_space(function: &str, at: usize) -> Option<&'static str> {
     let spaces = argument_spaces(function);
     spaces[at.min(spaces.len() - 1)]
 }
 
 impl Expression {
-    /// The literals that are ids: (id space, index in [`literals`](Expression::literals)), in order of appearance. A zero stands for
-    /// ground and is left out.
+    /// Returns the literals that are ids, as (id space, index in [`literals`](Expression::literals)) in order of appearance.
+    ///
+    /// A zero means ground and is left out.
     pub fn references(&self) -> Vec<(&'static str, usize)> {
         let mut found = Vec::new();
         for node in self.root.walk() {

@@ -1,11 +1,11 @@
-//! The grammar of expressions, its complaints and its limits.
+//! Tests of the expression grammar, its error messages and its limits.
 
 use super::{Expression, Node, parse};
 use crate::diagnostic::Code;
 use crate::text::{Source, Span};
 use crate::{Token, TokenKind};
 
-/// The tree written with all its parentheses.
+/// Formats the tree of an expression with all its parentheses.
 fn tree(text: &str) -> String {
     let expression = Expression::parse_str(text).unwrap();
     show(&expression, &expression.root)
@@ -41,7 +41,7 @@ fn show(whole: &Expression, node: &Node) -> String {
 
 #[test]
 fn vectors_are_read() {
-    // operators.html: vectors from scalars, cross product as tight as *, from left to right.
+    // operators.html: vectors of scalars; the cross product has the precedence of * and associates to the left.
     assert_eq!(
         tree("MAG(DXYZ(4,5)%FXYZ(4))+[1,2,3]*UV([0,1,0])"),
         "Add(MAG(Cross(DXYZ(4, 5), FXYZ(4))), Multiply([1, 2, 3], UV([0, 1, 0])))"
@@ -59,7 +59,7 @@ fn powers_bind_tighter_than_signs_and_to_the_right() {
     assert_eq!(tree("-2**2"), "-(Power(2, 2))");
     assert_eq!(tree("2**3**2"), "Power(2, Power(3, 2))");
     assert_eq!(tree("2**-1"), "Power(2, -(1))");
-    // A number with its sign in parentheses is one literal.
+    // A signed number in parentheses is one literal.
     assert_eq!(tree("2 * * (-1.)"), "Power(2, -1)");
     assert_eq!(tree("8/4/2"), "Divide(Divide(8, 4), 2)");
     assert_eq!(tree("1-2-3*4"), "Subtract(Subtract(1, 2), Multiply(3, 4))");
@@ -120,14 +120,14 @@ fn depth_is_limited_and_size_is_not() {
     assert_eq!(Expression::parse_str(&wide).unwrap().literals.len(), 1000);
     let deep = format!("{}1{}", "(".repeat(300), ")".repeat(300));
     assert_eq!(tree(&deep), "1");
-    // IFs in parentheses, two levels each.
+    // IFs in parentheses add two levels each.
     let ifs = format!("{}1{}", "(IF(TIME-1:0,0,".repeat(149), "))".repeat(149));
     assert!(Expression::parse_str(&ifs).is_ok());
 }
 
 #[test]
 fn any_text_is_read_or_complained_about() {
-    // Pieces of expressions in any order, by a small congruential generator.
+    // Pieces of expressions in random order, from a linear congruential generator.
     const PIECES: [&str; 24] = [
         "1", "2.5E3", "90D", "+", "-", "*", "/", "**", "(", ")", ",", ":", "IF(", "STEP(", "DX(",
         "TIME", "PI", "SQRT(", " ", "\n", "&", "x", "\u{e9}", "MAX(",
@@ -159,7 +159,7 @@ fn any_text_is_read_or_complained_about() {
 
 #[test]
 fn comments_and_continuation_marks_are_blanks() {
-    // FUNCTION = 1 +! half\n, 2 with the tokens a lexer makes of it.
+    // FUNCTION = 1 +! half\n, 2 with the tokens that a lexer produces for it.
     let source = Source::new("deck.adm", b"1 +! half\n, 2&\n*3".to_vec());
     let kinds = [
         (TokenKind::Number, 1),

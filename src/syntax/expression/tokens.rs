@@ -1,7 +1,7 @@
 use super::super::{Token, TokenKind, number::number_length};
 use crate::text::Span;
 
-/// Tokens of an expression that stands alone, such as a channel of a study: no comments, no continuation.
+/// Splits a stand-alone expression, such as a channel of a study, into tokens; it has no comments or continuation marks.
 pub(super) fn tokens_of(text: &[u8]) -> Vec<Token> {
     let mut tokens = Vec::new();
     let mut at = 0;

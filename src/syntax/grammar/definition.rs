@@ -1,114 +1,115 @@
 use crate::units::Dimension;
 
-/// One statement of the dataset, one command of the command file, or both.
+/// Definition of a statement of the dataset, a command of the command file, or both.
 #[derive(Debug, PartialEq)]
 pub struct StatementDef {
-    /// The whole keyword in capitals, for example `BUSHING`.
+    /// Full keyword in capitals, for example `BUSHING`.
     pub name: &'static str,
-    /// How many letters must be typed.
+    /// Number of leading letters that must be typed.
     pub minimum: usize,
-    /// Where it may stand.
+    /// Files in which the statement may appear.
     pub role: Role,
-    /// The id space its id belongs to (`"marker"`, `"force.bushing"`, ...), or `None` if it takes no id.
+    /// Id space of the statement (`"marker"`, `"force.bushing"`, ...), or `None` if it has no id.
     pub id: Option<&'static str>,
     /// Arguments in canonical order.
     pub arguments: &'static [ArgumentDef],
-    /// Rules on which arguments stand together.
+    /// Rules about which arguments may or must appear together.
     pub presence: &'static [Presence],
-    /// Arguments that real ADAMS follows and the built-in solver does not.
+    /// Arguments that real ADAMS uses and the built-in solver ignores.
     pub left_out: &'static [LeftOut],
-    /// The force laws between its markers I and J; empty if it is no such force.
+    /// Force laws between the markers I and J; empty if the statement is not such a force.
     pub laws: &'static [LawDef],
-    /// Who can solve it.
+    /// Which solver handles the statement.
     pub solved: Solved,
-    /// One line for people.
+    /// Description in one line.
     pub doc: &'static str,
-    /// The page that documents it; `grammar/NOTES.md` says which pages were read.
+    /// Documentation page of the statement; `grammar/NOTES.md` lists the pages that were read.
     pub source: &'static str,
-    /// What could not be compared with a page of the documentation, so that it may be wrong or lack something; empty if nothing.
+    /// Facts that no documentation page confirms and that may be wrong or incomplete; empty if there are none.
     pub unchecked: &'static str,
 }
 
 impl StatementDef {
-    /// An argument by its whole keyword.
+    /// Returns the argument with this full keyword.
     pub fn argument(&self, name: &str) -> Option<&'static ArgumentDef> {
         self.arguments.iter().find(|argument| argument.name == name)
     }
 
-    /// True for an argument that stands several times, each of them a row: Y of a SPLINE with two variables. Of any other argument that
-    /// is repeated the last one counts.
+    /// Returns true if the argument may be repeated and each occurrence adds a row: Y of a SPLINE with two variables.
+    ///
+    /// For any other argument the last occurrence counts.
     pub(crate) fn adds_rows(&self, argument: &str) -> bool {
         self.name == "SPLINE" && argument == "Y"
     }
 }
 
-/// Arguments that real ADAMS follows and the built-in solver does not: the answer is another one with them.
+/// Arguments that real ADAMS uses and the built-in solver ignores, so that their results differ.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Whole keywords in capitals.
+    /// Full keywords of the arguments in capitals.
     pub arguments: &'static [&'static str],
-    /// What real ADAMS makes of them.
+    /// Effect of the arguments in real ADAMS.
     pub effect: &'static str,
 }
 
-/// A force law between two markers, and where a statement has its numbers.
+/// A force law between two markers, with the arguments of a statement that hold its parameters.
 #[derive(Debug, PartialEq, Eq)]
 pub struct LawDef {
-    /// Its name in the registry of laws.
+    /// Name of the law in the registry of laws.
     pub name: &'static str,
-    /// The type of its objects in result files.
+    /// Type of the law's objects in results files.
     pub entity: &'static str,
-    /// The arguments that hold its numbers, in its order.
+    /// Arguments that hold the parameters of the law, in the order the law expects.
     pub arguments: &'static [&'static str],
-    /// The flag of the statement that chooses it; `None` if the statement has one law only.
+    /// Flag of the statement that selects this law; `None` if the statement has only one law.
     pub flag: Option<&'static str>,
 }
 
-/// Where a statement may stand.
+/// Files in which a statement may appear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// In a dataset only.
+    /// Only in a dataset.
     Dataset,
-    /// In a command file only.
+    /// Only in a command file.
     Command,
-    /// In a dataset, and in a command file to redefine.
+    /// In a dataset, and in a command file to redefine the statement.
     Both,
 }
 
-/// One argument of a statement.
+/// Definition of an argument of a statement.
 #[derive(Debug, PartialEq)]
 pub struct ArgumentDef {
-    /// The whole keyword in capitals, for example `REULER`.
+    /// Full keyword in capitals, for example `REULER`.
     pub name: &'static str,
-    /// How many letters must be typed.
+    /// Number of leading letters that must be typed.
     pub minimum: usize,
-    /// What stands after the equals sign.
+    /// Type of the value.
     pub kind: ValueKind,
-    /// How many values.
+    /// Allowed number of values.
     pub count: Count,
     /// Default values; empty if the argument has none.
     pub default: &'static [f64],
-    /// Physical dimension of real values, if they are alike.
+    /// Physical dimension of real values, if all have the same.
     pub dimension: Dimension,
-    /// Whether they are alike.
+    /// Whether all values have the same dimension, and how the dimensions differ otherwise.
     pub components: Components,
     /// Lower bound of numeric values.
     pub lower: Bound,
     /// Upper bound of numeric values.
     pub upper: Bound,
-    /// True if the statement must have it.
+    /// True if the statement must give this argument.
     pub required: bool,
-    /// One line for people.
+    /// Description in one line.
     pub doc: &'static str,
 }
 
 impl ArgumentDef {
-    /// Physical dimension of value `k`, from 0.
+    /// Returns the physical dimension of value `k`, from 0.
     pub fn dimension_of(&self, k: usize) -> Dimension {
         self.components.of(k).unwrap_or(self.dimension)
     }
 
-    /// True if a number lies between its bounds.
+    /// Returns true if a number is within the bounds of the argument.
     pub fn admits(&self, value: f64) -> bool {
         let above = match self.lower {
             Bound::Open => true,
@@ -123,7 +124,7 @@ impl ArgumentDef {
         above && below
     }
 
-    /// Its bounds in words, `more than 0 and 1 or less`; empty without any.
+    /// Describes the bounds in words, such as `more than 0 and 1 or less`; empty if there are none.
     pub fn wanted(&self) -> String {
         let lower = match self.lower {
             Bound::Open => None,
@@ -139,7 +140,7 @@ impl ArgumentDef {
         both.join(" and ")
     }
 
-    /// The least value it may have; minus infinity if it has no lower bound.
+    /// Returns the lower bound, or minus infinity if there is none.
     pub fn minimum(&self) -> f64 {
         match self.lower {
             Bound::Open => f64::NEG_INFINITY,
@@ -151,20 +152,20 @@ impl ArgumentDef {
 /// How the dimensions of the values of one argument differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Components {
-    /// They are alike.
+    /// All values have the same dimension.
     Alike,
     /// Three lengths and three angles, repeated.
     Motion,
     /// Three forces and three torques, repeated.
     Wrench,
-    /// The 36 numbers of wrench per motion, column by column.
+    /// The 36 stiffnesses (wrench per motion), column by column.
     Stiffness,
-    /// The same of wrench per rate of motion.
+    /// The 36 damping coefficients (wrench per rate of motion), column by column.
     Damping,
 }
 
 impl Components {
-    /// The dimension of value `k`, from 0; `None` if all are alike.
+    /// Returns the dimension of value `k`, from 0; `None` if all values have the same dimension.
     pub fn of(self, k: usize) -> Option<Dimension> {
         let wrench = |row: usize| {
             if row < 3 {
@@ -192,22 +193,22 @@ impl Components {
     }
 }
 
-/// What kind of value an argument takes.
+/// Type of the values of an argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueKind {
-    /// No value: the word alone.
+    /// No value: the keyword alone.
     Flag,
     /// Real numbers; angular ones may carry the degree suffix.
     Real,
     /// Integers.
     Integer,
-    /// Ids of statements of that id space; ids may be shared by spaces (`"force"` holds all `"force.*"`).
+    /// Ids of statements of this id space. A space may contain others: `"force"` contains all `"force.*"`.
     Reference(&'static str),
-    /// One of several words, or several joined by colons when the count allows it.
+    /// One of several words, or several of them joined by colons if the count allows it.
     Choice(&'static [Choice]),
-    /// A FUNCTION expression, to a backslash, a comma at depth 0, or the end of the statement.
+    /// A FUNCTION expression, up to a backslash, a comma outside of parentheses, or the end of the statement.
     Function,
-    /// Free text to the next delimiter, or quoted.
+    /// Free text up to the next delimiter, or quoted text.
     Text,
     /// Several texts separated by colons (or commas when quoted).
     TextList,
@@ -215,63 +216,63 @@ pub enum ValueKind {
     File,
 }
 
-/// A word an argument may take.
+/// A word that an argument may have as its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// The whole word in capitals.
+    /// Full word in capitals.
     pub name: &'static str,
-    /// How many letters must be typed.
+    /// Number of leading letters that must be typed.
     pub minimum: usize,
 }
 
-/// How many values an argument takes.
+/// Allowed number of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
-    /// At least so many.
+    /// Smallest allowed number of values.
     pub min: usize,
-    /// At most so many; `None` for no limit.
+    /// Largest allowed number of values; `None` for no limit.
     pub max: Option<usize>,
 }
 
 /// A bound on a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// None.
+    /// No bound.
     Open,
-    /// The bound itself is allowed.
+    /// A bound that is itself allowed.
     Inclusive(f64),
-    /// The bound itself is not allowed.
+    /// A bound that is itself not allowed.
     Exclusive(f64),
 }
 
-/// A rule on which arguments stand together.
+/// A rule about which arguments may or must appear together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presence {
-    /// At most one of these.
+    /// At most one of these arguments.
     Exclusive(&'static [&'static str]),
-    /// All or none of these.
+    /// All or none of these arguments.
     Together(&'static [&'static str]),
-    /// The first needs all the others.
+    /// The first argument requires all the others.
     Requires(&'static [&'static str]),
-    /// Exactly one of these.
+    /// Exactly one of these arguments.
     OneOf(&'static [&'static str]),
 }
 
-/// Who can solve a statement.
+/// Which solver handles a statement or function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solved {
     /// The built-in solver, as the named element, constraint or data.
     Native(&'static str),
-    /// It has no effect on statics; it is read and kept.
+    /// No effect on statics, for the given reason; the statement is read and kept.
     NoEffect(&'static str),
-    /// Only real ADAMS; the text says why.
+    /// Only real ADAMS, for the given reason.
     External(&'static str),
-    /// Only real ADAMS with a user-written subroutine; the text says what is in it.
+    /// Only real ADAMS with a user-written subroutine; the text describes the content of the subroutine.
     Subroutine(&'static str),
 }
 
 impl Solved {
-    /// Why only real ADAMS solves it, if that is so.
+    /// Returns the reason why only real ADAMS handles it; `None` otherwise.
     #[must_use]
     pub fn only_adams(self) -> Option<&'static str> {
         match self {
@@ -281,19 +282,19 @@ impl Solved {
     }
 }
 
-/// One function of FUNCTION expressions.
+/// Definition of a function of FUNCTION expressions.
 #[derive(Debug, PartialEq, Eq)]
 pub struct FunctionDef {
-    /// The name in capitals; functions are never abbreviated.
+    /// Name in capitals; functions are never abbreviated.
     pub name: &'static str,
-    /// How many arguments.
+    /// Allowed number of arguments.
     pub count: Count,
-    /// The arguments as shown, for example `i[,j][,k]`.
+    /// Argument list as shown to users, for example `i[,j][,k]`.
     pub arguments: &'static str,
-    /// Who can evaluate it.
+    /// Which solver evaluates the function.
     pub solved: Solved,
-    /// One line for people.
+    /// Description in one line.
     pub doc: &'static str,
-    /// The page that documents it; `grammar/NOTES.md` says which pages were read.
+    /// Documentation page of the function; `grammar/NOTES.md` lists the pages that were read.
     pub source: &'static str,
 }

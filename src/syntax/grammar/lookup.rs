@@ -2,19 +2,19 @@ use std::sync::OnceLock;
 
 use super::{ArgumentDef, Choice, FUNCTIONS, FunctionDef, Role, STATEMENTS, StatementDef};
 
-/// What a typed keyword stands for.
+/// Result of looking up a typed keyword.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Lookup<T> {
-    /// Exactly one keyword.
+    /// Exactly one keyword matches.
     Found(T),
-    /// Several keywords begin like this and none has it as its documented minimum.
+    /// Several keywords match; if the typed word reaches the minimum of several, only these are listed.
     Ambiguous(Vec<&'static str>),
-    /// None.
+    /// No keyword matches.
     Unknown,
 }
 
 impl<T> Lookup<T> {
-    /// The keyword found, if it is one.
+    /// Returns the keyword found, or `None` if it is ambiguous or unknown.
     pub fn found(self) -> Option<T> {
         match self {
             Self::Found(value) => Some(value),
@@ -23,9 +23,11 @@ impl<T> Lookup<T> {
     }
 }
 
-/// Case-insensitive unique-prefix match: an exact match wins, then the one keyword that begins with what was typed, then the
-/// one whose documented minimum is reached (guide/formats.md 1.5). `STATIC` for `STATICS` works as a prefix; a longer spelling
-/// (`TRANSLATIONAL` for `TRANSLATION`) works when what was typed begins with a whole keyword.
+/// Finds the keyword that a typed word abbreviates; case is ignored (guide/formats.md 1.5).
+///
+/// An exact match wins. Otherwise the typed word must be a prefix of exactly one keyword, or reach the documented minimum of exactly one of
+/// them. A longer spelling also matches if it begins with exactly one whole keyword of five or more letters: `TRANSLATIONAL` for
+/// `TRANSLATION`.
 fn resolve<T: Copy>(
     typed: &[u8],
     candidates: impl Iterator<Item = (T, &'static str, usize)> + Clone,
@@ -77,7 +79,7 @@ fn resolve<T: Copy>(
     }
 }
 
-/// The statement (of a dataset) or command (of a command file) that a typed keyword stands for.
+/// Finds the statement (of a dataset) or command (of a command file) for a typed keyword.
 pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef> {
     let here = move |def: &&'static StatementDef| {
         file == Role::Both || def.role == Role::Both || def.role == file
@@ -91,12 +93,12 @@ pub fn find_statement(typed: &[u8], file: Role) -> Lookup<&'static StatementDef>
     )
 }
 
-/// A statement or command by its whole keyword in capitals.
+/// Returns the statement or command with this full keyword in capitals.
 pub fn statement(name: &str) -> Option<&'static StatementDef> {
     STATEMENTS.iter().find(|def| def.name == name)
 }
 
-/// The argument of a statement that a typed keyword stands for.
+/// Finds the argument of a statement for a typed keyword.
 pub fn find_argument(
     statement: &'static StatementDef,
     typed: &[u8],
@@ -110,7 +112,7 @@ pub fn find_argument(
     )
 }
 
-/// The choice word that a typed word stands for.
+/// Finds the choice for a typed word.
 pub(crate) fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'static Choice> {
     resolve(
         typed,
@@ -120,7 +122,7 @@ pub(crate) fn find_choice(choices: &'static [Choice], typed: &[u8]) -> Lookup<&'
     )
 }
 
-/// A function by its whole name.
+/// Returns the function with this full name; case is ignored.
 pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
     static BY_NAME: OnceLock<Vec<&'static FunctionDef>> = OnceLock::new();
     let by_name = BY_NAME.get_or_init(|| {
@@ -133,12 +135,12 @@ pub fn find_function(typed: &[u8]) -> Option<&'static FunctionDef> {
     found.ok().map(|at| by_name[at])
 }
 
-/// The name nearest to what was typed by edit distance, if any is near enough to be what was meant.
+/// Returns the name with the smallest edit distance to the typed text, if it is close enough to be the intended one.
 pub fn nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     all_nearest(typed, names).first().copied()
 }
 
-/// The names nearest to what was typed, all at one edit distance and in the order of the alphabet; empty if none is near enough.
+/// Returns all names at the smallest edit distance to the typed text, in alphabetical order; empty if none is close enough.
 pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let typed = typed.to_ascii_uppercase();
     if typed.is_empty() {
@@ -146,7 +148,7 @@ pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>)
     }
     let limit = (typed.len() / 3).max(1);
     let mut near: Vec<(usize, &str)> = names
-        // Words of very different length are far apart: this is not counted for 10 MB of letters.
+        // Words of very different length are skipped, so that no distance is computed for megabytes of letters.
         .filter(|name| name.len().abs_diff(typed.len()) <= limit)
         .map(|name| (distance(typed.as_bytes(), name.as_bytes()), name))
         .filter(|(d, _)| *d <= limit)
@@ -160,7 +162,7 @@ pub(crate) fn all_nearest<'a>(typed: &str, names: impl Iterator<Item = &'a str>)
         .collect()
 }
 
-/// Optimal string alignment distance: insert, delete, replace, swap of neighbours.
+/// Computes the optimal string alignment distance: insertions, deletions, replacements and swaps of neighbours.
 fn distance(a: &[u8], b: &[u8]) -> usize {
     let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
     for i in 0..=a.len() {

@@ -1,7 +1,7 @@
 use super::context::{Context, known};
 use crate::diagnostic::{Code, Diagnostic};
 
-/// An argument that is written twice: the later one counts. A SPLINE of several curves has many Y.
+/// Reports arguments that are written twice, of which the later one counts. Y of a SPLINE with several curves may be repeated.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let file = context.dataset.source().name();
     for statement in context.statements() {

@@ -7,12 +7,12 @@ use crate::grammar::ValueKind;
 use crate::text::Span;
 use crate::{Argument, Dataset, Fault, Reference, Statement};
 
-/// What the rules look at: the dataset, its statements by id space and id, and every reference.
+/// Common input of the lint rules: the dataset, the options, and lookup of statements by id space and id.
 pub(super) struct Context<'a> {
     pub dataset: &'a Dataset,
     pub options: &'a Options,
     by_id: HashMap<(&'static str, u32), &'a Statement>,
-    /// The bodies of markers that name none, by the ids of the markers.
+    /// Body of each marker that names none itself, by marker id.
     before: HashMap<u32, (&'static str, u32)>,
     faults: OnceCell<Vec<Fault<'a>>>,
 }
@@ -45,25 +45,25 @@ impl<'a> Context<'a> {
         self.dataset.statements()
     }
 
-    /// The statements of one kind (whole keyword in capitals).
+    /// Iterates over the statements of one kind (full keyword in capitals).
     pub(crate) fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = &'a Statement> {
         self.statements()
             .iter()
             .filter(move |statement| statement.kind() == Some(kind))
     }
 
-    /// The statement that defines an id of a space.
+    /// Returns the first statement that defines an id of a space.
     pub(crate) fn find(&self, space: &'static str, id: u32) -> Option<&'a Statement> {
         self.by_id.get(&(space, id)).copied()
     }
 
-    /// The marker an argument names, if it names one that exists.
+    /// Returns the marker that an argument refers to, if it exists.
     pub(crate) fn marker(&self, statement: &Statement, argument: &str) -> Option<&'a Statement> {
         let number = statement.numbers(argument).first()?;
         self.find("marker", number.as_id()?)
     }
 
-    /// The body a marker is on: id space and id.
+    /// Returns the id space and id of the body that carries a marker.
     pub(crate) fn body(&self, marker: &Statement) -> Option<(&'static str, u32)> {
         if marker.follows_body() {
             return self.before.get(&marker.number()?).copied();
@@ -79,7 +79,7 @@ impl<'a> Context<'a> {
             })
     }
 
-    /// Every reference of a statement, those in functions included. Zeros stand for ground or for nothing and are left out.
+    /// Returns all references of a statement, including those in functions. Zeros mean ground or no object and are left out.
     pub(crate) fn references(statement: &Statement) -> Vec<Reference> {
         statement
             .arguments
@@ -88,12 +88,12 @@ impl<'a> Context<'a> {
             .collect()
     }
 
-    /// How a statement is called in a message.
+    /// Returns the name of a statement for a message.
     pub(crate) fn title(&self, statement: &Statement) -> String {
         statement.title(self.dataset.source())
     }
 
-    /// What is wrong with the statements by the grammar alone.
+    /// Returns the faults of all statements against the grammar, without lint rules.
     pub(crate) fn faults(&self) -> &[Fault<'a>] {
         self.faults.get_or_init(|| {
             let mut faults = Vec::new();
@@ -105,7 +105,7 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// A complaint about a place.
+    /// Creates a diagnostic at a span of the dataset.
     pub(crate) fn complain(
         &self,
         severity: Severity,
@@ -134,7 +134,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// Arguments the grammar knows, with their definitions.
+/// Iterates over the arguments that are in the grammar, with their definitions.
 pub(super) fn known(
     statement: &Statement,
 ) -> impl Iterator<Item = (&Argument, &'static crate::grammar::ArgumentDef)> {

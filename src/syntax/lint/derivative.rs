@@ -5,7 +5,7 @@ use crate::grammar::{FunctionDef, Solved};
 use crate::text::Span;
 use crate::{Expression, Value};
 
-/// Functions of the motion that have no derivative everywhere: Newton's method may stumble where they bend or jump.
+/// Reports functions of the motion that are not differentiable everywhere; Newton's method may fail at their kinks or jumps.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let forces = matches!(
@@ -45,7 +45,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The first call that bends or jumps with the motion.
+/// Returns the first call that has a kink or jump depending on the motion.
 fn first_bend(expression: &Expression) -> Option<(&'static str, Span)> {
     let mut found: Option<(&'static str, Span)> = None;
     for node in expression.root.walk() {
@@ -74,7 +74,7 @@ fn bends(function: &FunctionDef) -> bool {
     )
 }
 
-/// True if the value depends on where the parts are.
+/// Returns true if the value depends on the positions of parts.
 fn moves(node: &Node) -> bool {
     node.walk().any(|node| match node {
         Node::Call { function, .. } => {

@@ -1,27 +1,27 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Ids in arguments and functions that no statement defines.
+/// Reports ids in arguments and functions that no statement defines.
 pub(super) fn undefined_id(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::UndefinedId, context, found);
 }
 
-/// Values that are more or fewer than the grammar allows.
+/// Reports arguments with more or fewer values than the grammar allows.
 pub(super) fn count(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::WrongCount, context, found);
 }
 
-/// Numbers that are no ids or whole numbers where these are needed.
+/// Reports numbers that are not an id or an integer where one is required.
 pub(super) fn value_type(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::WrongType, context, found);
 }
 
-/// Arguments that must be there, alone or with others, and are not.
+/// Reports missing arguments: required ones, and those that other arguments require.
 pub(super) fn missing(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::MissingArgument, context, found);
 }
 
-/// Arguments that cannot stand together.
+/// Reports arguments that exclude each other.
 pub(super) fn conflicting(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     of_code(Code::ConflictingArguments, context, found);
 }

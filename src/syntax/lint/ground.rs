@@ -1,11 +1,11 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// A dataset with no ground part, or with several.
+/// Reports a dataset with no ground part or with several.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut grounds = context.of_kind("PART").filter(|part| part.has("GROUND"));
     let Some(first) = grounds.next() else {
-        // A file without any part is a piece of a dataset.
+        // A file without any part is only a piece of a dataset and is not reported.
         if let Some(part) = context.of_kind("PART").next() {
             found.push(
                 context

@@ -1,14 +1,15 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// By so much, as a share, the largest moment may exceed the sum of the others: digits that were cut off when it was printed.
+/// Relative excess of the largest moment over the sum of the others that is still accepted, because printed moments are rounded.
 const ROUNDING: f64 = 1e-3;
 
-/// Two moments below this share of the third stand for "not stated".
+/// Two moments below this fraction of the third count as not stated.
 const NOT_STATED: f64 = 1e-3;
 
-/// Inertias no body has: a principal moment below zero, or larger than the sum of the two others. A body that turns about one axis
-/// only may state that moment alone and leave the others at zero or near it, which is not reported.
+/// Reports physically impossible inertias: a principal moment that is negative or exceeds the sum of the other two.
+///
+/// A body that rotates about one axis only may state just that moment and leave the others at or near zero; this is not reported.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for part in context.of_kind("PART") {
         let values: Vec<f64> = part.numbers("IP").iter().map(|ip| ip.value).collect();
@@ -16,7 +17,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
         else {
             continue;
         };
-        // IP gives the products as positive integrals (`state_part`).
+        // IP states the products of inertia as positive integrals (`state_part`).
         let product = |k: usize| -products.get(k).copied().unwrap_or(0.0);
         let (xy, xz, yz) = (product(0), product(1), product(2));
         let tensor = [[*xx, xy, xz], [xy, *yy, yz], [xz, yz, *zz]];
@@ -52,11 +53,11 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Eigenvalues of a symmetric tensor, the smallest first: rotations by Jacobi until nothing is left beside the diagonal (Golub and
-/// Van Loan, Matrix Computations, section 8.5).
+/// Computes the eigenvalues of a symmetric tensor in increasing order by Jacobi rotations (Golub and Van Loan, Matrix Computations, section
+/// 8.5).
 fn principal_moments(mut a: [[f64; 3]; 3]) -> [f64; 3] {
     let size = a.iter().flatten().map(|x| x.abs()).sum::<f64>();
-    // What is left falls with its square: five sweeps are enough. The limit is for numbers that are not finite.
+    // The off-diagonal elements converge quadratically, so five sweeps suffice; the limit is for values that are not finite.
     for _ in 0..60 {
         let beside = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
         if !(beside > 1e-3 * f64::EPSILON * size) {
@@ -89,7 +90,7 @@ mod tests {
 
     #[test]
     fn principal_moments_are_those_of_a_turned_body() {
-        // Moments 1, 2 and 4, turned about z by 30 degrees and then about x by 45.
+        // Moments 1, 2 and 4, rotated about z by 30 degrees and then about x by 45 degrees.
         let (c, s, h) = (0.75_f64.sqrt(), 0.5, 0.5_f64.sqrt());
         let R = [[c, -s, 0.0], [h * s, h * c, -h], [h * s, h * c, h]];
         let mut tensor = [[0.0; 3]; 3];

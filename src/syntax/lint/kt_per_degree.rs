@@ -3,13 +3,13 @@ use crate::Argument;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::units::LENGTH_UNITS;
 
-/// Below this lever arm a rotational stiffness was hardly meant per radian.
+/// Shortest plausible lever arm, in m; for a shorter one, the rotational stiffness was probably not given per radian.
 const SHORTEST_LEVER: f64 = 2.5e-3;
 
-/// KT of a bushing that looks like a number per degree.
+/// Reports a KT of a bushing that looks like a stiffness per degree.
 ///
-/// sqrt(KT/K) is the lever arm at which the translational stiffness would resist a rotation as much as KT does: the size of
-/// the rubber, some 5 to 50 mm. A KT per degree is 57.3 times too small and the lever sqrt(57.3) = 7.6 times too short.
+/// sqrt(KT/K) is the lever arm at which the translational stiffness K resists a rotation as much as KT does. It is about the size of the
+/// rubber, 5 to 50 mm. A KT per degree is 57.3 times too small, so its lever arm is sqrt(57.3) = 7.6 times too short.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let Some(metre) = length_unit(context) else {
         return;
@@ -44,7 +44,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// True if the number is 57.29578 times a short one: somebody has turned a stiffness per degree into one per radian.
+/// Returns true if the number is 57.29578 times a number with few digits: a stiffness per degree that was already converted to per radian.
 fn was_converted(kt: f64) -> bool {
     let digits = |value: f64| {
         let scaled = value / 10f64.powi(libm::log10(value).floor() as i32 - 3);
@@ -53,7 +53,7 @@ fn was_converted(kt: f64) -> bool {
     digits(kt.to_radians()) && !digits(kt)
 }
 
-/// The length unit of the dataset in metres, if it is stated.
+/// Returns the length unit of the dataset in metres, if it is stated.
 fn length_unit(context: &Context<'_>) -> Option<f64> {
     let units = context.of_kind("UNITS").next()?;
     let word = *units

@@ -3,10 +3,10 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::lines::comment_start;
 use crate::text::Span;
 
-/// Columns the FORTRAN solver reads.
+/// Number of columns of a line that the FORTRAN solver reads.
 const COLUMNS: usize = 80;
 
-/// Columns before the comment of a line.
+/// Returns the number of columns before the comment of a line.
 fn code_length(line: &[u8]) -> usize {
     match comment_start(line) {
         at if at < line.len() => line[..at].trim_ascii_end().len(),
@@ -14,7 +14,7 @@ fn code_length(line: &[u8]) -> usize {
     }
 }
 
-/// Lines the FORTRAN solver would cut off. Comments are its own affair.
+/// Reports lines that the FORTRAN solver would truncate; long comments are not reported.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     if !context.options.fortran {
         return;
@@ -22,7 +22,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut start = 0;
     for line in context.dataset.bytes().split(|byte| *byte == b'\n') {
         let text = line.strip_suffix(b"\r").unwrap_or(line);
-        // A comment that is cut off says less, and means nothing anyway.
+        // A truncated comment does no harm.
         if code_length(text) > COLUMNS {
             let message = format!("this line has {} columns", text.len());
             let span = Span::new(start + COLUMNS, start + text.len());

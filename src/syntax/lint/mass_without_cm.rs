@@ -1,7 +1,7 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Parts with mass and no CM marker, or with a CM marker that is on another part.
+/// Reports parts with mass but without a CM marker, and parts whose CM marker is on another part.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for part in context.of_kind("PART") {
         let title = context.title(part);

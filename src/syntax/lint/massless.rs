@@ -3,8 +3,10 @@ use std::collections::HashSet;
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 
-/// Parts without mass that no constraint holds: where nothing at all acts on them they are free, and where only forces do their
-/// acceleration is not defined, which statics alone does not need.
+/// Reports parts without mass that no constraint holds.
+///
+/// If nothing acts on such a part, it is free: a warning. If only forces act on it, its acceleration is undefined, but statics does not
+/// need it: a note.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let (mut constrained, mut loaded) = (HashSet::new(), HashSet::new());
     for statement in context.statements() {

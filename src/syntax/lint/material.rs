@@ -1,8 +1,9 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Parts of a material the deck does not define. A name is looked for only where the deck defines materials by name: ADAMS/View
-/// writes names of its own database, too.
+/// Reports parts whose material the deck does not define.
+///
+/// Material names are checked only if the deck defines materials by name, because ADAMS/View also writes names from its own database.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let source = context.dataset.source();
     let names: Vec<String> = context

@@ -1,9 +1,9 @@
-//! Lint: what is wrong with a dataset that reads well, as data.
+//! Lint: rules that find problems in a dataset that was read without errors, and report them as data.
 //!
-//! One rule, one file, but those of the grammar alone, which share `syntax::fault` with the model; each rule is one line of
-//! [`RULES`], and its documentation is that of its code (`admire explain CODE`). Rules see statements, not a model: what needs
-//! places and directions is in `model::lint`. What the reader itself complains of (unknown keywords, values that cannot be read, a
-//! missing END) is not repeated here.
+//! Each rule is one file and one entry of [`RULES`]; rules that need only the grammar share `syntax::fault` with the model. The
+//! documentation of a rule is the documentation of its code (`admire explain CODE`). Rules see statements but no model; checks of positions
+//! and directions are in `model::lint`. Problems reported by the parser (unknown keywords, unreadable values, a missing END) are not
+//! repeated here.
 
 mod arguments;
 mod context;
@@ -40,27 +40,27 @@ use context::Context;
 pub use options::Options;
 pub use suppressed::Suppressed;
 
-/// What a rule looks at to judge one statement: what a change of another one can change in its complaints.
+/// The part of a file that a rule reads to judge one statement. A change elsewhere does not alter the diagnostics of the statement.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Reach {
-    /// The statement by itself.
+    /// Only the statement itself.
     Statement,
-    /// Also the statements with its id, those it names, and the body a marker follows.
+    /// Also the statements with the same id, the statements it refers to, and the body that a marker follows.
     Neighbours,
     /// The whole file.
     File,
 }
 
-/// One rule: the code it reports and the function that looks for it.
+/// One rule: the code it reports and the function that checks it.
 pub struct Rule {
-    /// The code of its complaints; its documentation is the rule's.
+    /// Code of the rule's diagnostics; the documentation of the code is the documentation of the rule.
     pub code: Code,
-    /// What it looks at.
+    /// Part of the file that the rule reads.
     pub reach: Reach,
     check: fn(&Context<'_>, &mut Vec<Diagnostic>),
 }
 
-/// Every rule there is.
+/// All rules.
 pub static RULES: &[Rule] = &[
     rule(Code::UndefinedId, Reach::Neighbours, fault::undefined_id),
     rule(Code::DuplicateId, Reach::Neighbours, duplicate_id::check),
@@ -110,10 +110,10 @@ const fn rule(code: Code, reach: Reach, check: fn(&Context<'_>, &mut Vec<Diagnos
     Rule { code, reach, check }
 }
 
-/// More complaints of one rule than anybody reads are counted, not kept.
+/// Maximum number of diagnostics kept per rule; further ones are only counted.
 const MOST_OF_A_RULE: usize = 10_000;
 
-/// The first complaints of a rule, the last one saying how many more there are and as bad as the worst of them.
+/// Truncates the diagnostics of a rule; the last one kept states how many more there are and has the highest severity of these.
 fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     let rest = own.split_off(MOST_OF_A_RULE);
     let worst = rest.iter().map(|d| d.severity).max();
@@ -128,7 +128,7 @@ fn shortened(mut own: Vec<Diagnostic>, code: Code) -> Vec<Diagnostic> {
     own
 }
 
-/// Rules that hold for a statement by itself: for commands, too, which give only what they change.
+/// Rules that need only the statement itself. They also apply to commands, which contain only the arguments they change.
 const OF_COMMANDS: [Code; 7] = [
     Code::WrongCount,
     Code::WrongType,
@@ -139,7 +139,7 @@ const OF_COMMANDS: [Code; 7] = [
     Code::StepWithoutWidth,
 ];
 
-/// Runs the rules that need no dataset over the commands of a file. Complaints are in the order of their places in the file.
+/// Runs the rules that need no dataset on the commands of a file. Diagnostics are in the order of their positions in the file.
 pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
     let commands = Dataset::of_commands(file);
     let of_commands = |rule: &Rule| OF_COMMANDS.contains(&rule.code);
@@ -150,9 +150,10 @@ pub fn check_commands(file: &CommandFile) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Looks at the commands of a file in their order, against the decks they are run on: objects that are not there, and times
-/// that cannot be. `deck_of` gives the deck behind the name of a model at a place of the file, or `None` where it could not be
-/// read; then less is said. Complaints are in the order of the file.
+/// Checks the commands of a file in sequence against the decks on which they run: missing objects and impossible times.
+///
+/// `deck_of` returns the deck for the model name at a span of the file, or `None` if it could not be read; checks that need the deck are
+/// then skipped. Diagnostics are in the order of the file.
 pub fn check_sequence(
     file: &CommandFile,
     deck_of: impl FnMut(Span) -> Option<Dataset>,
@@ -160,7 +161,7 @@ pub fn check_sequence(
     sequence::check(file, deck_of)
 }
 
-/// Runs every rule over a dataset. Complaints are in the order of their places in the file.
+/// Runs all rules on a dataset. Diagnostics are in the order of their positions in the file.
 pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
     let found = check_until(dataset, options, Reach::File, || false).unwrap_or_default();
     found
@@ -169,8 +170,9 @@ pub fn check(dataset: &Dataset, options: &Options) -> Vec<Diagnostic> {
         .collect()
 }
 
-/// Runs the rules that look no further than `reach` over a dataset, each complaint with the reach of its rule. `None` as soon as
-/// the answer is `outdated`, which is asked between rules.
+/// Runs the rules whose reach is at most `reach` on a dataset, and returns each diagnostic with the reach of its rule.
+///
+/// `outdated` is called between rules; once it returns true, the result is `None`.
 pub fn check_until(
     dataset: &Dataset,
     options: &Options,

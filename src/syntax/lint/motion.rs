@@ -4,11 +4,12 @@ use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::{Number, Statement};
 
-/// What a motion drives: a joint or a pair of markers, and along or about which axis.
+/// The degree of freedom driven by a motion: a joint or a pair of markers, and the axis.
 type Freedom = (Option<u32>, Option<(u32, u32)>, &'static str);
 
-/// Motions on joints that have no such freedom (`state_motion`: translational, revolute and cylindrical joints can be driven), and
-/// second motions on one freedom.
+/// Reports motions on joints without such a freedom, and second motions on the same freedom.
+///
+/// Translational, revolute and cylindrical joints can be driven (`state_motion`).
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let file = context.dataset.source().name();
     let mut driven: HashMap<Freedom, &Statement> = HashMap::new();
@@ -77,7 +78,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The type of a joint, empty if it is not known, and what a motion can drive of it.
+/// Returns the type of a joint (empty if unknown) and the freedoms that a motion can drive.
 fn freedoms_of(joint: &Statement) -> (&'static str, &'static [&'static str]) {
     const DRIVEN: [(&str, &[&str]); 4] = [
         ("REVOLUTE", &["ROTATIONAL"]),

@@ -2,13 +2,13 @@ use super::context::Context;
 use crate::Argument;
 use crate::diagnostic::{Code, Diagnostic, Severity};
 
-/// Constraints and forces whose two markers are on one body.
+/// Reports constraints and forces whose two markers are on the same body.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         let second = match statement.kind() {
             Some("JOINT" | "JPRIM" | "MOTION") => "J",
             Some(_) if statement.def.is_some_and(|def| !def.laws.is_empty()) => "J",
-            // An action-only force may have its direction marker on the body it acts on: a follower force.
+            // The direction marker of an action-only force may be on the body it acts on: a follower force.
             Some("SFORCE") if !statement.has("ACTIONONLY") => "J",
             Some("GFORCE" | "VFORCE" | "VTORQUE" | "PTCV") => "JFLOAT",
             _ => continue,

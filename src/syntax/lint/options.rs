@@ -1,6 +1,6 @@
-/// What is looked for.
+/// Options of the lint rules.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Options {
-    /// The deck is for the FORTRAN solver: lines have at most 80 columns.
+    /// True if the deck is for the FORTRAN solver, which reads lines of at most 80 columns.
     pub fortran: bool,
 }

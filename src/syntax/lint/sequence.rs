@@ -1,14 +1,15 @@
-//! The commands of a file in their order, against the deck they are run on: which objects they name and where time stands.
+//! Checks the commands of a file in sequence against their deck: the objects they name and the simulation time.
 //!
-//! Knows no files: whoever calls finds the decks.
+//! The module opens no files; the caller supplies the decks.
 
 use crate::diagnostic::{Code, Diagnostic, Severity};
 use crate::grammar::{STATEMENTS, nearest};
 use crate::text::Span;
 use crate::{Argument, CommandFile, Dataset, Statement, Wrong};
 
-/// The rules of one command file; `deck_of` gives the deck that stands behind the name of a model at a place of the file, if
-/// it could be read. Complaints are in the order of the file.
+/// Checks one command file. `deck_of` returns the deck for the model name at a span of the file, if it could be read.
+///
+/// Diagnostics are in the order of the file.
 pub(super) fn check(
     file: &CommandFile,
     mut deck_of: impl FnMut(Span) -> Option<Dataset>,
@@ -28,7 +29,7 @@ pub(super) fn check(
                 clock = Clock::start(deck.as_ref());
             }
             Some("RELOAD") => {
-                // The states of a file have their own time, and a system its own objects.
+                // A reloaded file of states has its own time, and a reloaded system its own objects.
                 clock = Clock::start(None);
                 if command.has("SYSTEM") {
                     deck = None;
@@ -50,13 +51,13 @@ pub(super) fn check(
     walk.found
 }
 
-/// What is known of the time before a command.
+/// Bounds on the simulation time before a command.
 struct Clock {
-    /// It is at least this.
+    /// Lower bound of the current time.
     earliest: f64,
-    /// The latest END asked for so far.
+    /// Latest END of the simulations so far.
     asked: f64,
-    /// A sensor may end a simulation before its END, and so may what nobody knows about the deck.
+    /// True if a simulation may stop before its END, because the deck has a sensor or is unknown.
     may_end_early: bool,
 }
 
@@ -95,7 +96,7 @@ impl Walk<'_> {
         self.found.push(diagnostic.help(help));
     }
 
-    /// Times of one SIMULATE (`com_simulate`: END > begin time).
+    /// Checks the times of a SIMULATE command (`com_simulate`: END > begin time).
     fn simulate(&mut self, command: &Statement, clock: &mut Clock) {
         let typed = command
             .argument("TYPE")
@@ -131,7 +132,7 @@ impl Walk<'_> {
         }
         if let Some((end, span)) = end {
             if end < clock.asked || end == clock.earliest && !clock.may_end_early {
-                // Only a simulation that a sensor ended before its END leaves room for an earlier one.
+                // An earlier END is possible only after a simulation that a sensor stopped before its own END.
                 let sure = end <= clock.earliest && !clock.may_end_early;
                 let (severity, message) = if sure {
                     let now = clock.earliest;
@@ -163,7 +164,7 @@ impl Walk<'_> {
         }
     }
 
-    /// ACTIVATE and DEACTIVATE: every ID is there, and RANGE holds something.
+    /// Checks ACTIVATE and DEACTIVATE: every ID exists, and RANGE contains at least one object.
     fn switched(&mut self, command: &Statement, deck: &Dataset) {
         let kinds: Vec<&'static str> = command
             .arguments
@@ -207,7 +208,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A redefinition: what it redefines and what it names is in the deck.
+    /// Checks that the object of a redefinition, and the objects it refers to, are in the deck.
     fn objects(&mut self, command: &Statement, deck: &Dataset) {
         let Some(def) = command.def else { return };
         if let (Some(_), Some((id, span))) = (def.id, command.id)
@@ -247,7 +248,7 @@ fn ids(kind: &str, deck: &Dataset) -> Vec<String> {
         .collect()
 }
 
-/// What of a kind a deck has.
+/// Lists the ids of a kind in a deck, for a help text.
 fn in_deck(kind: &str, deck: &Dataset) -> String {
     const SHOWN: usize = 8;
     match ids(kind, deck).as_slice() {

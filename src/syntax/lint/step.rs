@@ -3,7 +3,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::expression::{BinaryOperator, Constant, Node};
 use crate::{Expression, Value};
 
-/// STEP, STEP5 and HAVSIN that begin where they end: their value there is not defined.
+/// Reports STEP, STEP5 and HAVSIN calls that begin and end at the same x, where their value is undefined.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         for argument in &statement.arguments {
@@ -40,7 +40,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// The value of an expression of numbers alone.
+/// Evaluates an expression of numbers and constants only; `None` for anything else.
 fn value(expression: &Expression, node: &Node) -> Option<f64> {
     Some(match node {
         Node::Literal(at) => expression.literals[*at].value,

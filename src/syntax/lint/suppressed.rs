@@ -5,12 +5,14 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::lines::{comment_start, physical_line};
 use crate::text::{Source, Span};
 
-/// Complaints that comments of a file silence: `! admire: ignore[tab, unreferenced]` behind a statement or on a line above it
-/// silences these codes there, without a list all of them; `! admire: ignore-file[tab]` silences them in the whole file.
+/// Diagnostics suppressed by comments of a file.
+///
+/// `! admire: ignore[tab, unreferenced]` after a statement, or on a line above it, suppresses these codes there; without a list it
+/// suppresses all codes. `! admire: ignore-file[tab]` suppresses the codes in the whole file.
 #[derive(Clone, Debug, Default)]
 pub struct Suppressed {
     silences: Vec<Silence>,
-    /// Codes in such comments that do not exist.
+    /// Warnings about unknown codes in such comments.
     pub diagnostics: Vec<Diagnostic>,
 }
 
@@ -18,7 +20,7 @@ pub struct Suppressed {
 struct Silence {
     place: Range<usize>,
     whole_file: bool,
-    /// All of them if there is no list.
+    /// Suppressed codes; `None` suppresses all.
     codes: Option<Vec<Code>>,
 }
 
@@ -29,11 +31,11 @@ impl Silence {
     }
 }
 
-/// What such a comment begins with.
+/// First word of such a comment.
 const MARK: &[u8] = b"admire:";
 
 impl Suppressed {
-    /// Reads the comments of a file with these statements or commands, in the order of the file.
+    /// Reads the comments of a file; `statements` are its statements or commands in the order of the file.
     pub fn of(source: &Source, statements: &[Statement]) -> Self {
         let bytes = source.bytes();
         let mut found = Self::default();
@@ -64,25 +66,25 @@ impl Suppressed {
         found
     }
 
-    /// True if a comment of the file silences a complaint about it.
+    /// Returns true if a comment of the file suppresses the diagnostic.
     pub fn covers(&self, diagnostic: &Diagnostic) -> bool {
         let label = diagnostic.labels.first();
         label.is_some_and(|label| self.covers_at(diagnostic.code, label.span.start()))
     }
 
-    /// True if a comment silences a code at a place.
+    /// Returns true if a comment suppresses a code at an offset of the file.
     pub fn covers_at(&self, code: Code, offset: usize) -> bool {
         let here = |silence: &Silence| silence.place.contains(&offset);
         self.silences.iter().any(|s| here(s) && s.covers(code))
     }
 
-    /// True if a comment silences a code in the whole file.
+    /// Returns true if a comment suppresses a code in the whole file.
     pub fn covers_file(&self, code: Code) -> bool {
         let mut silences = self.silences.iter();
         silences.any(|silence| silence.whole_file && silence.covers(code))
     }
 
-    /// What stands behind the mark: whether it is about the whole file, and the codes.
+    /// Parses the text after the mark: whether it applies to the whole file, and the codes.
     fn words(&mut self, source: &Source, said: Span) -> Option<(bool, Option<Vec<Code>>)> {
         let text = source.text(said);
         let text = text.trim();
@@ -116,7 +118,7 @@ impl Suppressed {
     }
 }
 
-/// The place a comment speaks of: the statement it stands in or behind, or else the next one.
+/// Returns the range that a comment applies to: the statement that contains or precedes it, or else the next statement.
 fn statement_of(statements: &[Statement], line: Span, comment: usize) -> Option<Range<usize>> {
     let behind = statements
         .iter()

@@ -1,18 +1,19 @@
 use super::context::Context;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Elements on both sides of the diagonal may differ by this share of the larger one: what printed digits leave.
+/// Tolerated difference of two mirrored elements, relative to the larger one, because printed numbers are rounded.
 const ROUNDING: f64 = 1e-3;
 
-/// Stiffness matrices of FIELD that are not symmetric: elastic forces would give or take energy on a closed path. ADAMS accepts them;
-/// most come from a list in the wrong order or a mistyped digit.
+/// Reports stiffness matrices of a FIELD that are not symmetric, so that elastic forces do net work on a closed path.
+///
+/// ADAMS accepts them; most result from a wrong order of the list or a mistyped digit.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for field in context.of_kind("FIELD") {
         let numbers = field.numbers("KMATRIX");
         if numbers.len() != 36 {
             continue;
         }
-        // Element (row, column) stands at 6 column + row.
+        // Element (row, column) has the index 6 column + row.
         let at = |row: usize, column: usize| &numbers[6 * column + row];
         let mut worst: Option<(f64, usize, usize)> = None;
         for row in 0..6 {

@@ -3,7 +3,7 @@ use crate::TokenKind;
 use crate::diagnostic::{Applicability, Code, Diagnostic};
 use crate::text::{Edit, Span};
 
-/// Tabs between words, once for the file.
+/// Reports tabs between words, once for the whole file.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let source = context.dataset.source();
     let mut edits = Vec::new();

@@ -4,8 +4,9 @@ use crate::grammar::ArgumentDef;
 use crate::units::Dimension;
 use crate::{Argument, Statement};
 
-/// A degree suffix on a number that is no angle: it divides the number by 57.3. An angle without it of more than a whole turn that
-/// is a multiple of five: it was meant in degrees.
+/// Reports a degree suffix on a number that is not an angle, which divides the number by 57.3.
+///
+/// Also reports an angle without the suffix that exceeds one turn and is a multiple of five; it was probably meant in degrees.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     for statement in context.statements() {
         for (argument, def) in known(statement) {
@@ -36,7 +37,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Nobody writes 90 radians; 7 of them might be a rotation that was counted on.
+/// Reports an angle that is probably in degrees: 90 radians are implausible, but 7 radians may be an accumulated rotation.
 fn looks_like_degrees(
     context: &Context<'_>,
     statement: &Statement,

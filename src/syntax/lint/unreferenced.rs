@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::Value;
 use crate::diagnostic::{Code, Diagnostic};
 
-/// Data nothing reads. Markers that nothing uses are normal in decks of ADAMS/View and are counted by `admire summary`.
+/// Reports data that nothing refers to. Unused markers are normal in decks of ADAMS/View; `admire summary` counts them.
 pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
     let mut used = HashSet::new();
     let mut user = false;
@@ -17,7 +17,7 @@ pub(super) fn check(context: &Context<'_>, found: &mut Vec<Diagnostic>) {
             .iter()
             .any(|argument| matches!(argument.value, Value::User(_)));
     }
-    // A user subroutine may read anything by its id.
+    // A user subroutine may read any object by its id.
     if user {
         return;
     }

@@ -3,52 +3,52 @@ use std::borrow::Cow;
 use super::super::Number;
 use crate::text::{Source, Span};
 
-/// A block `[NAME]`, or a part `(PART)` of it, with what stands in it.
+/// A block `[NAME]`, or a part `(PART)` of a block, with its content.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Block {
-    /// Its name in capitals.
+    /// Name of the block in capitals.
     pub name: String,
-    /// The name of the part in capitals; absent for what stands in the block itself.
+    /// Name of the part in capitals; `None` for the block itself.
     pub part: Option<String>,
-    /// Where its heading stands.
+    /// Location of the heading.
     pub heading: Span,
-    /// `NAME = value` lines.
+    /// The `NAME = value` lines.
     pub parameters: Vec<Parameter>,
-    /// Tables in their order.
+    /// Tables in the order of the file.
     pub tables: Vec<Table>,
 }
 
-/// `NAME = value`.
+/// A `NAME = value` line.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Parameter {
-    /// Its name in capitals.
+    /// Name in capitals.
     pub name: String,
-    /// What it is.
+    /// Value of the parameter.
     pub value: Cell,
 }
 
-/// Rows under a heading in braces.
+/// A table: rows under a heading in braces.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Table {
-    /// The words of the heading, in lower case; empty for rows without one.
+    /// Words of the heading in lower case; empty for rows without a heading.
     pub columns: Vec<String>,
-    /// Row by row.
+    /// Cells, row by row.
     pub rows: Vec<Vec<Cell>>,
-    /// From the heading to the last row.
+    /// Span from the heading to the last row.
     pub span: Span,
 }
 
-/// One value.
+/// A single value of a parameter or table.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Cell {
-    /// A number as written; no degree suffix here.
+    /// A number; property files have no degree suffix.
     Number(Number),
-    /// A text, quotes not included.
+    /// A text without its quotes.
     Text(Span),
 }
 
 impl Block {
-    /// The last parameter of this name in capitals.
+    /// Returns the last parameter with this name in capitals.
     pub(crate) fn parameter(&self, name: &str) -> Option<&Parameter> {
         self.parameters
             .iter()
@@ -58,12 +58,12 @@ impl Block {
 }
 
 impl Parameter {
-    /// Its number, if it is one.
+    /// Returns the value if it is a number.
     pub(crate) fn number(&self) -> Option<f64> {
         self.value.number()
     }
 
-    /// Its text without quotes and blanks around it.
+    /// Returns the text of the value, without quotes and surrounding blanks.
     pub(crate) fn text<'s>(&self, source: &'s Source) -> Cow<'s, str> {
         match source.text(self.value.span()) {
             Cow::Borrowed(text) => Cow::Borrowed(text.trim()),
@@ -73,7 +73,7 @@ impl Parameter {
 }
 
 impl Cell {
-    /// Its number, if it is one.
+    /// Returns the number, if the cell is one.
     pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(number.value),
@@ -81,7 +81,7 @@ impl Cell {
         }
     }
 
-    /// Where it stands.
+    /// Returns the location of the cell.
     pub fn span(&self) -> Span {
         match self {
             Self::Number(number) => number.span,

@@ -8,25 +8,24 @@ use crate::units::{Dimension, Units};
 /// A curve y(x) of a property file, in the units of the file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PropertyCurve {
-    /// The block it stands in, in capitals.
+    /// Name of the block that contains the curve, in capitals.
     pub block: String,
-    /// The part of the block, in capitals, if it stands in one.
+    /// Name of the part of the block that contains the curve, in capitals; `None` outside of a part.
     pub part: Option<String>,
-    /// Abscissae with their places.
+    /// Abscissae with their locations.
     pub x: Vec<Number>,
-    /// Ordinates with their places.
+    /// Ordinates with their locations.
     pub y: Vec<Number>,
-    /// What x and y measure; absent where neither the file type nor the headings tell.
+    /// Dimensions of x and y; `None` if neither the file type nor the headings determine them.
     pub dimensions: Option<(Dimension, Dimension)>,
-    /// Where it stands.
+    /// Location of the table.
     pub span: Span,
 }
 
 const VELOCITY: Dimension = Dimension::new(0, 0, 1, -1, 0);
 
 impl PropertyCurve {
-    /// The curve of a table of two columns; `None` for tables of texts or of other widths. Cells that are no numbers stay out
-    /// with their row.
+    /// Returns the curve of a table of two columns, or `None` if no row has two numbers; rows with other cells are left out.
     pub(super) fn of(kind: &PropertyKind, block: &Block, table: &Table) -> Option<Self> {
         let mut curve = Self {
             block: block.name.clone(),
@@ -45,8 +44,9 @@ impl PropertyCurve {
         (!curve.x.is_empty()).then_some(curve)
     }
 
-    /// x and y in the units of a model; angles in radians. Without units of the file, or where the dimensions are not known, the
-    /// numbers are taken as they are.
+    /// Returns x and y converted to the units of a model, with angles in radians.
+    ///
+    /// The numbers are not converted if the file states no units or the dimensions are unknown.
     pub fn in_units(&self, own: Option<&PropertyUnits>, units: &Units) -> (Vec<f64>, Vec<f64>) {
         let (fx, fy) = match (own, self.dimensions) {
             (Some(own), Some((x, y))) => (own.factor(x, units), own.factor(y, units)),
@@ -58,7 +58,7 @@ impl PropertyCurve {
         (scaled(&self.x, fx), scaled(&self.y, fy))
     }
 
-    /// Complains of abscissae that do not increase, and of cells of its table that are no numbers.
+    /// Reports abscissae that do not increase, and table cells that are not numbers.
     pub(super) fn check(&self, table: &Table, source: &Source, diagnostics: &mut Vec<Diagnostic>) {
         let pairs = table.rows.iter().filter(|row| row.len() == 2);
         for cell in pairs.flatten() {
@@ -87,7 +87,7 @@ impl PropertyCurve {
     }
 }
 
-/// What the columns measure, by the element, or by the words of the headings.
+/// Returns the dimensions of the columns, from the kind of element or else from the words of the headings.
 fn dimensions(
     kind: &PropertyKind,
     block: &str,

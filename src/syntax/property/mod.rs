@@ -1,9 +1,11 @@
-//! Adams/Car property files (`.bus`, `.spr`, `.bum`, `.reb`, `.dpr`) in their TeimOrbit form, as typed curves.
+//! Adams/Car property files (`.bus`, `.spr`, `.bum`, `.reb`, `.dpr`) in TeimOrbit format, as typed curves.
 //!
-//! The form is that of the page `adams_tire/about.html`: blocks in `[]`, their parts in `()`, tables under `{}`, parameters
-//! `NAME = value`, comments from `$` or `!` to the end of the line. Which block holds which curve is what readers in the wild look for
-//! (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and `DAMPING` in a bushing file, `CURVE` in the others. Knows no elements: what a force law makes of
-//! a curve is said where the law is. The newer `.xml` property files are refused by name.
+//! The format is described on the page `adams_tire/about.html`: blocks in `[]`, their parts in `()`, tables under `{}`, parameters `NAME =
+//! value`, comments from `$` or `!` to the end of the line. The names of the blocks with curves are those that existing readers expect
+//! (`grammar/NOTES.md`): `FX_CURVE` to `TZ_CURVE` and `DAMPING` in a bushing file, `CURVE` in the others.
+//!
+//! The module contains no force laws; each law documents how it uses a curve. The newer `.xml` property files are rejected with a message
+//! that names the format.
 
 mod block;
 mod curve;
@@ -19,43 +21,45 @@ use crate::diagnostic::{Checked, Code, Diagnostic};
 use crate::text::{Source, Span};
 use crate::units::{Dimension, Units};
 
-/// The elements that property files describe.
+/// The kind of element that a property file describes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum PropertyKind {
-    /// `.bus`: force over displacement in x, y, z and torque over angle about them.
+    /// `.bus`: force against displacement along x, y, z, and torque against angle about them.
     Bushing,
-    /// `.spr`: force over displacement; positive in compression.
+    /// `.spr`: force against displacement; positive in compression.
     Spring,
-    /// `.bum` and `.reb`: force over the penetration of a bump or rebound stop.
+    /// `.bum` and `.reb`: force against the penetration of a bump or rebound stop.
     Stop,
-    /// `.dpr`: force over velocity.
+    /// `.dpr`: force against velocity.
     Damper,
-    /// Another one: the word after FILE_TYPE, in lower case.
+    /// Another kind: the word after FILE_TYPE, in lower case.
     Other(String),
 }
 
-/// A property file, losslessly: its bytes, what stands in its blocks, and what that means.
+/// A property file, kept without loss: its bytes, the content of its blocks, and the interpretation of its header.
 #[derive(Clone, Debug)]
 pub struct PropertyFile {
     source: Source,
-    /// What it describes.
+    /// Kind of element described by the file.
     pub kind: PropertyKind,
-    /// FILE_VERSION, if it is given.
+    /// Value of FILE_VERSION, if given.
     pub version: Option<f64>,
-    /// Its units; absent where the file states none.
+    /// Units of the file; `None` if it states none.
     pub units: Option<PropertyUnits>,
-    /// Every block and sub-block, in the order of the file.
+    /// All blocks and parts of blocks, in the order of the file.
     pub blocks: Vec<Block>,
 }
 
-/// The six curves of a bushing file in the order x, y, z, about x, about y, about z.
+/// Block names of the six curves of a bushing file, in the order x, y, z, about x, about y, about z.
 const BUSHING_CURVES: [&str; 6] = [
     "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
 ];
 
 impl PropertyFile {
-    /// Reads any bytes. Complaints: lines of no known form, rows of other widths than their table, values that cannot be read, a
-    /// missing header, unknown units, curves that do not increase.
+    /// Reads a property file from any bytes.
+    ///
+    /// Diagnostics report lines of unknown form, rows whose width differs from their table, unreadable values, a missing header, unknown
+    /// units, and curves whose x values do not increase.
     pub fn parse(source: Source) -> Checked<Self> {
         let Checked {
             value: blocks,
@@ -98,7 +102,7 @@ impl PropertyFile {
         }
     }
 
-    /// Complains of what a file of its kind is not without: its units, and the curves it is there for.
+    /// Reports missing content that a file of its kind requires: units, and at least one of its curves.
     fn missing(&self, diagnostics: &mut Vec<Diagnostic>) {
         let Some(header) = self.block("MDI_HEADER") else {
             return;
@@ -122,7 +126,7 @@ impl PropertyFile {
             PropertyKind::Other(_) => &[],
         };
         let curves = self.curves();
-        // A bushing may be without force in some directions; a file without any curve is of no use.
+        // A bushing may have no force in some directions, but a file without any curve is useless.
         let absent = wanted
             .iter()
             .all(|name| curves.iter().all(|curve| curve.block != *name));
@@ -134,7 +138,7 @@ impl PropertyFile {
         }
     }
 
-    /// True if the bytes look like a TeimOrbit file: the first line that is no comment is `[MDI_HEADER]`.
+    /// Returns true if the bytes look like a TeimOrbit file: the first line that is neither blank nor a comment is `[MDI_HEADER]`.
     pub fn is_one(bytes: &[u8]) -> bool {
         let start = &bytes[..bytes.len().min(4096)];
         start
@@ -144,19 +148,19 @@ impl PropertyFile {
             .is_some_and(|line| line.to_ascii_uppercase().starts_with(b"[MDI_HEADER]"))
     }
 
-    /// The file.
+    /// Returns the source file.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// The first block of this name in capitals, sub-blocks not among them.
+    /// Returns the first block with this name in capitals; parts of blocks are not considered.
     pub(crate) fn block(&self, name: &str) -> Option<&Block> {
         self.blocks
             .iter()
             .find(|block| block.name == name && block.part.is_none())
     }
 
-    /// A number of a block, such as `DAMPING`, `FX_DAMPING` or `SPRING_DATA`, `FREE_LENGTH`, in units of the file.
+    /// Returns a number in a block or its parts in units of the file, such as `FX_DAMPING` in `DAMPING` or `FREE_LENGTH` in `SPRING_DATA`.
     pub(crate) fn number(&self, block: &str, name: &str) -> Option<f64> {
         self.blocks
             .iter()
@@ -164,7 +168,7 @@ impl PropertyFile {
             .find_map(|one| one.parameter(name)?.number())
     }
 
-    /// Every table of two columns of numbers, in the order of the file.
+    /// Returns all tables of two columns of numbers as curves, in the order of the file.
     pub fn curves(&self) -> Vec<PropertyCurve> {
         self.blocks
             .iter()
@@ -177,19 +181,20 @@ impl PropertyFile {
             .collect()
     }
 
-    /// The curve of a block, such as `FX_CURVE` or `CURVE`; the case of letters does not matter.
+    /// Returns the curve of a block, such as `FX_CURVE` or `CURVE`; case is ignored.
     pub fn curve(&self, block: &str) -> Option<PropertyCurve> {
         let block = block.to_ascii_uppercase();
         self.curves().into_iter().find(|curve| curve.block == block)
     }
 
-    /// The six curves of a bushing in the units of a model: x, y, z, about x, about y, about z, whose angles are radians. The
-    /// elastic force of the bushing on its I side is the negative of the curve at the deformation of I from J.
+    /// Returns the six curves of a bushing in the units of a model, in the order x, y, z, about x, about y, about z; angles are in radians.
+    ///
+    /// The elastic force of the bushing on its I side is the negative of the curve at the deformation of I relative to J.
     pub fn bushing_curves(&self, units: &Units) -> [Option<(Vec<f64>, Vec<f64>)>; 6] {
         BUSHING_CURVES.map(|name| Some(self.curve(name)?.in_units(self.units.as_ref(), units)))
     }
 
-    /// The six damping rates of a bushing in the units of a model; zero where the file gives none.
+    /// Returns the six damping coefficients of a bushing in the units of a model; zero where the file gives none.
     pub fn bushing_damping(&self, units: &Units) -> [f64; 6] {
         std::array::from_fn(|k| {
             let name = BUSHING_CURVES[k].replace("CURVE", "DAMPING");
@@ -206,7 +211,7 @@ impl PropertyFile {
         })
     }
 
-    /// The free length of a spring in the units of a model.
+    /// Returns the free length of a spring in the units of a model.
     pub fn free_length(&self, units: &Units) -> Option<f64> {
         let length = self.number("SPRING_DATA", "FREE_LENGTH")?;
         Some(match &self.units {

@@ -5,10 +5,10 @@ use crate::lines::physical_line;
 use crate::number::parse_number;
 use crate::text::{Source, Span};
 
-/// A file full of nonsense is reported with so many complaints.
+/// Maximum number of diagnostics of a file.
 const MOST_COMPLAINTS: usize = 50;
 
-/// The blocks of a TeimOrbit file, line by line. Knows no names.
+/// Reads all blocks of a TeimOrbit file line by line, independent of their names.
 pub(super) fn blocks(source: &Source) -> Checked<Vec<Block>> {
     let mut reader = Reader {
         source,
@@ -36,7 +36,7 @@ pub(super) fn blocks(source: &Source) -> Checked<Vec<Block>> {
 struct Reader<'a> {
     source: &'a Source,
     blocks: Vec<Block>,
-    /// True while rows belong to the last table.
+    /// True while further rows belong to the last table.
     open_table: bool,
     diagnostics: Vec<Diagnostic>,
 }
@@ -87,7 +87,7 @@ impl Reader<'_> {
         });
     }
 
-    /// The open block; a complaint if there is none.
+    /// Returns the open block; without one, an error is reported.
     fn block(&mut self, span: Span) -> Option<&mut Block> {
         if self.blocks.is_empty() {
             self.complain(
@@ -128,7 +128,7 @@ impl Reader<'_> {
             return;
         };
         table.span = table.span.join(span);
-        // A heading may hold one word for a line of text.
+        // A heading of one word may head a table of text rows.
         let width = match (table.columns.len(), table.rows.first()) {
             (_, Some(first)) => first.len(),
             (0 | 1, None) => row.len(),
@@ -160,7 +160,7 @@ impl Reader<'_> {
     }
 }
 
-/// The line without blanks around it and without what stands behind `$` or `!` outside of quotes.
+/// Returns the span of a line without surrounding blanks and without a comment, which starts at `$` or `!` outside of quotes.
 fn without_comment(bytes: &[u8], line: Span) -> Span {
     let text = &bytes[line.range()];
     let mut quoted = false;
@@ -188,7 +188,7 @@ fn trimmed(source: &Source, span: Span) -> Span {
     Span::new(start, start + text.trim_ascii().len())
 }
 
-/// Where the first equals sign outside of quotes stands.
+/// Returns the position of the first equals sign outside of quotes.
 fn equals(line: &[u8]) -> Option<usize> {
     let mut quoted = false;
     line.iter().position(|byte| {
@@ -197,7 +197,7 @@ fn equals(line: &[u8]) -> Option<usize> {
     })
 }
 
-/// Values between blanks, commas or tabs; texts in single quotes may hold blanks.
+/// Splits a line at blanks, commas or tabs into cells; texts in single quotes may contain blanks.
 fn cells(source: &Source, span: Span) -> Vec<Cell> {
     let bytes = &source.bytes()[..span.end()];
     let mut found = Vec::new();

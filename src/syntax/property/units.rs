@@ -3,7 +3,7 @@ use crate::diagnostic::{Code, Diagnostic};
 use crate::text::Source;
 use crate::units::{Dimension, FORCE_UNITS, LENGTH_UNITS, MASS_UNITS, TIME_UNITS, Unit, Units};
 
-/// The units of a property file: sizes in SI, and of the angle in radians.
+/// The units of a property file, as their sizes in SI units and radians.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct PropertyUnits {
     /// Size of the unit of force in newton.
@@ -18,7 +18,7 @@ pub struct PropertyUnits {
     pub angle: f64,
 }
 
-/// Spellings of Adams/Car that neither begin the keyword of UNITS nor are the word of results.
+/// Further unit names of Adams/Car that are neither abbreviations of keywords of UNITS nor the spellings of results files.
 const MORE: &[(&str, &str)] = &[
     ("m", "METER"),
     ("in", "INCH"),
@@ -33,8 +33,9 @@ const MORE: &[(&str, &str)] = &[
 ];
 
 impl PropertyUnits {
-    /// Reads the block `UNITS`. What is missing or not known is taken as millimetres, newtons, kilograms, seconds, degrees, as
-    /// Adams/Car writes them; unknown words are complained of.
+    /// Reads the block `UNITS`. Unknown words are reported.
+    ///
+    /// Missing or unknown units default to newtons, kilograms, millimetres, seconds and degrees, the usual ones of Adams/Car.
     pub(super) fn read(block: &Block, source: &Source, diagnostics: &mut Vec<Diagnostic>) -> Self {
         let mut size = |name: &str, all: &[Unit], usual: f64| {
             let Some(parameter) = block.parameter(name) else {
@@ -70,7 +71,7 @@ impl PropertyUnits {
         units
     }
 
-    /// What a number of this dimension is multiplied by to be in the units of a model, whose angles are radians.
+    /// Returns the factor that converts a number of this dimension to the units of a model, with angles in radians.
     pub(crate) fn factor(&self, dimension: Dimension, units: &Units) -> f64 {
         [
             (self.force / units.force.si, dimension.force),
@@ -85,7 +86,7 @@ impl PropertyUnits {
     }
 }
 
-/// The size of a unit by its keyword, the beginning of it, its word, or a spelling of Adams/Car.
+/// Returns the size of a unit, given its keyword, an abbreviation of it, its spelling in results, or a spelling of Adams/Car.
 fn find(word: &str, all: &[Unit]) -> Option<f64> {
     let keyword = MORE
         .iter()

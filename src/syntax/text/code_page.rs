@@ -4,25 +4,25 @@ use std::io::{Result, Write};
 use encoding_rs::Encoding;
 use oem_cp::code_table::ENCODING_TABLE_CP_MAP;
 
-/// Names the code page of whoever reads what is printed on a pipe.
+/// Environment variable that names the code page of the program that reads the output from a pipe.
 const VARIABLE: &str = "ADMIRE_CODE_PAGE";
 
-/// How characters are printed where no console takes them as they are.
+/// Encoding of printed text, for output that does not go to a console.
 #[derive(Clone, Copy, Debug)]
 pub enum CodePage {
-    /// As they are here.
+    /// UTF-8; the text stays unchanged.
     Utf8,
-    /// A code page of the consoles of Windows: 437, 850, 852 and so on.
+    /// A console (OEM) code page of Windows: 437, 850, 852 and so on.
     Oem(u16),
-    /// A code page of the windows of Windows: 1250 to 1258.
+    /// An ANSI code page of Windows: 1250 to 1258.
     Ansi(&'static Encoding),
 }
 
 impl CodePage {
-    /// The one that the environment variable `ADMIRE_CODE_PAGE` names; UTF-8 without it.
+    /// Returns the code page named by the environment variable `ADMIRE_CODE_PAGE`, or UTF-8 if it is not set.
     ///
     /// # Errors
-    /// When it is not known; the text says so.
+    /// Returns a message if the code page is unknown.
     pub fn of_environment() -> std::result::Result<Self, String> {
         let named = std::env::var(VARIABLE).unwrap_or_default();
         Self::named(&named).ok_or_else(|| {
@@ -45,7 +45,7 @@ impl CodePage {
         Encoding::for_label(format!("windows-{number}").as_bytes()).map(Self::Ansi)
     }
 
-    /// A text in this code page; a character that it lacks becomes one that looks like it, or `?`.
+    /// Encodes a text in this code page; a missing character becomes similar ASCII characters, or `?`.
     pub fn encode(self, text: &str) -> Cow<'_, [u8]> {
         if text.is_ascii() || matches!(self, Self::Utf8) {
             return Cow::Borrowed(text.as_bytes());
@@ -59,7 +59,7 @@ impl CodePage {
         Cow::Owned(out)
     }
 
-    /// Adds a character, if the code page has it.
+    /// Appends a character and returns true if the code page contains it.
     fn push(self, c: char, out: &mut Vec<u8>) -> bool {
         if c.is_ascii() {
             out.push(c as u8);
@@ -87,7 +87,7 @@ impl CodePage {
     }
 }
 
-/// ASCII that looks like a character of our own texts.
+/// Returns ASCII characters that resemble a character used in the texts of `admire`.
 const fn like(c: char) -> &'static str {
     match c {
         '\u{2502}' | '\u{2506}' | '\u{250a}' => "|",
@@ -106,7 +106,7 @@ const fn like(c: char) -> &'static str {
     }
 }
 
-/// A writer of texts that encodes each of them.
+/// A writer of UTF-8 text that encodes it in a code page.
 #[derive(Debug)]
 pub struct Encoded<W> {
     inner: W,
@@ -114,7 +114,7 @@ pub struct Encoded<W> {
 }
 
 impl<W: Write> Encoded<W> {
-    /// Texts go to `inner`.
+    /// Creates a writer that passes encoded text to `inner`.
     pub const fn new(inner: W, page: CodePage) -> Self {
         Self { inner, page }
     }

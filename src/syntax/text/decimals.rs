@@ -1,9 +1,11 @@
-/// Digits after the point with which numbers of one kind are told.
+/// Number of decimals with which a quantity is printed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Decimals(usize);
 
 impl Decimals {
-    /// Two significant digits of an error; three after the point at least, which is enough for millimetres and degrees of axles.
+    /// Returns the decimals that show two significant digits of an error.
+    ///
+    /// The minimum is three decimals, which is enough for millimetres and degrees of axles.
     pub fn of_error(error: f64) -> Self {
         let digits = 1.0 - libm::log10(error.abs()).floor();
         Self(if digits.is_finite() {
@@ -13,13 +15,13 @@ impl Decimals {
         })
     }
 
-    /// One digit more.
+    /// Returns one more decimal.
     #[must_use]
     pub fn finer(self) -> Self {
         Self(self.0 + 1)
     }
 
-    /// A number with these digits.
+    /// Formats a number with these decimals.
     pub fn told(self, value: f64) -> String {
         format!("{value:.*}", self.0)
     }

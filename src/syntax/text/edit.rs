@@ -1,16 +1,16 @@
 use super::Span;
 
-/// Replace the bytes of `span` by `replacement`. An empty span inserts, an empty replacement deletes.
+/// An edit that replaces the bytes of `span` by `replacement`. An empty span inserts; an empty replacement deletes.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Edit {
-    /// What is replaced, in the unedited bytes.
+    /// Span to be replaced, in the unedited bytes.
     pub span: Span,
-    /// What stands there afterwards.
+    /// New bytes.
     pub replacement: Vec<u8>,
 }
 
 impl Edit {
-    /// An edit from a span and its new bytes.
+    /// Creates an edit from a span and its new bytes.
     pub fn new(span: Span, replacement: impl Into<Vec<u8>>) -> Self {
         Self {
             span,
@@ -19,21 +19,21 @@ impl Edit {
     }
 }
 
-/// Why a set of edits could not be applied.
+/// Reason why a set of edits could not be applied.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum EditConflict {
     /// Two edits replace the same bytes.
     #[error("two edits overlap at bytes {}..{} and {}..{}", .0.start(), .0.end(), .1.start(), .1.end())]
     Overlap(Span, Span),
-    /// An edit reaches past the end of the bytes.
+    /// An edit extends past the end of the bytes.
     #[error("an edit reaches to byte {} of {}", .0.end(), .1)]
     OutOfBounds(Span, usize),
 }
 
-/// Applies edits that are all stated in offsets of `bytes`, in any order. Insertions at one place keep their order.
+/// Applies edits in any order; all spans are offsets in the unedited `bytes`. Insertions at the same offset keep their order.
 ///
 /// # Errors
-/// When two edits overlap or one lies outside of `bytes`; nothing is applied then.
+/// Returns an error if two edits overlap or an edit lies outside of `bytes`; nothing is applied then.
 pub fn apply_edits(bytes: &[u8], edits: &[Edit]) -> Result<Vec<u8>, EditConflict> {
     let mut order: Vec<&Edit> = edits.iter().collect();
     order.sort_by_key(|edit| (edit.span.start(), edit.span.end()));

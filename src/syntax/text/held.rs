@@ -1,18 +1,18 @@
-//! Files and folders that another program holds.
+//! Waiting for files and folders that another program holds open.
 //!
-//! Windows refuses to replace, write or remove what somebody has opened: MATLAB, an editor, a virus scanner, a process that is just
-//! ending. Most let go soon. Elsewhere nobody is in the way.
+//! Windows does not let a program replace, write or remove a file that is open elsewhere: in MATLAB, an editor, a virus scanner, or a
+//! process that is just ending. Most programs release the file soon. Other systems have no such restriction.
 
 use std::io::{Error, Result};
 use std::time::Duration;
 
-/// Between two attempts, in milliseconds: two seconds in all.
+/// Pauses between attempts, in milliseconds; two seconds in total.
 const PAUSES: [u64; 9] = [5, 10, 25, 60, 100, 200, 400, 600, 600];
 
-/// Does something with a file, again and again for two seconds while another program holds the file.
+/// Runs a file operation, and repeats it for two seconds while another program holds the file.
 ///
 /// # Errors
-/// That of the last attempt, or of the first that has another reason.
+/// Returns the error of the last attempt, or the first error that has another cause.
 pub fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
     let wait = |pause| std::thread::sleep(Duration::from_millis(pause));
     repeated(attempt, is_held, wait).map_err(|error| {
@@ -24,7 +24,7 @@ pub fn patiently<T>(attempt: impl FnMut() -> Result<T>) -> Result<T> {
     })
 }
 
-/// True for what Windows says of what somebody holds: access denied, sharing violation, lock violation, folder not empty.
+/// Returns true for the errors of Windows about files in use: access denied, sharing violation, lock violation, folder not empty.
 fn is_held(error: &Error) -> bool {
     cfg!(windows) && matches!(error.raw_os_error(), Some(5 | 32 | 33 | 145))
 }
@@ -57,7 +57,7 @@ mod tests {
         };
         let done = repeated(attempt, |_| true, |pause| waited += pause).unwrap();
         assert_eq!((done, waited), ("done", 40));
-        // Not for ever, and not for another reason.
+        // Waiting ends after two seconds, and other errors are not repeated.
         let (mut count, mut waited) = (0, 0);
         let attempt = || {
             count += 1;

@@ -1,6 +1,6 @@
 use std::io::{Result, Write};
 
-/// A writer of text that ends lines as programs of this system do: with CR LF on Windows, with LF elsewhere.
+/// A writer of text that uses the line ends of the system: CR LF on Windows, LF elsewhere.
 #[derive(Debug)]
 pub struct LineEnds<W> {
     inner: W,
@@ -8,7 +8,7 @@ pub struct LineEnds<W> {
 }
 
 impl<W: Write> LineEnds<W> {
-    /// Text goes to `inner`.
+    /// Creates a writer that passes text to `inner`.
     pub const fn of_system(inner: W) -> Self {
         Self {
             inner,

@@ -1,6 +1,6 @@
-//! Bytes of a file, places in them, edits of them, and how they get into a file.
+//! Bytes of files, spans in them, edits of them, and functions for reading and writing files.
 //!
-//! Knows nothing about ADAMS. Bytes of files are never decoded to be edited: real decks hold Latin-1.
+//! The module is independent of ADAMS. Bytes are edited without decoding them, because real decks contain Latin-1.
 
 mod code_page;
 mod decimals;

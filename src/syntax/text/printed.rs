@@ -1,9 +1,10 @@
-//! Text that a file or a path brought, as it may reach a terminal: nothing in it commands the terminal or turns lines around.
+//! Text from files or paths in a form that is safe for a terminal: without control sequences and marks that change the text direction.
 
 use std::borrow::Cow;
 
-/// True for what a terminal obeys instead of showing: C0 and C1 controls but for line ends and tabs, and the marks that turn the
-/// direction of text around (UAX 9).
+/// Returns true for a character that a terminal obeys instead of showing.
+///
+/// These are the C0 and C1 controls, except line ends and tabs, and the marks that change the direction of text (UAX 9).
 fn is_command(c: char, next: Option<char>) -> bool {
     match c {
         '\n' | '\t' => false,
@@ -24,13 +25,13 @@ fn each(text: &str) -> impl Iterator<Item = (char, bool)> {
 }
 
 fn is_harmless(text: &str) -> bool {
-    // Most text is ASCII without controls: bytes tell.
+    // Most text is ASCII without controls, which a check of its bytes shows.
     text.bytes()
         .all(|byte| matches!(byte, b' '..=b'~' | b'\n' | b'\t'))
         || each(text).all(|(_, command)| !command)
 }
 
-/// A text for a terminal. Controls are spelled `\u001b`, as JSON does: JSON keeps its meaning.
+/// Returns a text that is safe for a terminal. Controls are spelled `\u001b` as in JSON, so that JSON text keeps its meaning.
 pub fn printable(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);
@@ -46,7 +47,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// A text for a terminal in which every character stays at its byte: controls are shown as `?` and the like.
+/// Returns a text that is safe for a terminal and keeps the byte offset of every character; controls become `?` or another placeholder.
 pub fn masked(text: &str) -> Cow<'_, str> {
     if is_harmless(text) {
         return Cow::Borrowed(text);

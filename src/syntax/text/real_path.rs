@@ -1,13 +1,15 @@
 use std::io::Result;
 use std::path::{Path, PathBuf};
 
-/// The whole path of what is there, links followed. On Windows it begins with `\\?\`, and may be longer than 260 characters.
+/// Returns the full path of an existing file or folder, with links resolved.
+///
+/// On Windows the path begins with `\\?\` and may be longer than 260 characters.
 ///
 /// # Errors
-/// When there is nothing.
+/// Returns an error if the path does not exist.
 pub fn real_path(path: &Path) -> Result<PathBuf> {
     path.canonicalize().or_else(|error| {
-        // Wine 8 has no room for the longer ones (ERROR_MORE_DATA), which Windows never says here.
+        // Wine 8 fails for long paths with ERROR_MORE_DATA, which Windows never returns here.
         if !cfg!(windows) || error.raw_os_error() != Some(234) {
             return Err(error);
         }

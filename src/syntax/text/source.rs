@@ -5,13 +5,13 @@ use std::sync::{Arc, OnceLock};
 
 use super::Span;
 
-/// The bytes of one file with a name to show, cheap to clone.
+/// The bytes of one file, and a name to show in messages. It is cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Source {
     name: Arc<str>,
-    // As it was read: to move the bytes of a large file would need their room twice.
+    // The vector is kept as it was read; converting it would need twice the memory for a large file.
     bytes: Arc<Vec<u8>>,
-    /// Where lines begin, once somebody asked: thousands of complaints about one file ask again and again.
+    /// Offsets at which lines begin, computed on first use because thousands of diagnostics of one file need them.
     line_starts: Arc<OnceLock<Vec<usize>>>,
 }
 
@@ -25,10 +25,10 @@ pub struct LineColumn {
 }
 
 impl Source {
-    /// More bytes are not read as a whole: their places would not fit a [`Span`].
+    /// Largest size, in bytes, of a file that is read as a whole; offsets in a larger file would not fit into a [`Span`].
     pub const LARGEST: u64 = u32::MAX as u64;
 
-    /// A source from a name to show and its bytes.
+    /// Creates a source from a name to show and its bytes.
     pub fn new(name: impl Into<Arc<str>>, bytes: impl Into<Vec<u8>>) -> Self {
         Self {
             name: name.into(),
@@ -37,31 +37,31 @@ impl Source {
         }
     }
 
-    /// The bytes of a file.
+    /// Reads a file as a whole.
     ///
     /// # Errors
-    /// When the file cannot be read, or is larger than [`LARGEST`](Self::LARGEST).
+    /// Returns an error if the file cannot be read, or is larger than [`LARGEST`](Self::LARGEST).
     pub fn read(path: &Path) -> std::io::Result<Self> {
         let bytes = read_at_most(path, Self::LARGEST)?;
         Ok(Self::new(path.display().to_string(), bytes))
     }
 
-    /// The name to show: usually a path.
+    /// Returns the name to show, usually a path.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// All bytes.
+    /// Returns all bytes.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// The bytes of a span.
+    /// Returns the bytes of a span.
     pub fn slice(&self, span: Span) -> &[u8] {
         &self.bytes[span.range()]
     }
 
-    /// The text of a span to show to a person: bytes that are not UTF-8 are read as Latin-1.
+    /// Returns the text of a span for display; bytes that are not UTF-8 are read as Latin-1.
     pub fn text(&self, span: Span) -> Cow<'_, str> {
         let bytes = self.slice(span);
         match std::str::from_utf8(bytes) {
@@ -70,10 +70,10 @@ impl Source {
         }
     }
 
-    /// The whole file, of a format that is UTF-8.
+    /// Returns the whole file as text, for a format that is UTF-8.
     ///
     /// # Errors
-    /// The place of the first byte that is not.
+    /// Returns the span of the first byte that is not UTF-8.
     pub fn utf8(&self) -> Result<&str, Span> {
         std::str::from_utf8(&self.bytes).map_err(|error| {
             let at = error.valid_up_to();
@@ -81,7 +81,8 @@ impl Source {
         })
     }
 
-    /// The same text in UTF-8 where the file is UTF-16: by its byte order mark, or by zeros beside its first letters.
+    /// Converts a UTF-16 file to UTF-8; others stay unchanged. UTF-16 is recognised by its byte order mark or by zeros beside its first
+    /// letters.
     #[must_use]
     pub fn in_utf8(self) -> Self {
         let encoding = match self.bytes[..] {
@@ -95,7 +96,7 @@ impl Source {
         Self::new(self.name, text.into_owned())
     }
 
-    /// Line and column of an offset. Lines end at LF; a CR before it belongs to the line.
+    /// Returns the line and column of an offset. Lines end at LF; a CR before it belongs to the line.
     pub fn line_column(&self, offset: usize) -> LineColumn {
         let offset = offset.min(self.bytes.len());
         let starts = self.line_starts.get_or_init(|| {
@@ -110,11 +111,11 @@ impl Source {
     }
 }
 
-/// Opens a file to read it.
+/// Opens a file for reading.
 ///
 /// # Errors
-/// When it cannot be opened. A named pipe or a device is refused: the one waits for its writer, if need be for ever, the other may not end.
-/// Pipes of a shell have a writer; they have no place in the file system.
+/// Returns an error if the file cannot be opened, or is a named pipe or a device. A named pipe may wait for its writer for ever, and a
+/// device may never end. Pipes of a shell are accepted; they have a writer and no path in the file system.
 pub fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
     let there = std::fs::metadata(path)?;
     if !there.is_file() && !there.is_dir() && path.canonicalize().is_ok() {
@@ -126,22 +127,22 @@ pub fn open_to_read(path: &Path) -> std::io::Result<std::fs::File> {
     std::fs::File::open(path)
 }
 
-/// The bytes of a file that has at most so many.
+/// Reads a file of at most `most` bytes.
 ///
 /// # Errors
-/// When the file cannot be read, or is larger.
+/// Returns an error if the file cannot be read or is larger.
 pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     let size = std::fs::metadata(path)?.len();
     check_size(size, most)?;
     let mut bytes = Vec::new();
-    // A few bytes more: to see the end must not double the room.
+    // The extra bytes let the read detect the end of the file without doubling the buffer.
     let room = usize::try_from(size)
         .unwrap_or(usize::MAX)
         .saturating_add(64);
     bytes
         .try_reserve_exact(room)
         .map_err(|_| std::io::Error::from(std::io::ErrorKind::OutOfMemory))?;
-    // What has no size beforehand (a pipe, a device) is cut off.
+    // Input without a known size is cut off here and rejected below.
     open_to_read(path)?
         .take(most.saturating_add(1))
         .read_to_end(&mut bytes)?;
@@ -149,10 +150,10 @@ pub fn read_at_most(path: &Path, most: u64) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An error if a file has more bytes than are read.
+/// Checks the size of a file against a limit.
 ///
 /// # Errors
-/// In that case.
+/// Returns an error if `size` exceeds `most`.
 pub fn check_size(size: u64, most: u64) -> std::io::Result<()> {
     if size <= most {
         return Ok(());

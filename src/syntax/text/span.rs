@@ -2,9 +2,9 @@ use std::ops::Range;
 
 /// A half-open range of byte offsets in one [`Source`](super::Source).
 ///
-/// Offsets are kept in 32 bits, since a deck has a span for each of its words and numbers: a file that is read as a whole is smaller
-/// than 4 GiB ([`Source::LARGEST`](super::Source::LARGEST)). Offsets beyond that (places in a results file, which is streamed) are
-/// cut to the largest one.
+/// Offsets have 32 bits, because a deck has a span for each of its words and numbers. A file that is read as a whole is therefore smaller
+/// than 4 GiB ([`Source::LARGEST`](super::Source::LARGEST)). Larger offsets, as in a streamed results file, are clamped to the largest
+/// value.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug, Default)]
 pub struct Span {
     start: u32,
@@ -20,7 +20,7 @@ const fn cut(offset: usize) -> u32 {
 }
 
 impl Span {
-    /// The span from `start` up to, not including, `end`.
+    /// Creates the span from `start` up to but not including `end`.
     pub const fn new(start: usize, end: usize) -> Self {
         Self {
             start: cut(start),
@@ -28,33 +28,33 @@ impl Span {
         }
     }
 
-    /// An empty span: a place between two bytes.
+    /// Creates an empty span: a position between two bytes.
     pub const fn at(offset: usize) -> Self {
         Self::new(offset, offset)
     }
 
-    /// Offset of the first byte.
+    /// Returns the offset of the first byte.
     pub const fn start(self) -> usize {
         self.start as usize
     }
 
-    /// Offset one past the last byte.
+    /// Returns the offset one past the last byte.
     pub const fn end(self) -> usize {
         self.end as usize
     }
 
-    /// Number of bytes.
+    /// Returns the number of bytes.
     pub const fn len(self) -> usize {
         self.end() - self.start()
     }
 
-    /// True for a place between two bytes.
+    /// Returns true for an empty span, which is a position between two bytes.
     pub const fn is_empty(self) -> bool {
         self.start == self.end
     }
 
     #[must_use]
-    /// The smallest span that holds both.
+    /// Returns the smallest span that contains both spans.
     pub fn join(self, other: Self) -> Self {
         Self {
             start: self.start.min(other.start),
@@ -63,7 +63,7 @@ impl Span {
     }
 
     #[must_use]
-    /// The same start with another end.
+    /// Returns the span with the same start and another end.
     pub const fn to(self, end: usize) -> Self {
         Self {
             start: self.start,
@@ -71,12 +71,12 @@ impl Span {
         }
     }
 
-    /// True if `other` lies wholly inside.
+    /// Returns true if `other` lies completely inside this span.
     pub const fn contains(self, other: Self) -> bool {
         self.start <= other.start && other.end <= self.end
     }
 
-    /// As a range, for slicing.
+    /// Returns the span as a range, for slicing.
     pub const fn range(self) -> Range<usize> {
         self.start()..self.end()
     }

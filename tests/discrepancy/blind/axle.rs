@@ -1,4 +1,4 @@
-//! An axle as it really is, in a folder that no diagnosis sees.
+//! The true axle, in a folder that the diagnosis never sees.
 
 use std::path::Path;
 
@@ -9,20 +9,20 @@ use tempfile::TempDir;
 
 use super::draw::Axle;
 
-/// Relative scatter of the true stiffnesses about those of the reference deck.
+/// Relative scatter of the true stiffnesses about the values of the reference deck.
 const SCATTER: f64 = 0.15;
 
-/// The folder of the truth and what of it a diagnosis may see.
+/// The folder of the truth, and the parts of it that a diagnosis may see.
 pub struct Truth {
-    /// The study with the true deck; nothing was measured yet.
+    /// Study with the true deck, not measured yet.
     pub folder: TempDir,
-    /// The deck as the user has it: stiffnesses of the identified bushings unknown.
+    /// Deck of the user, in which the stiffnesses of the identified bushings are unknown.
     pub nominal: Vec<u8>,
-    /// The true values of the unknowns.
+    /// True values of the unknowns.
     pub values: Vec<f64>,
 }
 
-/// What a rig reads besides marks.
+/// Sections of the study for readings besides marks: wheel and channels.
 const WHEEL: [&str; 2] = [
     "\n[wheel]\nmarker = \"MARKER/20\"\naxis = \"y\"\nsigma = { position = 0.05, angle_deg = 0.01 }\n",
     "\n[wheel]\nmarker = \"MARKER/30\"\naxis = \"y\"\nsigma = { position = 0.05, angle_deg = 0.01 }\n",
@@ -68,7 +68,7 @@ pub fn truth(
     write("load_cases.csv", programme.csv().as_bytes());
     write("marks_on_parts.csv", read("marks_on_parts.csv").as_bytes());
     write("model.adm", read("reference.adm").as_bytes());
-    // The unknowns need a study that was measured: the shipped one.
+    // Unknowns are defined by a measured study; the shipped one is used.
     let shipped = LoadedStudy::read(&shipped).value.expect("a shipped study");
     let mut scatter = Noise::new(seed, "stiffness");
     let values: Vec<f64> = shipped

@@ -1,4 +1,4 @@
-//! How much of an effect no stiffness and no nuisance can follow.
+//! Detectability of an effect: the part of its shift that neither stiffnesses nor nuisances can follow.
 
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
@@ -9,17 +9,17 @@ use admire_identify::global::{
 use admire_study::Measurement;
 use nalgebra::{DMatrix, DVector};
 
-/// Directions a fit can follow anyway, at the truth.
+/// Directions in reading space that a fit can follow, at the true values.
 pub struct Span {
     /// Whitened sensitivities, one column per unknown.
     jacobian: DMatrix<f64>,
-    /// For columns that are an assembly offset, the bushing's id.
+    /// Id of the bushing for each column that is an assembly offset.
     offset_of: Vec<Option<u32>>,
     rows: Vec<Row>,
 }
 
 impl Span {
-    /// Of a study whose deck is the true one, at the true stiffnesses.
+    /// Computes the span of a study with the true deck at the true stiffnesses.
     pub fn new(study: &LoadedStudy, values: &[f64]) -> Self {
         let problem = study.problem();
         let prepared = Prepared::new(&problem).expect("a deck that can be solved");
@@ -56,12 +56,12 @@ impl Span {
         }
     }
 
-    /// How many readings there are.
+    /// Returns the number of readings.
     pub fn rows(&self) -> usize {
         self.rows.len()
     }
 
-    /// A change of all readings, in the order of the rows, in units of their noise.
+    /// Divides a change of all readings, in the order of the rows, by their noise.
     pub fn whitened(&self, change: &DVector<f64>, measurement: &Measurement) -> DVector<f64> {
         assert_eq!(change.len(), self.rows.len());
         let wheel = measurement.wheel.as_ref();
@@ -80,8 +80,10 @@ impl Span {
         DVector::from_iterator(self.rows.len(), whitened)
     }
 
-    /// Sum of squares of what of a shift lies outside of the span. Offsets of the bushing `own` and further directions count as
-    /// told: where the offset is what was planted, it is no nuisance; where a second effect is, it is one more.
+    /// Returns the sum of squares of the part of a shift outside of the span.
+    ///
+    /// Offsets of the bushing `own` are left out of the span, because there the offset is the planted effect. The `further` directions,
+    /// such as the directions of a second effect, are added to the span.
     pub fn outside(&self, shift: &DVector<f64>, own: Option<u32>, further: &[DVector<f64>]) -> f64 {
         let kept: Vec<usize> = (0..self.jacobian.ncols())
             .filter(|k| own.is_none() || self.offset_of[*k] != own)
@@ -110,8 +112,9 @@ impl Span {
     }
 }
 
-/// What a fit of stiffnesses and nuisances leaves of readings without noise, as a sum of squares over the noise they would have: an
-/// effect so large that stiffnesses follow it along a curve leaves less than the straight span says.
+/// Returns the residual sum of squares of a fit of stiffnesses and nuisances to readings without noise, in units of their nominal noise.
+///
+/// For a large effect the stiffnesses follow along a curve, and the residual is smaller than the linear span suggests.
 pub fn left_by_a_fit(study: &LoadedStudy, values: &[f64]) -> Option<f64> {
     let problem = study.problem();
     let prepared = Prepared::new(&problem).ok()?;

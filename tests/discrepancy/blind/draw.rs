@@ -1,4 +1,4 @@
-//! What a seed plants: cause, place, sign and size on an axle, measured in a programme with a noise.
+//! Random planted effects: each seed draws cause, location, sign and size, and an axle with a load programme and a noise level.
 
 use admire_rig::LoadTable;
 use admire_solver::model::{JointKind, MarkerIx, Model};
@@ -7,17 +7,17 @@ use rand_pcg::Pcg64;
 
 use super::sized::{Form, Piece, Plant, shift, text};
 
-/// Which axle.
+/// The axle of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Axle {
-    /// Two bushings sought.
+    /// Axle with two bushings to be identified.
     McPherson,
-    /// Twelve bushings sought.
+    /// Axle with twelve bushings to be identified.
     Multilink,
 }
 
 impl Axle {
-    /// Its study in the corpus.
+    /// Returns the name of the axle's study in the corpus.
     pub const fn name(self) -> &'static str {
         match self {
             Self::McPherson => "pseudo-mcpherson",
@@ -25,7 +25,7 @@ impl Axle {
         }
     }
 
-    /// Its wheel carrier.
+    /// Returns the id of the wheel carrier part.
     const fn carrier(self) -> u32 {
         match self {
             Self::McPherson => 4,
@@ -34,41 +34,41 @@ impl Axle {
     }
 }
 
-/// What kind of study a seed is for.
+/// Kind of study, by what is planted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
     /// One cause.
     Single,
-    /// Nothing is wrong.
+    /// No cause.
     Clean,
     /// Two causes at once.
     Pair,
-    /// A cause outside the catalogue.
+    /// A cause outside the catalogue of hypotheses.
     Outside,
 }
 
-/// A study before it is measured.
+/// A planned study, before it is measured.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Plan {
-    /// Its seed.
+    /// Seed of the study.
     pub seed: u64,
-    /// Its kind.
+    /// Kind of the study.
     pub kind: Kind,
-    /// Its axle.
+    /// Axle of the study.
     pub axle: Axle,
-    /// Its loads.
+    /// Load programme.
     pub programme: LoadTable,
-    /// Sd of a mark coordinate.
+    /// Standard deviation of a mark coordinate, in mm.
     pub sigma: f64,
-    /// Whether hardpoints, load gains and the first session carry small errors.
+    /// True if hardpoints, load gains and the first session have small background errors.
     pub background: bool,
-    /// Whether the wheel is read, and two sensors.
+    /// Whether the wheel is measured, and whether two sensors are read.
     pub instruments: (bool, bool),
-    /// What is wrong.
+    /// Planted effects.
     pub plants: Vec<Plant>,
 }
 
-/// Every cause of guide/study.md.
+/// All causes of guide/study.md.
 pub const CAUSES: [&str; 16] = [
     "progressive-stiffness",
     "dry-friction",
@@ -88,8 +88,10 @@ pub const CAUSES: [&str; 16] = [
     "channel-fault",
 ];
 
-/// Causes that differ from what their hypothesis assumes where they really occur: forces that grow otherwise, ends that both yield,
-/// brackets stiffer one way, errors that grow with the load or with time. A shifted point or one wrong reading cannot.
+/// Causes that may be planted by another law than the one of their hypothesis.
+///
+/// Examples are other growth of forces, compliance at both ends, brackets stiffer in one direction, and errors that grow with load or time.
+/// A shifted point or a single wrong reading has no other law.
 const OTHERWISE: [&str; 12] = [
     "progressive-stiffness",
     "dry-friction",
@@ -105,7 +107,7 @@ const OTHERWISE: [&str; 12] = [
     "channel-fault",
 ];
 
-/// What no hypothesis of the catalogue is.
+/// Effects for which the catalogue has no hypothesis.
 pub const OUTSIDE: [&str; 6] = [
     "creep",
     "free-play",
@@ -115,24 +117,24 @@ pub const OUTSIDE: [&str; 6] = [
     "marks-exchanged",
 ];
 
-/// Ranges of the displacements of an axle in a programme, which set the natural scale of an effect there.
+/// Ranges of the displacements of an axle in a programme, which set the natural scale of an effect.
 pub struct Ranges<'a> {
-    /// The deck.
+    /// Model of the deck.
     pub model: &'a Model,
-    /// Smallest and largest displacement of I from J along an axis of J.
+    /// Returns the smallest and largest displacement of I from J along an axis of J.
     pub of: &'a dyn Fn((MarkerIx, MarkerIx), usize) -> (f64, f64),
-    /// Smallest and largest distance.
+    /// Returns the smallest and largest distance between two markers.
     pub length: &'a dyn Fn((MarkerIx, MarkerIx)) -> (f64, f64),
-    /// Marked parts with labels of their marks.
+    /// Marked parts with the labels of their marks.
     pub marks: Vec<(String, Vec<String>)>,
-    /// Ids of bushings that are identified.
+    /// Ids of the bushings to be identified.
     pub identified: Vec<u32>,
 }
 
-/// The plan of a seed without its plants.
+/// Returns the plan of a seed, without its planted effects.
 pub fn plan(kind: Kind, seed: u64) -> Plan {
     let mut random = stream(seed, kind, 0);
-    // At most twelve of the test's 74 studies are multilinks, which take longest: 8 of 48 singles, 2 of 12 clean ones, one pair.
+    // Multilinks are limited because they take longest: at most 12 of the 74 test studies (8 of 48 singles, 2 of 12 clean ones, one pair).
     let multilink = match kind {
         Kind::Single | Kind::Clean => seed % 6 == 5,
         Kind::Pair | Kind::Outside => seed % 8 == 7,
@@ -150,8 +152,8 @@ pub fn plan(kind: Kind, seed: u64) -> Plan {
         },
         programme: programmes[random.random_range(0..3)],
         sigma: (random.random_range(0.02..0.05) * 1e4_f64).round() / 1e4,
-        // Errors of hardpoints and gains are causes of the catalogue: a study that has them is not clean, and to name one where
-        // something else is planted that has no name would not be false.
+        // Background errors of hardpoints and gains are causes of the catalogue. A study with them is not clean, and naming one of them
+        // would not be a false name where an effect outside the catalogue is planted.
         background: matches!(kind, Kind::Single | Kind::Pair) && (seed + seed / 6) % 3 == 2,
         instruments: (
             random.random_bool(0.5),
@@ -161,8 +163,9 @@ pub fn plan(kind: Kind, seed: u64) -> Plan {
     }
 }
 
-/// `count` studies of a kind, of seeds from `first` on; of multilinks, which take longest, at most so many, and further seeds of the
-/// other axle instead.
+/// Returns `count` plans of a kind, with seeds from `first` on and at most `multilinks` multilinks, which take longest.
+///
+/// Further seeds of the other axle replace the multilinks that are left out.
 pub fn plans(kind: Kind, first: u64, count: usize, multilinks: usize) -> Vec<Plan> {
     let mut taken = 0;
     let fits = |plan: &Plan| {
@@ -173,8 +176,8 @@ pub fn plans(kind: Kind, first: u64, count: usize, multilinks: usize) -> Vec<Pla
     seeds.filter(fits).take(count).collect()
 }
 
-/// The kinds of studies with how many of each the test command has, and of these multilinks at most: one takes as long as ten of the
-/// other axle.
+/// Kinds of studies in the test command, with the number of studies and the maximum number of multilinks. A multilink takes ten times as
+/// long as the other axle.
 pub const OF_TESTS: [(Kind, usize, usize); 4] = [
     (Kind::Single, 48, 2),
     (Kind::Clean, 12, 2),
@@ -186,7 +189,7 @@ fn stream(seed: u64, kind: Kind, purpose: u64) -> Pcg64 {
     Pcg64::seed_from_u64(seed.wrapping_mul(1000) + 100 * kind as u64 + purpose)
 }
 
-/// Draws what is wrong, now that the axle is known. Another `attempt` draws other places and sizes.
+/// Draws the planted effects for the ranges of the axle. Another `attempt` draws other locations and sizes.
 pub fn plants(plan: &Plan, ranges: &Ranges<'_>, cases: &[String], attempt: u64) -> Vec<Plant> {
     let mut random = stream(plan.seed, plan.kind, 1 + attempt);
     let draw = |random: &mut Pcg64, cause| drawn(plan, ranges, cases, cause, random);
@@ -195,7 +198,7 @@ pub fn plants(plan: &Plan, ranges: &Ranges<'_>, cases: &[String], attempt: u64) 
         Kind::Single => vec![draw(&mut random, CAUSES[plan.seed as usize % 16])],
         Kind::Outside => vec![draw(&mut random, OUTSIDE[plan.seed as usize % 6])],
         Kind::Pair => {
-            // Two different causes; sensors are not on every rig.
+            // Two different causes; channel faults are excluded because not every rig has sensors.
             let mut causes = stream(plan.seed, plan.kind, 99);
             let first = causes.random_range(0..15);
             let second = (first + causes.random_range(1..15)) % 15;
@@ -215,7 +218,7 @@ fn sign(random: &mut impl Rng) -> f64 {
     if random.random_bool(0.5) { 1.0 } else { -1.0 }
 }
 
-/// A direction in space.
+/// Returns a random direction in space.
 fn direction(random: &mut impl Rng) -> [f64; 3] {
     loop {
         let v: [f64; 3] = std::array::from_fn(|_| random.random_range(-1.0..1.0));
@@ -234,7 +237,7 @@ fn drawn(
     random: &mut Pcg64,
 ) -> Plant {
     let model = ranges.model;
-    // Of the causes that can, three of four seeds are foreign: more than half of all.
+    // Three of four seeds use a law outside the hypotheses where the cause permits, which is more than half of all causes.
     let drawn = random.random_bool(0.5);
     let foreign = OTHERWISE.contains(&cause)
         && if plan.kind == Kind::Single {
@@ -242,10 +245,10 @@ fn drawn(
         } else {
             drawn
         };
-    // From below what can be seen to three times the noise.
+    // Sizes range from below the detection limit to three times the noise.
     let wanted = random.random_range(0.2_f64.ln()..3.0_f64.ln()).exp();
     let bushings: Vec<usize> = (0..model.bushings.len()).collect();
-    // Places are drawn where the programme moves something.
+    // Locations are drawn where the programme causes displacements.
     let component = |random: &mut Pcg64, axes: usize| loop {
         let bushing = *pick(&bushings, random);
         let axis = random.random_range(0..axes);
@@ -351,7 +354,7 @@ fn drawn(
             let places: Vec<String> = joints.chain(springs).collect();
             let mut pieces = vec![text("stiffness="), Piece::Shrinks(2e4)];
             if foreign {
-                // A bracket is stiffer one way, and stiffens a little.
+                // A bracket that is stiffer in one direction and stiffens slightly.
                 let axis = pick(&["x", "y", "z"], random);
                 let factor = random.random_range(0.4..2.5);
                 pieces.push(text(format!(",{axis}={factor:.3},rated=8000")));
@@ -376,7 +379,7 @@ fn drawn(
             let angle = 5.0 * sign(random);
             let mut pieces = vec![text(names[axis]), Piece::Grows(angle)];
             if foreign {
-                // Askew about a second axis as well.
+                // The bushing is askew about a second axis as well.
                 let other = (axis + random.random_range(1..3)) % 3;
                 let share = random.random_range(-0.5..0.5);
                 pieces.extend([
@@ -393,7 +396,7 @@ fn drawn(
             let k = (law.k[a] * law.k[b]).sqrt();
             let mut pieces = vec![text(name + "="), Piece::Grows(0.1 * k * sign(random))];
             if foreign {
-                // As thick as rubber that is pressed by two thirds of itself, the same in all directions.
+                // Rubber whose thickness is 1.5 times its largest deflection, the same in all directions.
                 let far = (0..3).map(|axis| (ranges.of)((law.i, law.j), axis));
                 let far = far.map(|(low, high)| high.abs().max(low.abs()));
                 let reach = 1.5 * far.fold(0.2, f64::max);
@@ -428,7 +431,7 @@ fn drawn(
             let far_side = random.random_bool(0.5);
             let springs: Vec<_> = model.springdampers.iter().collect();
             let joint = !slides.is_empty() && random.random_bool(0.5);
-            // Where the programme goes, from the design position.
+            // Range of displacement of the programme, from the design position.
             let (address, pair, (low, high), words) = if joint {
                 let joint = pick(&slides, random);
                 let pair = (joint.i, joint.j);
@@ -502,7 +505,7 @@ fn drawn(
         "channel-fault" => {
             let name = pick(&["height", "travel"], random);
             let pieces = if foreign {
-                // Gain and zero are both off.
+                // Both gain and zero are wrong.
                 vec![
                     text("gain="),
                     Piece::Factor(0.002 * sign(random)),
@@ -564,7 +567,7 @@ fn drawn(
             ("rig".to_string(), pieces, 50.0)
         }
         _ => {
-            // Somebody mixes up marks whole or not at all: the size is what it is.
+            // An exchange of marks has a fixed size.
             let a = random.random_range(0..ranges.marks.len());
             let b = (a + random.random_range(1..ranges.marks.len())) % ranges.marks.len();
             let from = &cases[random.random_range(cases.len() / 3..cases.len() - 2)];
@@ -575,9 +578,9 @@ fn drawn(
     Plant {
         cause,
         address,
-        // The terms of third order of a coupling are those of the hypothesis.
+        // The third-order terms of a coupling belong to its hypothesis, so this law is not foreign.
         foreign: foreign && cause != "bushing-coupling",
-        // Less may be within a tolerance: 2 mm of a point, 2.5 percent of a load.
+        // Smaller effects may be within a tolerance: 2 mm of a point, 2.5 percent of a load.
         form: Form {
             pieces,
             most,

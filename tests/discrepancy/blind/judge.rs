@@ -1,4 +1,4 @@
-//! Whether an answer is right, now that the truth is open.
+//! Judgement of a diagnosis, after the truth is revealed.
 
 use std::path::Path;
 
@@ -8,30 +8,30 @@ use admire_identify::LoadedStudy;
 use super::draw::{Kind, Plan};
 use super::trial::{Planted, Trial};
 
-/// Rivals further behind than this are separated by the data.
+/// Difference in BIC beyond which the data separate rivals.
 const SEPARATED: f64 = 6.0;
-/// More of them than this is no answer.
+/// Maximum number of rivals for a finding to count as an answer.
 const MOST_RIVALS: usize = 3;
 
-/// How an answer is judged.
+/// Judgement of one diagnosis.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Score {
-    /// Every planted effect is large enough to be seen.
+    /// True if every planted effect is large enough to be detected.
     pub detectable: bool,
-    /// Every planted cause is named, or nothing is where nothing can be seen.
+    /// True if every detectable cause is named, or nothing is named where nothing is detectable.
     pub cause: bool,
-    /// The same with its place.
+    /// True if the causes are named at their locations.
     pub address: bool,
-    /// Something is wrong, says the diagnosis, and it knows what.
+    /// True if the diagnosis reports a discrepancy with a known cause.
     pub confident: bool,
-    /// The least p-value of held-out readings after the extension, where something was found.
+    /// Smallest p-value of held-out readings after the extension, if there was a finding.
     pub held_out_p: Option<f64>,
 }
 
-/// A small error stands out of what every axle has from so many usual tolerances on.
+/// Number of usual tolerances above which a small error stands out from the errors of every axle.
 const STANDS_OUT: f64 = 5.0;
 
-/// True if the effect stands out of the noise (40, and two log-likelihoods for each doubling of the hypotheses) and out of tolerances.
+/// Returns true if the effect stands out from noise (chi-square above 40 plus 2 ln of the number of hypotheses) and from tolerances.
 pub fn detectable(planted: &Planted, places: usize) -> bool {
     let tolerances = planted.plant.tolerances(&planted.spec);
     tolerances.is_none_or(|sizes| sizes >= STANDS_OUT)
@@ -56,14 +56,14 @@ pub fn score(trial: &Trial) -> Score {
         .collect();
     let confident = diagnosis.verdict == Verdict::Discrepancy;
     let quiet = diagnosis.verdict == Verdict::Consistent;
-    // With one effect planted, the first finding counts; with several, each has to be among the findings.
+    // With one planted effect only the first finding counts; with several, each must be among the findings.
     let findings = match trial.planted.len() {
         1 => &diagnosis.findings[..diagnosis.findings.len().min(1)],
         _ => &diagnosis.findings[..],
     };
     let all = |place: bool| {
         let wanted = if seen.is_empty() && !quiet {
-            // Something is named although little can be seen: it has to be that.
+            // If something is named although nothing is detectable, it must be what was planted.
             trial.planted.iter().collect()
         } else {
             seen.clone()
@@ -95,7 +95,7 @@ pub fn score(trial: &Trial) -> Score {
     }
 }
 
-/// Of the planted effects that can be seen: whether any finding names the cause.
+/// Returns for each detectable planted effect whether any finding names its cause.
 #[allow(dead_code, reason = "the bench counts whole studies")]
 pub fn named_of(trial: &Trial) -> Vec<bool> {
     let Some(diagnosis) = &trial.diagnosis else {
@@ -109,7 +109,7 @@ pub fn named_of(trial: &Trial) -> Vec<bool> {
     .collect()
 }
 
-/// True if a finding names what was planted, first or among few rivals that the data do not separate.
+/// Returns true if a finding names the planted effect, as its cause or among a few rivals that the data do not separate.
 fn names(finding: &Finding, planted: &Planted, place: bool) -> bool {
     let same = |cause: &str, address: &str| {
         cause == planted.plant.cause && (!place || address == planted.plant.address)
@@ -125,15 +125,16 @@ fn names(finding: &Finding, planted: &Planted, place: bool) -> bool {
             .any(|rival| same(rival.cause.as_str(), &rival.address))
 }
 
-/// Where hardpoints and gains carry small errors and nothing else can be seen, those are what is wrong.
+/// Returns true if all findings are background errors of hardpoints and gains, the right answer if nothing else is detectable.
 fn of_the_background(findings: &[Finding]) -> bool {
     let own = ["hardpoint-error", "assembly-offset", "load-gain"];
     !findings.is_empty() && findings.iter().all(|f| own.contains(&f.cause.as_str()))
 }
 
-/// Friction that is stronger one way is dry friction all the same, and a gap in a bushing makes its force rise faster than in
-/// proportion: such a name at its place is no false one. So is play of a link that the bushing holds: one after the other they are the
-/// same. Creep is known by name.
+/// Returns true if the first finding is a valid name for an effect outside the catalogue.
+///
+/// Friction that differs by direction may be called dry friction. A gap in a bushing makes its force rise more than proportionally, so it
+/// may be called progressive; play of a link held by the bushing is equivalent to it. Creep has a hypothesis under its own name.
 fn akin(diagnosis: &Diagnosis, plan: &Plan, planted: &Planted) -> bool {
     let name = match planted.plant.cause {
         "asymmetric-friction" => "dry-friction",
@@ -148,7 +149,7 @@ fn akin(diagnosis: &Diagnosis, plan: &Plan, planted: &Planted) -> bool {
     })
 }
 
-/// True if the finding is at a part that the bushing holds.
+/// Returns true if the finding is at a part that the bushing holds.
 fn is_held(plan: &Plan, finding: &Finding, planted: &Planted) -> bool {
     let id = |address: &str, kind: &str| {
         let rest = address.strip_prefix(kind)?;
@@ -171,15 +172,15 @@ fn is_held(plan: &Plan, finding: &Finding, planted: &Planted) -> bool {
     })
 }
 
-/// Many trials.
+/// A set of judged trials.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Each trial with its score.
+    /// Trials with their scores.
     pub trials: Vec<(Trial, Score)>,
 }
 
 impl Tally {
-    /// Judges them all.
+    /// Judges all trials.
     pub fn new(trials: Vec<Trial>) -> Self {
         let judged = trials.into_iter().map(|trial| {
             let score = score(&trial);
@@ -190,7 +191,7 @@ impl Tally {
         }
     }
 
-    /// How many of the chosen trials are right, and how many were chosen.
+    /// Returns the number of chosen trials that are right, and the number of chosen trials.
     pub fn count(
         &self,
         choose: impl Fn(&Trial, &Score) -> bool,
@@ -201,14 +202,14 @@ impl Tally {
         (good, chosen.len())
     }
 
-    /// One line per trial that is not right, for those who look into it.
+    /// Returns one line for each trial that is not right.
     pub fn failures(&self) -> Vec<String> {
         let wrong = self.trials.iter().filter(|(_, score)| !score.address);
         wrong.map(|(trial, score)| line(trial, score)).collect()
     }
 }
 
-/// A trial in one line.
+/// Formats a trial in one line.
 pub fn line(trial: &Trial, score: &Score) -> String {
     let plan = &trial.plan;
     let planted: Vec<String> = trial

@@ -1,8 +1,8 @@
-//! The blind harness: a seed draws what is wrong with an axle, a virtual rig measures it, the diagnosis sees the study folder alone,
-//! then the sealed truth is opened.
+//! Blind test harness: a seed draws what is wrong with an axle, a virtual rig measures it, and the diagnosis sees only the study folder.
 //!
-//! Nothing here is chosen by its outcome: seeds are counted from zero, and sizes are drawn before anything is diagnosed. A size is
-//! stated as the rms shift of the readings, in units of their noise, that neither stiffnesses nor nuisances can follow.
+//! The sealed truth is opened afterwards. Nothing is selected by its outcome: seeds count from zero, and sizes are drawn before any
+//! diagnosis. The size of an effect is the rms shift of the readings, in units of their noise, that neither stiffnesses nor nuisances can
+//! follow.
 
 pub mod axle;
 pub mod detect;

@@ -1,43 +1,43 @@
-//! An effect whose size is still open.
+//! Planted effects whose size is still to be determined.
 
-/// Something to plant; its size is still open.
+/// An effect to be planted, with its size still open.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Plant {
-    /// Cause and address as `diagnosis.json` names them.
+    /// Cause, as spelled in `diagnosis.json`.
     pub cause: &'static str,
-    /// See `cause`.
+    /// Address, as spelled in `diagnosis.json`.
     pub address: String,
-    /// True if no hypothesis uses its law.
+    /// True if the law of the effect differs from every hypothesis.
     pub foreign: bool,
-    /// The effect as a text for a size of one; `{}` stand for numbers proportional to the size.
+    /// Specification of the effect as a function of its size.
     pub(super) form: Form,
-    /// Rms shift wanted, in units of the noise.
+    /// Desired rms shift of the readings, in units of the noise.
     pub wanted: f64,
 }
 
 #[derive(Clone, PartialEq, Debug)]
 pub(super) struct Form {
-    /// Pieces of the specification: fixed text, and numbers that follow the size.
+    /// Pieces of the specification: fixed text, and numbers that depend on the size.
     pub(super) pieces: Vec<Piece>,
-    /// The size never exceeds this.
+    /// Largest size.
     pub(super) most: f64,
-    /// Nor falls below this.
+    /// Smallest size.
     pub(super) least: f64,
 }
 
 #[derive(Clone, PartialEq, Debug)]
 pub(super) enum Piece {
     Text(String),
-    /// `base * size`
+    /// The number `base * size`.
     Grows(f64),
-    /// `base / size`
+    /// The number `base / size`.
     Shrinks(f64),
-    /// `1 + base * size`
+    /// The number `1 + base * size`.
     Factor(f64),
 }
 
 impl Plant {
-    /// The effect for `admire rig`, at a size.
+    /// Returns the specification of the effect for `admire rig` at a given size.
     pub fn spec(&self, size: f64) -> String {
         let mut text = format!("{}@{}:", self.cause, self.address);
         for piece in &self.form.pieces {
@@ -51,9 +51,10 @@ impl Plant {
         text
     }
 
-    /// How many usual tolerances the planted effect is, where such small errors belong to every axle: hardpoints 0.2 mm, bushings
-    /// displaced by 0.05 mm and turned by 0.1 degrees, points of loads 0.5 mm, loads 0.3 and their directions 0.1 percent, spring
-    /// rates 1.5, preloads 0.3 and rubber 3 percent. `None` for what nobody tolerates.
+    /// Returns the size of the planted effect in units of the usual tolerance; `None` for effects without a tolerance.
+    ///
+    /// Tolerances: hardpoints 0.2 mm, bushings displaced by 0.05 mm and rotated by 0.1 degrees, load points 0.5 mm, loads 0.3 percent, load
+    /// directions 0.1 percent, spring rates 1.5 percent, preloads 0.3 percent, rubber 3 percent.
     pub fn tolerances(&self, spec: &str) -> Option<f64> {
         let numbers: Vec<f64> = spec
             .rsplit(':')
@@ -78,23 +79,23 @@ impl Plant {
         Some(one)
     }
 
-    /// The size it has at least.
+    /// Returns the smallest size.
     pub const fn least(&self) -> f64 {
         self.form.least
     }
 
-    /// The size that is never exceeded.
+    /// Returns the largest size.
     pub const fn most(&self) -> f64 {
         self.form.most
     }
 }
 
-/// Fixed text.
+/// Returns a piece of fixed text.
 pub(super) fn text(piece: impl Into<String>) -> Piece {
     Piece::Text(piece.into())
 }
 
-/// `x=,y=,z=` along a direction.
+/// Returns the pieces `x=,y=,z=` of a shift along a direction.
 pub(super) fn shift(v: [f64; 3], scale: f64) -> Vec<Piece> {
     let names = ["x=", ",y=", ",z="];
     names

@@ -1,4 +1,4 @@
-//! One study: planned, measured, diagnosed.
+//! One blind study: planned, measured and diagnosed.
 
 use std::path::Path;
 
@@ -17,41 +17,40 @@ use super::detect::{Span, left_by_a_fit};
 use super::draw::{Kind, Plan, Ranges, plants};
 use super::sized::Plant;
 
-/// So often a place is drawn.
+/// Maximum number of attempts to draw a location.
 const ATTEMPTS: u64 = 6;
 
-/// What was planted, opened after the diagnosis.
+/// A planted effect, revealed after the diagnosis.
 #[derive(Clone, Debug)]
 pub struct Planted {
-    /// See [`Plant`].
+    /// Planted effect, see [`Plant`].
     pub plant: Plant,
-    /// The effect as the rig was told.
+    /// Specification given to the rig.
     pub spec: String,
-    /// Sum of squares outside of the span of stiffnesses and nuisances, over the noise.
+    /// Sum of squares of the shift outside of the span of stiffnesses and nuisances, in units of the noise.
     pub seen: f64,
-    /// Root of its mean: the size in units of the noise.
+    /// Root mean square of this shift per reading, in units of the noise.
     pub rms: f64,
 }
 
-/// A study with its answer and its truth.
+/// A study with its diagnosis and its truth.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// What the seed planned.
+    /// Plan of the seed.
     pub plan: Plan,
-    /// The truth.
+    /// Planted effects.
     pub planted: Vec<Planted>,
-    /// The answer; `None` if there was none.
+    /// The diagnosis; `None` if there was none.
     pub diagnosis: Option<Diagnosis>,
-    /// The readings were found to be no readings of rigid parts before anything was fitted.
+    /// True if the check of the readings rejected them before any fit, because they fit no rigid parts.
     pub spoilt: bool,
-    /// How many hypotheses were tried.
+    /// Number of hypotheses tried.
     pub places: usize,
-    /// Seconds the diagnosis took.
+    /// Duration of the diagnosis, in seconds.
     pub seconds: f64,
 }
 
-/// Draws, measures and diagnoses the study of a plan. The folder it hands over is kept below `KEEP_STUDIES` if that is set, for those
-/// who want to look into one.
+/// Draws, measures and diagnoses the study of a plan. If `KEEP_STUDIES` is set, the study folder is kept below it for inspection.
 pub fn run(plan: Plan) -> Trial {
     let truth = truth(
         plan.axle,
@@ -85,7 +84,7 @@ pub fn run(plan: Plan) -> Trial {
     let Some(loaded) = loaded.value else {
         return trial;
     };
-    // Where the check of the readings says which marks are not of their part, nobody asks what is wrong with the model.
+    // If the check of the readings already shows exchanged marks, no diagnosis of the model follows.
     if trial.spoilt && trial.plan.kind == Kind::Outside {
         return trial;
     }
@@ -101,7 +100,7 @@ pub fn run(plan: Plan) -> Trial {
     trial
 }
 
-/// Writes the study of a trial: what the rig hands over, with the deck as the user has it.
+/// Writes the study folder of a trial: the output of the rig, with the user's deck.
 pub fn hand_over(trial: &Trial, truth: &Truth, to: &Path) {
     let specs: Vec<&str> = trial.planted.iter().map(|p| p.spec.as_str()).collect();
     let run = measure(truth, &trial.plan, &specs, None).expect("measured before");
@@ -143,7 +142,7 @@ fn measure(truth: &Truth, plan: &Plan, specs: &[&str], sigma: Option<f64>) -> Op
         .ok()
 }
 
-/// The study before anything is planted.
+/// Returns the study without planted effects.
 fn honest(truth: &Truth, plan: &Plan) -> LoadedStudy {
     let run = measure(truth, plan, &[], None).expect("in balance without any effect");
     let folder = tempfile::tempdir().expect("a folder");
@@ -153,8 +152,9 @@ fn honest(truth: &Truth, plan: &Plan) -> LoadedStudy {
         .expect("a whole study")
 }
 
-/// Exact readings with these effects, case by case: marks, wheel, channels. From the files, since a study without noise in which
-/// the same loads come twice looks copied.
+/// Returns the exact readings with these effects, case by case: marks, wheel, channels.
+///
+/// They are read from the files, because a study without noise looks copied if the same loads occur twice.
 fn exact(truth: &Truth, plan: &Plan, specs: &[&str]) -> Option<DVector<f64>> {
     let run = measure(truth, plan, specs, Some(0.0))?;
     let rows = |name: &str, first: usize| {
@@ -185,7 +185,7 @@ fn exact(truth: &Truth, plan: &Plan, specs: &[&str]) -> Option<DVector<f64>> {
     Some(DVector::from_vec(out))
 }
 
-/// What the best fit of the model as it is leaves of this effect alone, less what it leaves of none.
+/// Returns the residual of the best fit of the unmodified model with this effect alone, minus the residual without any effect.
 fn left(truth: &Truth, plan: &Plan, spec: &str) -> Option<f64> {
     let calm = Plan {
         background: false,
@@ -203,7 +203,7 @@ fn left(truth: &Truth, plan: &Plan, spec: &str) -> Option<f64> {
         edit("study.toml", &|toml| {
             toml.replace("\nsigma = 0.0001\n", &format!("\nsigma = {}\n", plan.sigma))
         });
-        // The same loads twice give the same readings, which would look copied; a micrometre of a micrometre tells them apart.
+        // Repeated loads give identical readings that would look copied; a digit of a millionth of a micrometre makes them differ.
         edit("marks_measured.csv", &|marks| {
             let told = marks
                 .lines()
@@ -222,7 +222,7 @@ fn left(truth: &Truth, plan: &Plan, spec: &str) -> Option<f64> {
     Some((of(&[spec])? - of(&[])?).max(0.0))
 }
 
-/// Draws what is planted and finds its size.
+/// Draws the planted effects and determines their sizes.
 fn plant(trial: &mut Trial, truth: &Truth) {
     let plan = &trial.plan;
     let honest = honest(truth, plan);
@@ -251,7 +251,7 @@ fn plant(trial: &mut Trial, truth: &Truth) {
         .iter()
         .map(|case| case.label.clone())
         .collect();
-    // A place where hardly anything can be seen of the cause is drawn again, a few times.
+    // If the cause is hardly detectable at the drawn location, another one is drawn, a few times.
     let mut shifts = Vec::new();
     for attempt in 0..ATTEMPTS {
         trial.planted.clear();
@@ -302,7 +302,7 @@ fn plant(trial: &mut Trial, truth: &Truth) {
     }
 }
 
-/// An offset of an identified bushing is a nuisance unless it is what was planted.
+/// Returns the bushing whose offset is the planted effect; all other offsets of identified bushings are nuisances.
 fn own_offset(plant: &Plant) -> Option<u32> {
     let id = plant.address.strip_prefix("BUSHING/")?;
     (plant.cause == "assembly-offset")
@@ -310,14 +310,15 @@ fn own_offset(plant: &Plant) -> Option<u32> {
         .flatten()
 }
 
-/// The size whose effect is the wanted one: the effect grows about in proportion, so a few secants find it. An effect that cannot
-/// be made as large stays at its largest.
+/// Returns the size whose effect is the wanted one, found by a few secant steps because the effect is nearly proportional to the size.
+///
+/// If the effect cannot become that large, the largest possible size is returned.
 fn calibrated(wanted: f64, most: f64, effect: impl Fn(f64) -> Option<f64>) -> f64 {
     let mut size = 1.0_f64.min(most);
     let mut most = most;
     for _ in 0..6 {
         let Some(reached) = effect(size) else {
-            // No balance with so much of it.
+            // There is no equilibrium with an effect of this size.
             most = size;
             size *= 0.4;
             continue;
@@ -332,14 +333,14 @@ fn calibrated(wanted: f64, most: f64, effect: impl Fn(f64) -> Option<f64>) -> f6
         }
         size = next;
     }
-    // The last guess was not tried.
+    // The last size has not been tried yet.
     while effect(size).is_none() && size > 1e-6 {
         size *= 0.5;
     }
     size
 }
 
-/// Part poses of every case.
+/// Part poses of every load case.
 struct Displacements {
     model: Model,
     poses: Vec<Vec<Pose>>,
@@ -390,7 +391,7 @@ fn displacement(i: &Pose, j: &Pose, axis: usize) -> f64 {
     }
 }
 
-/// Displacement along a joint, or the length of a spring, as the deck is drawn.
+/// Returns the displacement along a joint, or the length of a spring, at the design position.
 pub fn at_design(model: &Model, (i, j): (MarkerIx, MarkerIx), joint: bool) -> f64 {
     let place = |marker: MarkerIx| {
         let frame = &model.markers[marker.0];

@@ -1,4 +1,4 @@
-//! Draws models that have an equilibrium: every joint is closed in the design position, and every part is held by an element with
+//! Generator of random models with an equilibrium: every joint is closed at the design position, and every part is held by an element with
 //! stiffness in all directions.
 
 use rand::{RngExt, SeedableRng};
@@ -9,7 +9,7 @@ use super::plain::{
     about_y, about_z, euler, number, numbers,
 };
 
-/// Units: word, size in those of the international system.
+/// Units of force: keyword and size in newtons.
 const FORCES: [(&str, f64); 5] = [
     ("NEWTON", 1.0),
     ("KNEWTON", 1000.0),
@@ -32,14 +32,14 @@ const LENGTHS: [(&str, f64); 5] = [
 ];
 const TIMES: [(&str, f64); 3] = [("SECOND", 1.0), ("MILLISECOND", 1e-3), ("MINUTE", 60.0)];
 
-/// A deck, the commands that solve it, and what the plain laws make of it in each solution.
+/// A random deck, the commands that solve it, and the expected model in each solution.
 pub struct Drawn {
     pub deck: String,
     pub commands: String,
     pub solutions: Vec<Plain>,
-    /// 100 mm in its unit.
+    /// Length of 100 mm in the unit of the deck.
     pub length: f64,
-    /// 1000 N in its unit.
+    /// Force of 1000 N in the unit of the deck.
     pub force: f64,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Draw {
     pub(super) random: Pcg64,
     pub(super) length: f64,
     pub(super) force: f64,
-    /// Where parts stand in the design position.
+    /// Frames of the parts at the design position.
     pub(super) places: Vec<Frame>,
     pub(super) markers: Vec<(usize, Frame)>,
     pub(super) marker_text: String,
@@ -56,16 +56,16 @@ pub(super) struct Draw {
     pub(super) trains: Vec<Train>,
     pub(super) multis: Vec<Multi>,
     pub(super) statements: String,
-    /// Statements of forces that a command says anew, with the force it then is.
+    /// Statements of forces that a command redefines, with the new forces.
     pub(super) redefined: Vec<(String, Force)>,
-    /// Pairs of markers of joints that turn about z.
+    /// Marker pairs of joints that rotate about z.
     pub(super) hinges: Vec<(usize, usize)>,
-    /// Markers without a place of their own.
+    /// Floating markers, which have no position of their own.
     pub(super) floating: Vec<usize>,
     pub(super) count: [usize; 20],
 }
 
-/// Joints that a GEAR or COUPLER may join.
+/// Joints that a GEAR or COUPLER may connect.
 pub(super) const GEARED: [&str; 3] = ["REVOLUTE", "TRANSLATIONAL", "CYLINDRICAL"];
 
 pub(super) fn one<T: Copy>(random: &mut Pcg64, all: &[T]) -> T {
@@ -73,7 +73,7 @@ pub(super) fn one<T: Copy>(random: &mut Pcg64, all: &[T]) -> T {
 }
 
 impl Draw {
-    /// A number from -1 to 1.
+    /// Returns a random number from -1 to 1.
     pub(super) fn u(&mut self) -> f64 {
         self.random.random_range(-1.0..1.0)
     }
@@ -95,7 +95,7 @@ impl Draw {
         self.count[kind]
     }
 
-    /// A marker of a part where a frame of ground is; its orientation written in one of four ways.
+    /// Adds a marker to a part at a frame given in ground; its orientation is written in one of four forms.
     pub(super) fn marker(&mut self, part: usize, place: &Frame) -> usize {
         let local = place.seen_from(&self.places[part]);
         self.markers.push((part, local));
@@ -106,7 +106,7 @@ impl Draw {
         id - 1
     }
 
-    /// REULER in radians or degrees, or two points, one of them exact.
+    /// Returns an orientation as REULER in radians or degrees, or as two points, one of them exact.
     fn orientation(&mut self, letter: &str, frame: &Frame) -> String {
         let R = frame.R;
         let angles = [
@@ -151,7 +151,7 @@ impl Draw {
         }
     }
 
-    /// A place of its own near a part, so that levers are short.
+    /// Returns a random frame near a part, so that lever arms are short.
     pub(super) fn near(&mut self, part: usize) -> Frame {
         Frame {
             p: self.places[part].p + self.vector(self.length),
@@ -182,7 +182,7 @@ impl Draw {
             "DISTANCE",
             "RACKPIN",
         ];
-        // What gears and couplers join is wanted often.
+        // Joints for gears and couplers are drawn more often.
         let kind = if self.chance(3) {
             one(&mut self.random, &GEARED)
         } else {
@@ -217,7 +217,7 @@ impl Draw {
             "INPLANE" => (V::new(s, 0.5 * s, 0.0), self.turn(1.0)),
             "ORIENTATION" => (self.vector(self.length), M::identity()),
             "PARALLEL_AXES" => (self.vector(self.length), about_z(t)),
-            // xi points along zj where the pinion has not turned; its axis lies across, to the digits of a deck.
+            // xi points along zj if the pinion is not turned; its axis is across, to the precision of the deck.
             "RACKPIN" => {
                 let across = about_z(3.0 * s / self.length) * V::x();
                 let rest = M::from_columns(&[V::z(), across.cross(&V::z()), across]);
@@ -288,7 +288,7 @@ impl Draw {
         });
     }
 
-    /// A motion of a joint that closes no loop.
+    /// Adds a motion to a joint that closes no loop.
     fn motion(&mut self) {
         let free: Vec<_> = self
             .joints
@@ -320,7 +320,7 @@ impl Draw {
         });
     }
 
-    /// A function of a displacement or angle between two markers: its values have the size of `force`, of the displacement `length`.
+    /// Returns a random function of a displacement or angle between two markers, with values of the order of `force`.
     pub(super) fn function(
         &mut self,
         i: usize,
@@ -367,7 +367,7 @@ impl Draw {
     }
 }
 
-/// The model of a seed.
+/// Returns the random model of a seed.
 pub fn drawn(seed: u64) -> Drawn {
     let mut random = Pcg64::seed_from_u64(seed);
     let units = (
@@ -442,7 +442,7 @@ pub fn drawn(seed: u64) -> Drawn {
         draw.holder(part, to);
     }
     if draw.chance(2) {
-        // Loops.
+        // Closed loops.
         for _ in 0..draw.random.random_range(1..3) {
             let a = draw.random.random_range(1..=count);
             let b = (a + draw.random.random_range(1..=count)) % (count + 1);
@@ -451,7 +451,7 @@ pub fn drawn(seed: u64) -> Drawn {
     } else {
         draw.motion();
     }
-    // A motion and both would move one joint in two ways.
+    // A MOTION, a gear and a coupler together would move one joint in two ways.
     let driven = draw.count[3] > 0;
     if !driven || draw.chance(2) {
         draw.gear();
@@ -468,7 +468,7 @@ pub fn drawn(seed: u64) -> Drawn {
         draw.load(a, b);
     }
     let g = draw.turn(3.0) * V::z() * (9.806_65 * second * second / metre);
-    // Force times UCF is mass times acceleration.
+    // Force times UCF equals mass times acceleration.
     let ucf = kilogram * metre / (second * second) / newton;
     let deck = format!(
         "Random model {seed}\nUNITS/FORCE={force_word}, MASS={mass_word}, LENGTH={length_word}, TIME={time_word}\n{text}{}{}\

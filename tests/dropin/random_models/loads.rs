@@ -1,4 +1,4 @@
-//! The elements of a random model: what holds a part, and what loads it.
+//! Elements of a random model: the holders and loads of parts.
 
 use rand::RngExt;
 
@@ -6,7 +6,7 @@ use super::draw::{Draw, one};
 use super::plain::{Force, Frame, Function, Law, V, number, numbers};
 
 impl Draw {
-    /// Stiffness in all six directions: a BUSHING, FIELD or BEAM.
+    /// Adds a BUSHING, FIELD or BEAM with stiffness in all six directions between two parts.
     pub(super) fn holder(&mut self, a: usize, b: usize) {
         let k0 = self.force / self.length;
         let j = self.near(a);
@@ -54,7 +54,7 @@ impl Draw {
                 )
             }
             1 => {
-                // Steel would be too stiff: E and G follow from the size.
+                // Steel would be too stiff; E and G are chosen from the size.
                 let (length, l2) = (self.length, self.length * self.length);
                 let (e, area) = (200.0 * k0 / length, 0.4 * l2);
                 let (iy, iz, ix) = (0.05 * l2 * l2, 0.07 * l2 * l2, 0.06 * l2 * l2);
@@ -121,7 +121,7 @@ impl Draw {
         self.forces.push(force);
     }
 
-    /// Some other force between two parts.
+    /// Adds another random force between two parts.
     pub(super) fn load(&mut self, a: usize, b: usize) {
         let (i, j) = (self.near(a), self.near(b));
         let (mi, mj) = (self.marker(a, &i), self.marker(b, &j));
@@ -279,7 +279,7 @@ impl Draw {
                     ));
                     functions[k] = Some(f);
                 }
-                // The reaction is on the part of J; the floating marker is made of nothing else.
+                // The reaction acts on the part of J; nothing else uses the floating marker.
                 self.markers.push(self.markers[mj]);
                 let floating = self.markers.len();
                 self.floating.push(floating - 1);

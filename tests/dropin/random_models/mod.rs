@@ -1,7 +1,8 @@
-//! Random models against the plain laws: from the poses and reactions in the results file alone, every joint is closed, every
-//! element exerts what its law says, no reaction does work, and on every part all forces cancel.
+//! Random models checked against independent laws.
 //!
-//! `RANDOM_MODELS=2000 cargo test --test dropin random_models` solves as many; `RANDOM_FROM=N` begins with seed N.
+//! From the poses and reactions in the results file alone: every joint is closed, every element follows its law, no reaction does work, and
+//! the forces on every part cancel. `RANDOM_MODELS=2000 cargo test --test dropin random_models` sets the number of models; `RANDOM_FROM=N`
+//! sets the first seed.
 
 mod draw;
 mod loads;
@@ -18,16 +19,16 @@ use crate::run::{Results, folder, mdi};
 use draw::{Drawn, drawn};
 use plain::{At, Frame, Plain, V, euler};
 
-/// What may be missing of a balance, a law or a closed joint, as a share of what makes it up.
+/// Relative tolerance of a balance, a law or a closed joint.
 const EXACT: f64 = 1e-7;
-/// A reaction is compared with differences of the equations of its joint.
+/// Relative tolerance of a reaction, which is compared with finite differences of the joint equations.
 const BY_DIFFERENCES: f64 = 1e-6;
 
-/// How a seed went.
+/// Outcome of a seed.
 enum Went {
-    /// Share that was left at worst.
+    /// Largest relative residual.
     Right(f64),
-    /// The exit code, and the line that says why.
+    /// Exit code, and the line of the message with the reason.
     Refused(String),
     Wrong(String),
 }
@@ -36,7 +37,7 @@ fn vector(results: &Results, entity: &str, names: [&str; 3], step: usize) -> V {
     V::from(names.map(|name| results.column(entity, name)[step]))
 }
 
-/// Where the parts are in one solution.
+/// Returns the frames of the parts in one solution.
 fn places(plain: &Plain, results: &Results, step: usize) -> Vec<Frame> {
     let mut places = vec![Frame {
         p: V::zeros(),
@@ -53,7 +54,7 @@ fn places(plain: &Plain, results: &Results, step: usize) -> Vec<Frame> {
     places
 }
 
-/// What is wrong with one solution, or the largest share that is left.
+/// Checks one solution; returns the largest relative residual, or an error text.
 fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Result<f64, String> {
     let places = places(plain, results, step);
     let frames = |places: &[Frame]| -> Vec<Frame> {
@@ -125,7 +126,7 @@ fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Resul
             }
         }
         add(plain.markers[joint.i].0, i.p, F, T);
-        // The reaction on J acts where I is: torques about J follow.
+        // The reaction on J acts at I, so its torque about J follows.
         add(plain.markers[joint.j].0, i.p, -F, -T);
     }
     for train in &plain.trains {
@@ -177,7 +178,7 @@ fn judged(plain: &Plain, results: &Results, step: usize, drawn: &Drawn) -> Resul
             worst = worst.max(apart);
             let point = at[multi.i[n]].p;
             add(plain.markers[multi.i[n]].0, point, F, T);
-            // J feels the opposite of each where that marker is.
+            // J receives the opposite of each force, at the position of that marker.
             add(plain.markers[multi.j].0, point, -F, -T);
         }
     }
@@ -268,6 +269,6 @@ fn random_models_are_in_balance_by_the_plain_laws() {
     );
     println!("{}", refused.join("\n"));
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    // A model that is not solved proves nothing.
+    // Models that are not solved prove nothing, so they must be rare.
     assert!(20 * refused.len() <= all.len(), "{}", refused.join("\n"));
 }

@@ -1,5 +1,6 @@
-//! A part on a BEAM and a FIELD with whole damping matrices, pushed by a VFORCE, a VTORQUE and a GFORCE that read its rates: at every
-//! output of its motion each exerts what its law says, and together they move the part as Newton and Euler have it.
+//! A part on a BEAM and a FIELD with full damping matrices, driven by a VFORCE, a VTORQUE and a GFORCE that depend on its rates.
+//!
+//! At every output each element must follow its law, and the sum must satisfy the Newton-Euler equations.
 
 use nalgebra::{Matrix6, Vector6};
 
@@ -9,14 +10,14 @@ use crate::run::{Results, folder, mdi};
 type V6 = Vector6<f64>;
 type M6 = Matrix6<f64>;
 
-/// Newton and kilogram, but millimetres: force times this is mass times acceleration.
+/// Newton and kilogram with millimetres: force times this factor is mass times acceleration.
 const UCF: f64 = 1000.0;
 const LENGTH: f64 = 100.0;
 const MASS: f64 = 4.0;
-/// Moments about CM in its axes; products are positive integrals.
+/// Moments of inertia about CM in its axes; the products are positive integrals.
 const IP: [f64; 6] = [3e4, 4e4, 5e4, 1e3, -2e3, 1.5e3];
 
-/// A frame that moves: place and axes, velocity, acceleration and the same of its turning.
+/// A moving frame: pose, velocity, angular velocity, acceleration and angular acceleration.
 #[derive(Clone, Copy)]
 struct Moving {
     at: Frame,
@@ -27,7 +28,7 @@ struct Moving {
 }
 
 impl Moving {
-    /// A frame that is fixed in this one.
+    /// Returns a frame that is fixed in this one.
     fn then(&self, local: &Frame) -> Self {
         let r = self.at.R * local.p;
         Self {
@@ -39,7 +40,7 @@ impl Moving {
     }
 }
 
-/// `-K (q - rest) - C q'` on I, as J sees it, J at rest: force and torque in ground axes.
+/// Returns the wrench `-K (q - rest) - C q'` on I relative to a fixed J, as force and torque in ground axes.
 fn linear(i: &Moving, j: &Frame, K: &M6, C: &M6, rest: &V6) -> (V, V) {
     let q = V6::from(six(&i.at.seen_from(j)));
     let (v, w) = (j.R.transpose() * i.v, j.R.transpose() * i.w);
@@ -51,7 +52,7 @@ fn linear(i: &Moving, j: &Frame, K: &M6, C: &M6, rest: &V6) -> (V, V) {
     )
 }
 
-/// A matrix with these on its diagonal and something everywhere else.
+/// Returns a full matrix with a given diagonal.
 fn full(diagonal: [f64; 6], mirrored: bool) -> M6 {
     M6::from_fn(|r, c| {
         let mean = (diagonal[r] * diagonal[c]).sqrt();
@@ -65,7 +66,7 @@ fn full(diagonal: [f64; 6], mirrored: bool) -> M6 {
     })
 }
 
-/// Linear Timoshenko beam.
+/// Returns the stiffness matrix of a linear Timoshenko beam.
 fn beam(area: f64, [ix, iy, iz]: [f64; 3], [e, g]: [f64; 2], [asy, asz]: [f64; 2]) -> M6 {
     let l = LENGTH;
     let (py, pz) = (
@@ -202,7 +203,7 @@ fn elements_with_rates_move_a_part_by_their_laws() {
         let along = |frame: &Frame, k: usize, of: V| frame.R.column(k).dot(&of);
         let c = body.then(&cm);
         let zero = V::zeros();
-        // As marker 23 sees ground move: it is where it is.
+        // Motion as seen from ground, which contains marker 23.
         let vforce = field_j.R
             * V::new(
                 -0.05 * along(&beam_j, 0, i.v),
@@ -215,7 +216,7 @@ fn elements_with_rates_move_a_part_by_their_laws() {
                 1e4 * (20.0 * time).cos(),
                 -300.0 * i.w.norm(),
             );
-        // Velocity of I as I's own part sees it: that of a point at rest there, less what ground is carried along.
+        // Velocity of I in the frame of its own part: the velocity relative to ground as carried along by the part.
         let seen = i.v - i.w.cross(&i.at.p);
         let gforce = i.at.R
             * V::new(
@@ -270,7 +271,7 @@ fn elements_with_rates_move_a_part_by_their_laws() {
         );
         fastest = fastest.max(body.w.norm());
     }
-    // What is written as a velocity is the slope of what is written as a place, an acceleration that of a velocity: by Simpson's rule.
+    // Velocities must be the slopes of positions, and accelerations the slopes of velocities, by Simpson's rule.
     let h = times[1] - times[0];
     for three in steps.windows(3) {
         let [a, b, c] = [three[0], three[1], three[2]];

@@ -1,11 +1,11 @@
-//! The laws of the manual written down once more, as plainly as they stand there. Nothing here comes from the solver.
+//! The laws of the manual, implemented again as directly as possible and independent of the solver.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 pub type V = Vector3<f64>;
 pub type M = Matrix3<f64>;
 
-/// Place and axes; the columns are the axes.
+/// Position and axes; the columns of R are the axes.
 #[derive(Clone, Copy)]
 pub struct Frame {
     pub p: V,
@@ -13,7 +13,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame that is given in this one.
+    /// Returns in global axes a frame that is given relative to this one.
     pub fn then(&self, other: &Self) -> Self {
         Self {
             p: self.p + self.R * other.p,
@@ -21,7 +21,7 @@ impl Frame {
         }
     }
 
-    /// The frame of this one as seen from another.
+    /// Returns this frame relative to another one.
     pub fn seen_from(&self, other: &Self) -> Self {
         Self {
             p: other.R.transpose() * (self.p - other.p),
@@ -42,12 +42,12 @@ pub fn about_z(a: f64) -> M {
     M::new(a.cos(), -a.sin(), 0.0, a.sin(), a.cos(), 0.0, 0.0, 0.0, 1.0)
 }
 
-/// Body-fixed 3-1-3.
+/// Returns the rotation matrix of body-fixed 3-1-3 angles.
 pub fn euler(angles: [f64; 3]) -> M {
     about_z(angles[0]) * about_x(angles[1]) * about_z(angles[2])
 }
 
-/// x, y, z and the projected angles of a frame as seen from another.
+/// Returns x, y, z and the projected angles of a relative frame.
 pub fn six(seen: &Frame) -> [f64; 6] {
     let (p, R) = (seen.p, seen.R);
     [
@@ -60,7 +60,7 @@ pub fn six(seen: &Frame) -> [f64; 6] {
     ]
 }
 
-/// Frames of all markers, and where they were in the design and in the solutions since, in this order: turns are counted along them.
+/// Current frames of all markers, and their earlier frames at the design position and in the solutions since, for counting turns.
 pub struct At {
     pub now: Vec<Frame>,
     pub before: Vec<Vec<Frame>>,
@@ -73,7 +73,7 @@ impl std::ops::Index<usize> for At {
     }
 }
 
-/// What a function asks of two markers, in axes of a third: `DX(i, j, k)`; an angle has no third.
+/// A measure of two markers in the axes of a third one: `DX(i, j, k)`. Angles have no third marker.
 #[derive(Clone, Copy)]
 pub struct Measure {
     pub name: &'static str,
@@ -114,7 +114,7 @@ impl Measure {
     }
 }
 
-/// A function of the model. `x` is what it depends on, `q` are its numbers.
+/// A function of the model. `x` is its argument, `q` holds its parameters.
 #[derive(Clone)]
 pub struct Function {
     pub form: usize,
@@ -122,7 +122,7 @@ pub struct Function {
     pub q: Vec<f64>,
 }
 
-/// Forms of functions, with the number of their numbers.
+/// Number of forms of functions.
 pub const FORMS: usize = 12;
 
 impl Function {
@@ -134,7 +134,7 @@ impl Function {
         }
     }
 
-    /// As a deck says it. `at` is the value of x in the design position, `f` a force, `l` a length or angle: numbers of the size of the model.
+    /// Returns the function as written in a deck.
     pub fn text(&self) -> String {
         let (x, q) = (self.x.text(), &self.q);
         let n = |k: usize| number(q[k]);
@@ -210,7 +210,7 @@ impl Function {
     }
 }
 
-/// A number with all its digits.
+/// Formats a number with all its digits.
 pub fn number(value: f64) -> String {
     format!("{value:?}").replace('e', "E")
 }
@@ -224,31 +224,31 @@ pub fn numbers(values: &[f64]) -> String {
     all.join(", ")
 }
 
-/// What one element does to its markers.
+/// Force law of an element on its markers.
 #[derive(Clone)]
 pub enum Law {
-    /// -K q + F in axes of J, with the lever of the deflection at J; K by rows.
+    /// Wrench -K q + F in axes of J, including the moment of the force about the deflected J; K by rows.
     Linear {
         k: Box<[[f64; 6]; 6]>,
         rest: [f64; 6],
         preload: [f64; 6],
     },
-    /// k, length, preload.
+    /// Translational spring: k, length, preload.
     Spring([f64; 3]),
-    /// kt, angle, preload.
+    /// Torsion spring: kt, angle, preload.
     Torsion([f64; 3]),
     Along(Function),
-    /// Along z of J, on I alone.
+    /// Force along z of J, on I alone.
     Follower(Function),
-    /// About z of J; on J too, or not.
+    /// Torque about z of J; the flag says whether it also acts on J.
     Twist(Function, bool),
-    /// In axes of a marker: force, torque; the reaction acts on J's part where I is.
+    /// Force and torque components in axes of a marker; the reaction acts on J's part at the position of I.
     Vector(usize, Box<[Option<Function>; 6]>),
 }
 
 #[derive(Clone)]
 pub struct Force {
-    /// `BUSHING_3`, as results call it.
+    /// Name in the results, such as `BUSHING_3`.
     pub name: String,
     pub i: usize,
     pub j: usize,
@@ -256,7 +256,7 @@ pub struct Force {
 }
 
 impl Force {
-    /// Force and torque on I, at I, and on J, at J or, for vectors, where I is.
+    /// Returns force and torque on I at I, and on J at J or, for vector forces, at the position of I.
     pub fn wrenches(&self, at: &At) -> [(V, V); 2] {
         let (i, j) = (&at[self.i], &at[self.j]);
         let d = i.p - j.p;
@@ -304,10 +304,10 @@ impl Force {
     }
 }
 
-/// A joint, or what acts like one.
+/// A joint or another constraint.
 #[derive(Clone)]
 pub struct Joint {
-    /// `JOINT_3`, as results call it.
+    /// Name in the results, such as `JOINT_3`.
     pub name: String,
     pub kind: &'static str,
     pub i: usize,
@@ -317,7 +317,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Its equations for I as seen from J (table of joints in the manual).
+    /// Returns the constraint equations for I relative to J (table of joints in the manual).
     pub fn equations(&self, seen: &Frame) -> Vec<f64> {
         let (d, R) = (seen.p, seen.R);
         let turned = R[(1, 0)].atan2(R[(0, 0)]);
@@ -338,7 +338,7 @@ impl Joint {
             "ORIENTATION" => vec![zx, zy, R[(1, 0)]],
             "PARALLEL_AXES" => vec![zx, zy],
             "PERPENDICULAR" => vec![R[(2, 2)]],
-            // I rolls on J: where zj points in axes of I tells the turn; the rack goes the other way than I as seen from it.
+            // I rolls on J: the direction of zj in axes of I gives the rotation; relative to I, the rack moves the opposite way.
             "RACKPIN" => {
                 let zj = R.transpose() * V::z();
                 vec![-d.z + 0.5 * self.value * zj.y.atan2(zj.x)]
@@ -350,8 +350,9 @@ impl Joint {
         }
     }
 
-    /// The part of a reaction on I (ground axes, at I) that a motion feels which the joint allows; as a share of it. Torques count by
-    /// `length`.
+    /// Returns the fraction of a reaction on I (ground axes, at I) that does work in the motions allowed by the joint.
+    ///
+    /// Torques are weighted by `length`.
     pub fn works(&self, at: &At, (F, T): (V, V), length: f64) -> f64 {
         let (i, j) = (&at[self.i], &at[self.j]);
         let seen = i.seen_from(j);
@@ -389,7 +390,7 @@ impl Joint {
     }
 }
 
-/// A displacement of a joint in a COUPLER or GEAR, about or along z of J, times a scale.
+/// Displacement of a joint in a COUPLER or GEAR, about or along z of J, times a scale.
 #[derive(Clone, Copy)]
 pub struct Term {
     pub i: usize,
@@ -405,22 +406,25 @@ impl Term {
     }
 }
 
-/// A COUPLER or GEAR: displacements of joints, whose sum stays as it is.
+/// A COUPLER or GEAR: joint displacements with a constant sum.
 #[derive(Clone)]
 pub struct Train {
-    /// `COUPLER_3`, as results call it.
+    /// Name in the results, such as `COUPLER_3`.
     pub name: String,
     pub terms: Vec<Term>,
     pub value: f64,
 }
 
 impl Train {
-    /// Force and torque on the I of each term, from those on the first joint's I that the results tell; and what of these is neither
-    /// along nor about the axis of that joint. A reaction does no work: it is proportional to the scales.
+    /// Returns force and torque on the I of each term, and the part of the reported reaction that is not along or about the axis of the
+    /// first joint.
+    ///
+    /// `(F, T)` is the reaction on the I of the first joint in the results. The reactions do no work in total, so they are proportional to
+    /// the scales.
     pub fn wrenches(&self, at: &[Frame], (F, T): (V, V)) -> (Vec<(V, V)>, (V, V)) {
         let first = |term: &&Term| term.i == self.terms[0].i;
         let axis = |term: &Term| V::from(at[term.j].R.column(2));
-        // Per unit of its scale.
+        // Reaction per unit of scale.
         let of = |term: &Term| axis(term).dot(if term.turns { &T } else { &F }) / term.scale;
         let largest = self.terms.iter().filter(first);
         let largest = largest.max_by(|a, b| a.scale.abs().total_cmp(&b.scale.abs()));
@@ -447,7 +451,7 @@ impl Train {
 /// A linear force between several markers I and one J: -K q + F in axes of J; K by rows.
 #[derive(Clone)]
 pub struct Multi {
-    /// `NFORCE_3`, as results call it.
+    /// Name in the results, such as `NFORCE_3`.
     pub name: String,
     pub i: Vec<usize>,
     pub j: usize,
@@ -457,7 +461,7 @@ pub struct Multi {
 }
 
 impl Multi {
-    /// Force and torque on each I.
+    /// Returns force and torque on each I.
     pub fn wrenches(&self, at: &[Frame]) -> Vec<(V, V)> {
         let j = &at[self.j];
         let q: Vec<f64> = self
@@ -485,17 +489,17 @@ pub struct Part {
     pub cm: usize,
 }
 
-/// A model as the plain laws see it. Part 0 is ground.
+/// A model for the independent laws. Part 0 is ground.
 pub struct Plain {
     pub parts: Vec<Part>,
-    /// Part of each marker, and its frame there.
+    /// Part of each marker, and its frame relative to the part.
     pub markers: Vec<(usize, Frame)>,
     pub joints: Vec<Joint>,
     pub forces: Vec<Force>,
     pub trains: Vec<Train>,
     pub multis: Vec<Multi>,
-    /// Where the parts stand in the dataset: turns of the first solution are counted from there.
+    /// Frames of the parts in the dataset, from which turns are counted in the first solution.
     pub design: Vec<Frame>,
-    /// Weight by mass.
+    /// Weight per unit of mass.
     pub gravity: V,
 }

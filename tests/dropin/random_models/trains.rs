@@ -1,4 +1,4 @@
-//! What of a random model acts on more than two parts: COUPLER, GEAR, NFORCE.
+//! Elements of a random model that act on more than two parts: COUPLER, GEAR, NFORCE.
 
 use rand::RngExt;
 
@@ -6,7 +6,7 @@ use super::draw::{Draw, GEARED, one};
 use super::plain::{Frame, Joint, Multi, Term, Train, V, number, numbers, six};
 
 impl Draw {
-    /// Joints that may be geared, in an order drawn anew.
+    /// Returns the joints that may be geared, in random order.
     fn geared(&mut self) -> Vec<Joint> {
         let all = self.joints.iter();
         let mut left: Vec<Joint> = all
@@ -20,7 +20,7 @@ impl Draw {
         out
     }
 
-    /// A GEAR between two joints of one carrier, if there are any: the speeds that both parts have at the CV marker, along its z.
+    /// Adds a GEAR between two joints of one carrier, if there are any; its CV marker is where both parts have the same velocity along z.
     pub(super) fn gear(&mut self) {
         let joints = self.geared();
         let carrier = |joint: &Joint| self.markers[joint.j].0;
@@ -68,7 +68,7 @@ impl Draw {
         });
     }
 
-    /// A COUPLER of two or three joints, with scales that the design position fulfils.
+    /// Adds a COUPLER of two or three joints, with scales that are satisfied at the design position.
     pub(super) fn coupler(&mut self) {
         let mut joints = self.geared();
         joints.truncate(if self.chance(2) { 3 } else { 2 });
@@ -94,7 +94,7 @@ impl Draw {
         let (last, others) = terms.split_last_mut().expect("at least two");
         let sum: f64 = others.iter().map(|term| term.value(&at)).sum();
         last.scale *= -sum / last.value(&at);
-        // A ratio that is next to nothing, or huge, couples nothing.
+        // A very small or very large ratio would couple nothing.
         let unit = if last.turns { self.length } else { 1.0 };
         if !(0.05..20.0).contains(&(last.scale / unit).abs()) {
             return;
@@ -116,7 +116,7 @@ impl Draw {
         });
     }
 
-    /// An NFORCE between two or three parts and another; a stiffness matrix without symmetry.
+    /// Adds an NFORCE between two or three parts and another one, with an unsymmetric stiffness matrix.
     pub(super) fn multi_point(&mut self, parts: usize) {
         let j_part = self.random.random_range(0..=parts);
         let others: Vec<usize> = (0..=parts).filter(|part| *part != j_part).collect();
@@ -126,7 +126,7 @@ impl Draw {
         let mut i = Vec::new();
         for _ in 0..count {
             let part = one(&mut self.random, &others);
-            // Projected angles stay away from where they turn over.
+            // Projected angles are kept away from their singularity.
             let at = Frame {
                 p: self.places[part].p + self.vector(self.length),
                 R: place.R * self.turn(0.4),

@@ -1,4 +1,4 @@
-//! Functions that are not smooth: the times at which they change are found, and the error stays what is asked for.
+//! Functions that are not smooth: their events are located, and the error stays within the tolerance.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,14 @@ use super::{Deck, begun, deck};
 use crate::motion::MotionError;
 use crate::system::State;
 
-/// 1 kg that moves along z, from a place and a velocity, under a force.
+/// A mass of 1 kg that moves along z from a given position and velocity, under a force.
 fn along_z(gravity: f64, (z, vz): (f64, f64), force: &str) -> Deck {
     deck(&format!(
         "ACCGRAV/KGRAV={gravity}\nPART/2, MASS=1, CM=20, IP=1,1,1, QG=0,0,{z}, VZ={vz}\nMARKER/20, PART=2\nJOINT/1, TRANSLATIONAL, I=20, J=1\nSFORCE/1, TRANSLATIONAL, ACTIONONLY, I=20, J=1, FUNCTION={force}"
     ))
 }
 
-/// What is known of a motion along z: where it ends, and how fast, relative to the largest values on the way.
+/// A motion along z with a known end: position and velocity there, each with the largest value on the way that errors are relative to.
 struct Known {
     deck: Deck,
     end: f64,
@@ -41,7 +41,7 @@ fn dropped(force: &str) -> Known {
     }
 }
 
-/// 100 N/m above, 400 N/m below: half periods of pi/10 and pi/20.
+/// 100 N/m above zero, 400 N/m below: half periods of pi/10 and pi/20.
 fn between_springs(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -52,7 +52,7 @@ fn between_springs(force: &str) -> Known {
     }
 }
 
-/// 5 N against the velocity, 100 N/m: each half swing of pi/10 is 0.1 m shorter than the one before. A third of the sixth.
+/// 5 N against the velocity and 100 N/m: each half swing of pi/10 is 0.1 m shorter than the previous one. Ends after a third of the sixth.
 fn braked(force: &str) -> Known {
     Known {
         deck: along_z(0.0, (1.0, 0.0), force),
@@ -67,7 +67,7 @@ fn known() -> Vec<Known> {
     let fall = 19.62_f64.sqrt();
     vec![
         dropped("IMPACT(DZ(20),VZ(20),0,1E4,1,0,1E-4)"),
-        // The same with an exponent of 1.5 on k = 1e5: contact of .0240555174853834 s by quadrature of the energy integral.
+        // The drop with an exponent of 1.5 on k = 1e5: contact of .0240555174853834 s by quadrature of the energy integral.
         Known {
             deck: along_z(-9.81, (1.0, 0.0), "IMPACT(DZ(20),VZ(20),0,1E5,1.5,0,1E-4)"),
             end: 1.854_205_598_913_690_4,
@@ -89,7 +89,7 @@ fn known() -> Vec<Known> {
         },
         between_springs("IF(DZ(20):-400*DZ(20),0,-100*DZ(20))"),
         braked("-100*DZ(20)+IF(VZ(20):5,0,-5)"),
-        // The same motions by other functions.
+        // The same motions with other functions.
         dropped("MAX(0,-1E4*DZ(20))"),
         dropped("-1E4*MIN(DZ(20),0)"),
         dropped("1E4*DIM(0,DZ(20))"),
@@ -98,7 +98,7 @@ fn known() -> Vec<Known> {
     ]
 }
 
-/// Less than a tenth of ERROR is left, and only the steps that are solved again to end at a change are given up in numbers.
+/// The error is below a tenth of ERROR, and the number of rejected steps is limited to repetitions at events.
 #[test]
 fn the_error_of_motions_with_kinks_is_what_is_asked_for() {
     for (k, known) in known().iter().enumerate() {
@@ -121,7 +121,7 @@ fn the_error_of_motions_with_kinks_is_what_is_asked_for() {
     }
 }
 
-/// Forces in steps: parabolas, which the method has exactly, if no step goes over a jump.
+/// Piecewise constant forces give parabolas, which the method integrates exactly if no step crosses a jump.
 #[test]
 fn no_step_goes_over_a_jump_of_whole_numbers() {
     let root = f64::sqrt;
@@ -157,7 +157,7 @@ fn no_step_goes_over_a_jump_of_whole_numbers() {
     }
 }
 
-/// At the end of a step that ends at a change the function is at it to the last digits, from either side.
+/// At the end of a step that ends at an event, the function is zero to the last digits, both at contact and at release.
 #[test]
 fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
     let contacts = &known()[0];
@@ -175,7 +175,7 @@ fn a_step_ends_where_the_contact_begins_and_where_it_ends() {
     }
 }
 
-/// Nothing is watched where nothing can change.
+/// Discrete states are watched only where something can switch.
 #[test]
 fn smooth_systems_have_no_regimes() {
     let smooth = [
@@ -196,14 +196,14 @@ fn failure(deck: &Deck, hmax: f64, end: f64) -> MotionError {
     integrator.advance_to(end).unwrap_err()
 }
 
-/// Dry friction of 5 N, as decks write it, on a block of 1 kg.
+/// Dry friction of 5 N on a block of 1 kg, in the forms used in decks.
 const BRAKES: [&str; 3] = [
     "-SIGN(5,VZ(20))",
     "IF(VZ(20):5,0,-5)",
     "-0.5*SIGN(10,VZ(20))",
 ];
 
-/// The force on the block is what holds it, and it has not moved but by a creep that the tolerance does not see.
+/// Checks that the force on the block is in balance, and that the block has moved only by a creep far below the tolerance.
 fn is_at_rest(state: &State, from: f64, time: f64, error: f64) {
     let (z, v, a) = (
         state.poses[1].p.z - from,
@@ -217,7 +217,7 @@ fn is_at_rest(state: &State, from: f64, time: f64, error: f64) {
     assert!(a.abs() < 1e-9, "{a:e}");
 }
 
-/// A block that is pulled by 3 N comes to rest after 1 m/s over 2 m/s2, or is at rest, and stays.
+/// A block pulled by 3 N comes to rest after 1 m/s over 2 m/s2, or starts at rest, and stays at rest.
 #[test]
 fn dry_friction_holds_a_block() {
     for brake in BRAKES {
@@ -233,7 +233,7 @@ fn dry_friction_holds_a_block() {
     }
 }
 
-/// 10 t N pull at a block at rest: from 0.5 s on it slides, `v = 5 (t - 0.5)^2`.
+/// A force of 10 t N on a block at rest: it slides from 0.5 s on, with `v = 5 (t - 0.5)^2`.
 #[test]
 fn a_block_breaks_loose_in_time() {
     for brake in BRAKES {
@@ -249,8 +249,9 @@ fn a_block_breaks_loose_in_time() {
     }
 }
 
-/// A block of 1 kg on one of 2 kg: 6 N between them, 4 N on the ground, and the upper one is pulled by 9 sin 2t. It takes the lower one along from
-/// `sin 2t = 4/9`, and slides on it from `6 - 4 = 2 (9 sin 2t - 6)` on. The figures are those of a solution by pieces, RK4 at 2e-5 s.
+/// A block of 1 kg lies on a block of 2 kg, with friction of 6 N between them and 4 N on the ground. A force of 9 sin 2t pulls the upper
+/// block. It drags the lower block along from `sin 2t = 4/9` on, and slides on it from `6 - 4 = 2 (9 sin 2t - 6)` on. The reference values
+/// come from a piecewise solution by RK4 with steps of 2e-5 s.
 #[test]
 fn of_two_blocks_each_sticks_by_itself() {
     let deck = deck(
@@ -275,8 +276,8 @@ fn of_two_blocks_each_sticks_by_itself() {
     }
 }
 
-/// A relay of 5 N that acts on `v + 2 z` brings 1 kg onto `v = -2 z` and keeps it there: from the root of `5 t^2 + 5 t = 2` on `z` falls by `exp(-2 t)`,
-/// held by `4 z`.
+/// A relay of 5 N that acts on `v + 2 z` brings 1 kg onto the line `v = -2 z` and keeps it there. From the root of `5 t^2 + 5 t = 2` on, z
+/// falls by `exp(-2 t)` under the mean force `4 z`.
 #[test]
 fn a_relay_slides_along_its_line() {
     let deck = along_z(0.0, (1.0, 0.0), "-SIGN(5,VZ(20)+2*DZ(20))");
@@ -297,12 +298,12 @@ fn a_relay_slides_along_its_line() {
     }
 }
 
-/// Steps of whole numbers that hold a block between them change over and over.
+/// A block held between two steps of AINT makes the function switch again and again.
 #[test]
 fn a_function_that_chatters_is_named() {
     let deck = along_z(0.0, (0.0, 1.0), "8-10*AINT(VZ(20)/2+1)");
     let error = failure(&deck, 0.1, 2.0);
-    // It comes to rest after 1 m/s over 2 m/s2.
+    // The block comes to rest after 1 m/s over 2 m/s2.
     assert!((error.time - 0.5).abs() < 1e-3, "{error}");
     let text = error.to_string();
     assert!(
@@ -311,7 +312,7 @@ fn a_function_that_chatters_is_named() {
     );
 }
 
-/// Stops that are met more than a thousand times between two outputs are no motion that an output shows.
+/// More than a thousand switches at stops between two outputs are an error.
 #[test]
 fn a_thousand_changes_between_two_outputs_are_too_many() {
     let rattle = "BISTOP(DZ(20),VZ(20),-0.0001,0.0001,1E8,1,0,1E-4)";
@@ -319,15 +320,16 @@ fn a_thousand_changes_between_two_outputs_are_too_many() {
     let error = failure(&deck, 1.0, 1.0);
     let text = error.to_string();
     assert!(text.contains("SFORCE/1") && text.contains("1000"), "{text}");
-    // 2 ms / 10 of way and pi/10 ms of contact: 0.25 s for a thousand changes.
+    // 0.2 mm of free travel at 1 m/s and pi/10 ms of contact: a thousand switches take 0.25 s.
     let round = 2.0 * (2e-4 + PI * 1e-4);
     assert!((error.time / (250.0 * round) - 1.0).abs() < 0.02, "{error}");
-    // Outputs that are closer take them in.
+    // Closer outputs keep the number between two of them below the limit.
     let mut integrator = begun(&deck, 1e-4, 0.1);
     integrator.advance_to(1.0).expect("a motion");
 }
 
-/// A saw of 5,000 teeth between two outputs: the time chooses them, which is no chatter. N teeth of T with N T = 1 give the velocity T/2.
+/// A sawtooth of time with 5,000 teeth between two outputs: time alone selects the pieces, which is no chatter. N teeth of length T with
+/// `N T = 1` give the velocity T/2.
 #[test]
 fn jumps_of_the_time_may_be_many() {
     let tooth = 2e-4;
@@ -342,7 +344,7 @@ fn jumps_of_the_time_may_be_many() {
     assert!(integrator.statistics().steps >= 5000);
 }
 
-/// A root that is taken above the ground only, from 1 m at -2 m/s: below it moves on with `v^2 = 4 - 4/3`.
+/// A square root that is used only above the ground, from 1 m at -2 m/s. Below the ground the motion continues with `v^2 = 4 - 4/3`.
 #[test]
 fn a_piece_that_ends_where_its_function_ends_is_left() {
     let deck = along_z(0.0, (1.0, -2.0), "IF(DZ(20):0,0,SQRT(DZ(20)))");
@@ -354,7 +356,7 @@ fn a_piece_that_ends_where_its_function_ends_is_left() {
     assert_eq!(integrator.state().pieces, [Some(0)]);
 }
 
-/// An exponent of zero: 500 N while the stop is pressed, none after.
+/// An exponent of zero: 500 N while the stop is pressed, no force after that.
 #[test]
 fn a_stop_of_constant_force_is_left() {
     let fall = 19.62_f64.sqrt();

@@ -1,10 +1,12 @@
-//! GCONs of velocities: rolling and sliding without slip, against closed forms and constraints of places.
+//! Nonholonomic GCONs: rolling and sliding without slip, against closed forms and against constraints of positions.
 
 use super::*;
 
-/// The sleigh's part: its edge at the origin, the mass centre A ahead on x.
+/// Mass of the sleigh.
 const M: f64 = 2.0;
+/// Distance of the mass centre ahead of the edge, which is at the origin, along x.
 const A: f64 = 0.3;
+/// Moment of inertia of the sleigh about z through its mass centre.
 const I: f64 = 0.5;
 
 fn sleigh(gcon: &str) -> Deck {
@@ -17,8 +19,8 @@ JOINT/1, PLANAR, I=21, J=1
     ))
 }
 
-/// Chaplygin's sleigh: with u the speed along the edge, w the spin and k^2 = a^2 + I/m, `u' = a w^2`, `w' = -a u w/k^2`, so that
-/// `u = c tanh(a c t/k^2 + s)`, `k w = c sech(...)`; the edge is pushed across by `m u w (1 - a^2/k^2)`.
+/// Chaplygin's sleigh. With u the speed along the edge, w the spin and k^2 = a^2 + I/m: `u' = a w^2`, `w' = -a u w/k^2`. Hence
+/// `u = c tanh(a c t/k^2 + s)` and `k w = c sech(...)`. The edge is pushed sideways by `m u w (1 - a^2/k^2)`.
 #[test]
 fn a_sleigh_turns_until_it_glides_straight() {
     let deck = sleigh("GCON/1, I=21, FUNCTION=VY(21,1,21)");
@@ -62,7 +64,7 @@ fn a_sleigh_turns_until_it_glides_straight() {
     }
 }
 
-/// A ball of radius R on a plane that turns at O: its centre goes round a circle at 2/7 O, wherever it begins (the uniform ball).
+/// A uniform ball of radius R on a plane that turns at O: its centre moves on a circle at the rate 2/7 O, wherever it starts.
 #[test]
 fn a_ball_on_a_turntable_goes_round_a_circle() {
     let (R, O) = (0.2, 3.0);
@@ -93,12 +95,12 @@ GCON/2, I=20, FUNCTION=VY(20)+{R}*WX(20)-{O}*DX(20,1)"
             "{time}: {} {known}",
             state.poses[1].p
         );
-        // What is not held keeps.
+        // The spin about z is not constrained and stays constant.
         assert!((state.velocities[1].angular.z - start.velocities[1].angular.z).abs() < 1e-8);
     }
 }
 
-/// The same constraint as a function of places and as its rate.
+/// The same constraint, given as a function of positions and as its time derivative.
 #[test]
 fn the_rate_of_a_constraint_is_the_constraint() {
     let with = |statement: &str| {
@@ -125,7 +127,7 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=21, K=30, C=0.1, LENGTH=0.3
             "DX(21,2)*DY(20,2)+DZ(30,20)**2",
             "VX(21,2)*DY(20,2)+DX(21,2)*VY(20,2)+2*DZ(30,20)*VZ(30,20)",
         ),
-        // In axes that turn: the rate as these see it.
+        // In rotating axes, the derivative is the rate seen in these axes.
         ("DX(30,2,21)", "VX(30,2,21,21)"),
         (
             "SIN(DX(21,1))+VARVAL(1)*DZ(20,1)",
@@ -164,7 +166,8 @@ SPRINGDAMPER/2, TRANSLATIONAL, I=30, J=21, K=30, C=0.1, LENGTH=0.3
     }
 }
 
-/// A disc that rolls on the plane z = 0: mass, radius, inertia across, the function names of its markers. The contact is where the rim is lowest.
+/// Constraints of a disc that rolls on the plane z = 0 and touches it at the lowest point of its rim. The marker at its centre has the id 10
+/// `disc`, and the next id is a marker on its axis.
 fn rolling(disc: u32, radius: f64) -> String {
     let (cm, axis) = (disc * 10, disc * 10 + 1);
     // With a the axis of the disc, the lowest point is the centre less R (z - a_z a)/s, s^2 = 1 - a_z^2.
@@ -182,7 +185,7 @@ GCON/{disc}3, I={cm}, FUNCTION=VY({cm})+WZ({cm})*{x}-WX({cm})*{z}"
     )
 }
 
-/// The loads on part 2, whose mass centre is its origin, make what its momentum and its spin change by.
+/// Checks that the loads on part 2, whose mass centre is its origin, equal the rates of its momentum and angular momentum.
 fn loads_make_the_motion(deck: &Deck, state: &State) {
     let mut scratch = Scratch::new(&deck.system);
     let look = deck.system.evaluate(&deck.parameters, state, &mut scratch);
@@ -209,7 +212,7 @@ fn loads_make_the_motion(deck: &Deck, state: &State) {
     assert!((torque - spun).norm() < 1e-9 * 5.0, "{torque} {spun}");
 }
 
-/// A thin disc that wobbles as it rolls keeps its energy; its contact keeps at rest.
+/// A thin disc that wobbles as it rolls keeps its energy, and the loads match its motion.
 #[test]
 fn a_rolling_disc_keeps_its_energy() {
     let deck = deck(&format!(
@@ -257,7 +260,7 @@ MARKER/21, PART=2, QP=0,0,1
     }
 }
 
-/// Whichever derivatives the iteration of a step takes, it finds the same step.
+/// All kinds of derivatives lead the iteration to the same step.
 #[test]
 fn every_iteration_finds_the_same_step() {
     use crate::motion::derivatives::Derivatives;
@@ -291,7 +294,7 @@ fn every_iteration_finds_the_same_step() {
     }
 }
 
-/// A constraint of velocities that others hold already is redundant, wherever it stands; of two of velocities the later.
+/// A nonholonomic constraint that others satisfy already is redundant, whatever the order; of two nonholonomic ones the later is redundant.
 #[test]
 fn what_says_nothing_new_is_left_out() {
     let deck = sleigh(
@@ -307,7 +310,7 @@ MOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME",
         .collect();
     assert_eq!(out, ["GCON/1", "GCON/2", "GCON/3"]);
     assert!((state.velocities[1].linear.x - 0.1).abs() < 1e-9);
-    // One that contradicts is told.
+    // A contradicting constraint is reported.
     let other = sleigh("GCON/1, FUNCTION=VX(21)-0.2\nMOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME");
     let mut state = other.state.clone();
     let mut memory = Consistent::new(&other.system);
@@ -323,8 +326,8 @@ MOTION/1, I=21, J=1, X, FUNCTION=0.1*TIME",
     assert!(told.unwrap_err().to_string().contains("GCON/1"));
 }
 
-/// An upright disc that rolls at the rate O: `s^2 = -(C (C + m R^2) O^2 - A m g R)/(A (A + m R^2))`, A across, C about the axis; all other
-/// small motions drift (E. J. Routh, Dynamics of a System of Rigid Bodies, part II, 244).
+/// An upright disc that rolls at the rate O has `s^2 = -(C (C + m R^2) O^2 - A m g R)/(A (A + m R^2))`, with the moments of inertia A across
+/// the axis and C about it. All other small motions drift (E. J. Routh, Dynamics of a System of Rigid Bodies, part II, 244).
 #[test]
 fn an_upright_disc_is_stable_at_speed() {
     let (m, R, across, along) = (2.0, 0.3, 0.05, 0.08);
@@ -360,8 +363,8 @@ MARKER/21, PART=2, QP=0,0,1
     }
 }
 
-/// The bicycle of the benchmark of Meijaard, Papadopoulos, Ruina and Schwab (Proc. R. Soc. A 463, 2007): its table of eigenvalues at 5 m/s, and the
-/// speeds at which the weave and the capsize change their sign.
+/// The benchmark bicycle of Meijaard, Papadopoulos, Ruina and Schwab (Proc. R. Soc. A 463, 2007): the published eigenvalues at 5 m/s, and the
+/// speed at which the weave mode changes its stability.
 #[test]
 fn a_bicycle_has_the_eigenvalues_of_the_benchmark() {
     let (wheelbase, trail, tilt) = (1.02, 0.08, std::f64::consts::PI / 10.0);
@@ -400,7 +403,7 @@ JOINT/3, REVOLUTE, I=52, J=42
         let modes =
             crate::motion::modes(&deck.system, &deck.parameters, &state, true).expect("no error");
         assert_eq!(modes.len(), 10);
-        // Six are motions that neither grow nor swing.
+        // Six motions neither grow nor oscillate.
         let values: Vec<_> = modes.iter().map(|mode| mode.value).collect();
         values
     };
@@ -421,7 +424,7 @@ JOINT/3, REVOLUTE, I=52, J=42
     assert!(matches!(swings[..], [re] if re.abs() < 1e-6), "{weave:?}");
 }
 
-/// The model of [`the_rate_of_a_constraint_is_the_constraint`] with one constraint.
+/// The model of [`the_rate_of_a_constraint_is_the_constraint`], without the point mass and with one constraint.
 fn pulled(statements: &str) -> Deck {
     deck(&format!(
         "ACCGRAV/KGRAV=-9.81
@@ -434,7 +437,7 @@ SPRINGDAMPER/1, TRANSLATIONAL, I=20, J=1, K=20, C=0.3, LENGTH=0.4
     ))
 }
 
-/// A function that reads variables constrains what these read, with its reaction, as if it were written out.
+/// A function that reads VARIABLEs constrains the same quantities, with the same reaction, as a function in which they are written out.
 #[test]
 fn variables_of_places_and_velocities_stand_for_what_they_read() {
     for (written, variables, function) in [
@@ -455,7 +458,7 @@ VARIABLE/3, FUNCTION=DY(20,2)",
             "ARYVAL(1,1)-ARYVAL(1,2)",
         ),
     ] {
-        // What is zero at the start.
+        // The value at the start, which makes the constraint zero there.
         let probe = pulled(&format!("VARIABLE/9, FUNCTION={written}"));
         let mut scratch = Scratch::new(&probe.system);
         let here = probe
@@ -477,10 +480,10 @@ VARIABLE/3, FUNCTION=DY(20,2)",
     }
 }
 
-/// A constraint that reads states asks for the rates that these have.
+/// A constraint that reads states requires the rates of these states.
 #[test]
 fn states_that_are_known_drive_constraints() {
-    // Of places: two states that turn, s1 = 0.3 sin(2 t); a third lags behind a place.
+    // Positions: two states that oscillate, with s1 = 0.3 sin(2 t).
     let sine = "DIFF/1, IC=0, FUNCTION=2*DIF(2)\nDIFF/2, IC=0.3, FUNCTION=-2*DIF(1)";
     let held = pulled(
         &format!("{sine}\nGCON/1, FUNCTION=DX(20)-DX(20)@0-DIF(1)").replace("DX(20)@0", &place(0)),
@@ -494,7 +497,7 @@ fn states_that_are_known_drive_constraints() {
     assert!(apart < 1e-6 && force < 1e-5, "{apart} {force}");
     assert!((a.states[0] - 0.3 * 2.0_f64.sin()).abs() < 1e-6);
 
-    // Of velocities: a speed that a state prescribes, and one whose state reads the speed.
+    // Velocities: a speed that a state prescribes, and a state that reads the speed it prescribes.
     for (state, speed, factor) in [
         (
             "IC=0, FUNCTION=2*(1-DIF(1))",
@@ -519,7 +522,7 @@ fn states_that_are_known_drive_constraints() {
     }
 }
 
-/// Where marker 20 is at the start on an axis of ground, as a literal.
+/// Returns the position of marker 20 at the start along an axis of ground, as a literal.
 fn place(axis: usize) -> String {
     let deck = pulled("");
     let pose = &deck.state.poses[1];
