@@ -97,7 +97,7 @@ pub use admire_results::{Header, ResultUnits, SelectedColumn, StepFilter, StepKi
 pub use admire_session::{Ending, Stop};
 pub use admire_study::settings::Method;
 pub use admire_syntax::diagnostic::{Code, Severity};
-pub use admire_syntax::diff::{DiffKind, Difference, DiffTolerance};
+pub use admire_syntax::diff::{DiffKind, DiffTolerance, Difference};
 #[cfg(feature = "kc")]
 pub use front::{AxleTests, Beside};
 pub use front::{

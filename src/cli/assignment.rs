@@ -61,11 +61,11 @@ pub(super) fn expanded(
         refused.message = format!("`{}`: {}", assignment.left, refused.message);
         shell.fail(refused)
     })?;
-    reckoned(&assignment, addresses, dataset, degrees, shell)
+    evaluated(&assignment, addresses, dataset, degrees, shell)
 }
 
 /// Computes the new value of each address, as text.
-pub(super) fn reckoned(
+pub(super) fn evaluated(
     assignment: &Assignment<'_>,
     addresses: Vec<Address>,
     dataset: &Dataset,

@@ -8,7 +8,7 @@ use admire_syntax::grammar::{Lookup, Role, find_statement};
 use admire_syntax::text::{Source, Span, apply_edits};
 use admire_syntax::{Address, CommandFile, Dataset, lint};
 
-use super::assignment::{Assignment, reckoned};
+use super::assignment::{Assignment, evaluated};
 use super::shell::{Exit, Shell};
 
 /// Finds the commands of a file that match a text. Each match consists of its name (`SIMULATE#2.END`), a dataset with the command as its
@@ -124,7 +124,7 @@ pub(super) fn set(
         let mut all = Vec::new();
         for (_, one, address) in &places {
             for (address, value) in
-                reckoned(&assignment, vec![address.clone()], one, degrees, shell)?
+                evaluated(&assignment, vec![address.clone()], one, degrees, shell)?
             {
                 all.extend(
                     edits(one, &address, &value, &BTreeSet::new()).map_err(|refused| {

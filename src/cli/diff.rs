@@ -1,7 +1,7 @@
 use std::path::PathBuf;
 
 use admire_syntax::Dataset;
-use admire_syntax::diff::{DiffKind, Difference, DiffTolerance, diff};
+use admire_syntax::diff::{DiffKind, DiffTolerance, Difference, diff};
 
 use super::Outcome;
 use super::format::Format;

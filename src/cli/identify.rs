@@ -13,7 +13,9 @@ use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::short_unit;
 
 use admire_identify::global::Marginal;
-use admire_sweep::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
+use admire_sweep::uncertainty::{
+    Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, RepeatOutput, Repeats, repeat,
+};
 
 use super::Outcome;
 use super::format::Format;
@@ -289,7 +291,9 @@ fn repeated(
     };
     let mut tables = Vec::new();
     for (kind, made) in made {
-        let Made::Table(path) = made else { continue };
+        let RepeatOutput::Table(path) = made else {
+            continue;
+        };
         let bytes = std::fs::read(&path).map_err(|error| io(&path, &error))?;
         tables.push((PathBuf::from(kind.file()), bytes));
     }

@@ -2,7 +2,7 @@ use std::path::Path;
 
 use admire_identify::LoadedStudy;
 use admire_solver::model::lint::implausible_units;
-use admire_solver::model::{Ignore, Model, said_left_out};
+use admire_solver::model::{Ignore, Model, left_out_warning};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
@@ -34,7 +34,7 @@ pub(super) fn solvable(
         .value
         .leave_out(ignored)
         .iter()
-        .map(|(kind, header)| said_left_out(kind, header))
+        .map(|(kind, header)| left_out_warning(kind, header))
         .collect();
     let compiled = System::compile(&lowered.value);
     let mut complaints = parsed.diagnostics;

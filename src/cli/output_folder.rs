@@ -46,7 +46,7 @@ impl Manifest {
 
     /// Returns true if a file may be replaced without asking: it does not exist, already contains these bytes, or is unchanged since a run
     /// wrote it.
-    fn gives_up(&self, folder: &Path, name: &Path, new: Option<&[u8]>) -> bool {
+    fn may_replace(&self, folder: &Path, name: &Path, new: Option<&[u8]>) -> bool {
         let path = folder.join(name);
         if path.symlink_metadata().is_err() {
             return true;
@@ -88,7 +88,7 @@ pub(super) fn refuse_replacing(
     let taken = names
         .iter()
         .map(Path::new)
-        .filter(|name| !manifest.gives_up(folder, name, None))
+        .filter(|name| !manifest.may_replace(folder, name, None))
         .map(|name| folder.join(name))
         .collect();
     refuse(taken, replacing, shell)
@@ -105,7 +105,7 @@ pub(super) fn write_folder(
     let mut manifest = Manifest::read(folder);
     let mut taken: Vec<PathBuf> = files
         .iter()
-        .filter(|(name, bytes)| !manifest.gives_up(folder, name, Some(bytes)))
+        .filter(|(name, bytes)| !manifest.may_replace(folder, name, Some(bytes)))
         .map(|(name, _)| folder.join(name))
         .collect();
     let list = folder.join(MANIFEST);

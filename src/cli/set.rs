@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use clap_complete::ArgValueCompleter;
 
-use crate::front::{Before, edits, new_errors, outline};
+use crate::front::{Before, edits, new_errors, structure_digest};
 use admire_session::check::is_command_file;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic};
 use admire_syntax::text::{Edit, EditConflict, Source};
@@ -168,7 +168,7 @@ fn look_at(
             Some((dataset.position(&address.kind, address.id)?, argument))
         })
         .collect();
-    let expected = outline(dataset, &places);
+    let expected = structure_digest(dataset, &places);
     let before = dataset.source().clone();
     let known = std::mem::take(&mut deck.diagnostics);
     deck.diagnostics = deck.value.reread(text);
@@ -179,7 +179,7 @@ fn look_at(
         shell.complain(&[(*first).clone()]);
         shell.sources.add(shown.unwrap_or_else(|| before.clone()));
         not_written(assignment, shell)
-    } else if outline(&deck.value, &places) != expected {
+    } else if structure_digest(&deck.value, &places) != expected {
         let message = format!("`{assignment}` would change more than it names");
         shell.fail(
             Diagnostic::error(Code::SyntaxError, message)

@@ -8,7 +8,7 @@ use admire_session::check::is_command_file;
 use admire_solver::mechanics::psi_theta_phi;
 use admire_solver::model::{Ignore, Model, PartIx, PartKind};
 use admire_solver::statics::{
-    Continuation, Report, StaticSettings, Softest, SolveError, Solver, StabilisedEquilibrium,
+    Continuation, Report, Softest, SolveError, Solver, StabilisedEquilibrium, StaticSettings,
     history_table,
 };
 use admire_solver::system::{Scratch, State, System};

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use admire_report::{Chart, DrawingError, Figure, SeriesStyle, Page, Series};
+use admire_report::{Chart, DrawingError, Figure, Page, Series, SeriesStyle};
 use admire_results::{ResultsError, Selection, StepFilter, StepKind};
 use admire_session::{Moment, Session, commands_for_other_model};
 use admire_solver::model::Ignore;

@@ -104,7 +104,7 @@ fn beyond<'a>(old: &[Diagnostic], new: &'a [Diagnostic]) -> Vec<&'a Diagnostic> 
 
 /// Computes a digest of the names of all statements and arguments of a deck, independent of their values. The arguments listed in `places`,
 /// by statement index, are left out. The digest is unchanged by an edit that changes only those.
-pub(crate) fn outline(dataset: &Dataset, places: &BTreeSet<(usize, &str)>) -> [u8; 32] {
+pub(crate) fn structure_digest(dataset: &Dataset, places: &BTreeSet<(usize, &str)>) -> [u8; 32] {
     let mut hash = Sha256::new();
     let mut name = |name: Option<&str>| {
         // No name in the grammar contains one of these bytes.

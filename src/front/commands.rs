@@ -63,12 +63,13 @@ impl Commands {
     /// commands alone, which [`Deck::execute`] takes.
     pub fn new(head: &str) -> Self {
         let head = head.trim();
-        let mut words = head.splitn(2, char::is_whitespace);
-        let lines = words
-            .by_ref()
-            .map(str::trim)
-            .filter(|word| !word.is_empty());
-        let text: String = lines.map(|word| format!("{word}\n")).collect();
+        let mut text = String::new();
+        for word in head.splitn(2, char::is_whitespace).map(str::trim) {
+            if !word.is_empty() {
+                text += word;
+                text.push('\n');
+            }
+        }
         Self {
             file: read("commands.acf", text.into_bytes(), head.is_empty()),
         }

@@ -10,12 +10,12 @@ use admire_session::{Sources, check, folder_of, read_files};
 use admire_solver::model::{Model, lint};
 use admire_solver::system::System;
 use admire_syntax::diagnostic::{Checked, Code, Diagnostic, Severity};
-use admire_syntax::diff::{self, Difference, DiffTolerance};
+use admire_syntax::diff::{self, DiffTolerance, Difference};
 use admire_syntax::lint::Options;
 use admire_syntax::text::{Edit, Source};
 use admire_syntax::{Address, CommandFile, Dataset};
 
-use super::assignment::{Before, edits, new_errors, outline};
+use super::assignment::{Before, edits, new_errors, structure_digest};
 use super::error::{Complaint, Error, ErrorKind};
 use super::run::Run;
 use super::sensitivity::{SensitivityTable, Unavailable};
@@ -237,7 +237,8 @@ impl Deck {
             })
             .collect();
         let title = addresses.iter().any(|address| address.kind == "TITLE");
-        if !title && outline(dataset, &places) != outline(&changed.value, &places) {
+        if !title && structure_digest(dataset, &places) != structure_digest(&changed.value, &places)
+        {
             let message = format!("`{text}` would change more than it names");
             let help = "change each argument by its own address";
             let refused = Diagnostic::error(Code::SyntaxError, message).help(help);

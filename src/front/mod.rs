@@ -33,7 +33,7 @@ mod value;
 mod writing;
 
 pub use admire_diagnosis::{ProgressObserver, ProgressSnapshot, SharedProgress};
-pub(crate) use assignment::{Before, edits, new_errors, outline};
+pub(crate) use assignment::{Before, edits, new_errors, structure_digest};
 #[cfg(feature = "kc")]
 pub use axle::{AxleTests, Beside};
 pub use commands::{Command, Commands};

@@ -1,5 +1,5 @@
 use admire_solver::model::{Model, PartIx};
-use admire_solver::statics::{Sensitivity, StaticSettings, SolveError, solve};
+use admire_solver::statics::{Sensitivity, SolveError, StaticSettings, solve};
 use admire_solver::system::{Quantity, Slot, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;

@@ -37,7 +37,7 @@ pub struct Problem<'a> {
 
 impl Problem<'_> {
     /// Returns all addresses to set, with their numbers, for these values of the unknowns.
-    pub(crate) fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
+    pub fn theta(&self, values: &[f64]) -> Vec<(Address, f64)> {
         self.unknowns
             .iter()
             .zip(values)

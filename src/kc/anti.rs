@@ -86,7 +86,7 @@ impl Anti {
         let shaft = match (v.axle_ratio, self.brakes()) {
             (Some(ratio), false) => {
                 let track = track.unwrap_or(f64::NAN);
-                side.outboard() * r0 * (2.0 * force).abs() / ratio / track
+                side.outboard_sign() * r0 * (2.0 * force).abs() / ratio / track
             }
             _ => 0.0,
         };

@@ -47,7 +47,7 @@ pub struct Bench<'a> {
 
 /// Last solved states of a sweep, for the deck and for its mirror image. The next solve starts from them.
 #[derive(Clone, Debug)]
-pub struct Chain {
+pub struct WarmStart {
     states: [State; 2],
     /// True once friction acts in the joints. Before that, joints carry no friction force.
     rubs: bool,
@@ -116,9 +116,9 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// As [`Bench::variant`].
-    pub fn chain(&mut self, variant: Variant) -> Result<Chain, BenchError> {
+    pub fn chain(&mut self, variant: Variant) -> Result<WarmStart, BenchError> {
         let state = self.variant(variant)?.system.state();
-        Ok(Chain {
+        Ok(WarmStart {
             states: [state.clone(), state],
             rubs: false,
         })
@@ -128,10 +128,10 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// As [`Bench::variant`].
-    pub(crate) fn let_rub(
+    pub(crate) fn enable_friction(
         &mut self,
         variant: Variant,
-        chain: &mut Chain,
+        chain: &mut WarmStart,
     ) -> Result<(), BenchError> {
         let compiled = self.variant(variant)?;
         let parameters = compiled.system.parameters();
@@ -152,7 +152,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn settle(
         &mut self,
         variant: Variant,
-        chain: &mut Chain,
+        chain: &mut WarmStart,
         inputs: &Inputs,
         at: &str,
     ) -> Result<(), BenchError> {
@@ -184,7 +184,7 @@ impl<'a> Bench<'a> {
     pub fn observe(
         &mut self,
         variant: Variant,
-        chain: &mut Chain,
+        chain: &mut WarmStart,
         (inputs, drive): (&Inputs, Option<&Drive>),
         at: &str,
     ) -> Result<Observation, BenchError> {
@@ -309,7 +309,7 @@ impl Compiled {
     }
 }
 
-impl Chain {
+impl WarmStart {
     /// Takes over the poses of another chain of the same deck, without its friction state. Friction stays off.
     pub fn start_at(&mut self, other: &Self) {
         for (own, other) in self.states.iter_mut().zip(&other.states) {

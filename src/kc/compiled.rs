@@ -6,7 +6,7 @@ use super::{Side, SteerAxis, Wheel};
 use admire_session::backend::{compile, tight_settings};
 use admire_solver::mechanics::Pose;
 use admire_solver::model::{MarkerIx, Model, PartIx};
-use admire_solver::statics::{StaticSettings, SolveError, Solver};
+use admire_solver::statics::{SolveError, Solver, StaticSettings};
 use admire_solver::system::{ConstraintIx, Parameters, Scratch, Slot, State, System};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::files::Files;

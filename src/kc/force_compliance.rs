@@ -42,7 +42,7 @@ pub(crate) fn lateral_steer(c: &Compliance, side: Side, r0: f64, pairing: Pairin
 
 /// Returns camber per lateral force, positive with the top outboard.
 pub(crate) fn lateral_camber(c: &Compliance, side: Side, r0: f64, pairing: Pairing) -> f64 {
-    -side.outboard() * lateral(c, side, 4, r0, pairing)
+    -side.outboard_sign() * lateral(c, side, 4, r0, pairing)
 }
 
 /// Returns steer per aligning torque, both positive to the left: `C66 + C6,12`.
@@ -53,7 +53,7 @@ pub(crate) fn aligning_steer(c: &Compliance, side: Side, pairing: Pairing) -> f6
 /// Returns camber per aligning torque: `C46 + C4,12`, right `-(C10,6 + C10,12)`. Adams' documentation prints the right formula as `-C(10,6)
 /// + C(10,12)`, presumably a misprint.
 pub(crate) fn aligning_camber(c: &Compliance, side: Side, pairing: Pairing) -> f64 {
-    -side.outboard() * pairing.c(c, side, 4, 6)
+    -side.outboard_sign() * pairing.c(c, side, 4, 6)
 }
 
 /// Returns the longitudinal force per recession of the wheel centre: `1 / (C11 + C17)`.

@@ -279,7 +279,7 @@ impl Known {
             });
         }
         let side = if p.y < 0.0 { Side::Left } else { Side::Right };
-        let sense = side.outboard() * R[(1, axis)].signum();
+        let sense = side.outboard_sign() * R[(1, axis)].signum();
         let normal_force = forces[side.index()];
         let design_radius = options.tyre.map_or(0.0, |tyre| {
             let force = normal_force.map_or(0.0, read);

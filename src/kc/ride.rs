@@ -23,7 +23,7 @@ pub fn ride_steer(c: &Compliance, side: Side) -> f64 {
 
 /// Returns camber per travel, positive with the top outboard: `(C43 + C49) / (C33 + C39)`, with opposite sign on the right.
 pub(crate) fn ride_camber(c: &Compliance, side: Side) -> f64 {
-    -side.outboard() * c.in_phase(side, 4, 3) / c.in_phase(side, 3, 3)
+    -side.outboard_sign() * c.in_phase(side, 4, 3) / c.in_phase(side, 3, 3)
 }
 
 /// Returns caster per travel: `(C53 + C59) / (C33 + C39)`.

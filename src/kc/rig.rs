@@ -183,7 +183,7 @@ fn find(
         })?
     };
     let (p, o) = (config.frame.vector(&pose.p), config.frame.vector(&axis));
-    if p.y * side.outboard() <= 0.0 {
+    if p.y * side.outboard_sign() <= 0.0 {
         let message = format!(
             "`{}` is not on the {} side of the vehicle in the axes `{}` of the deck",
             wheel.centre.text,
@@ -202,7 +202,7 @@ fn find(
         );
         return Err(config.complain(&wheel.spin, Code::BadSetting, message));
     }
-    let z = axis * (side.outboard() * o.y.signum());
+    let z = axis * (side.outboard_sign() * o.y.signum());
     let along = config.frame.to_deck(&Vec3::x());
     let x = (along - z * z.dot(&along)).normalize();
     let R = Mat3::from_columns(&[x, z.cross(&x), z]);

@@ -47,15 +47,16 @@ pub fn roll_steer(
     track: f64,
     tyre: Option<f64>,
 ) -> f64 {
-    -side.outboard() * at_patch.antiphase(side, 6, 3) * track / opposed_travel_on_tyres(c, tyre)
+    -side.outboard_sign() * at_patch.antiphase(side, 6, 3) * track
+        / opposed_travel_on_tyres(c, tyre)
 }
 
 /// Returns inclination to the road per roll angle: left `1 + (C43 - C49) T / Dt`, right `1 - (C10,9 - C10,3) T / Dt`.
 pub(crate) fn roll_camber(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
-    1.0 - side.outboard() * c.antiphase(side, 4, 3) * track / opposed_travel_on_tyres(c, tyre)
+    1.0 - side.outboard_sign() * c.antiphase(side, 4, 3) * track / opposed_travel_on_tyres(c, tyre)
 }
 
 /// Returns caster per roll angle: left `(C53 - C59) T / Dt`, right `(C11,3 - C11,9) T / Dt`.
 pub fn roll_caster(c: &Compliance, side: Side, track: f64, tyre: Option<f64>) -> f64 {
-    -side.outboard() * c.antiphase(side, 5, 3) * track / opposed_travel_on_tyres(c, tyre)
+    -side.outboard_sign() * c.antiphase(side, 5, 3) * track / opposed_travel_on_tyres(c, tyre)
 }

@@ -20,7 +20,7 @@ impl Side {
     }
 
     /// Returns the sign of y outboard: -1 for left, +1 for right.
-    pub const fn outboard(self) -> f64 {
+    pub const fn outboard_sign(self) -> f64 {
         match self {
             Self::Left => -1.0,
             Self::Right => 1.0,

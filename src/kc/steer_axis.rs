@@ -64,7 +64,7 @@ impl SteerAxis {
 
     /// Returns kingpin inclination, positive if the axis leans inboard: `atan(u.y / u.z)` on the left, with opposite sign on the right.
     pub fn kingpin_inclination(&self, side: Side) -> f64 {
-        libm::atan(-side.outboard() * self.direction.y / self.direction.z)
+        libm::atan(-side.outboard_sign() * self.direction.y / self.direction.z)
     }
 
     /// Returns the foot of the perpendicular from the wheel centre.
@@ -95,7 +95,7 @@ impl SteerAxis {
         let (s, c) = libm::sincos(steer);
         let heading = forward * c + right * s;
         let lateral = right * c - forward * s;
-        (-side.outboard() * d.dot(&lateral), d.dot(&heading))
+        (-side.outboard_sign() * d.dot(&lateral), d.dot(&heading))
     }
 
     /// Returns the distance of the wheel centre from the axis.
@@ -113,7 +113,7 @@ impl SteerAxis {
             return (f64::NAN, f64::NAN);
         };
         let d = centre - self.location(centre);
-        (d.dot(&e), side.outboard() * d.dot(&e.cross(u)))
+        (d.dot(&e), side.outboard_sign() * d.dot(&e.cross(u)))
     }
 
     /// Returns the lever of a vertical load at the contact point about the axis: `scrub tan(caster) + trail tan(kingpin)`.

@@ -1,7 +1,7 @@
 //! Standard tests: sweeps of equilibria on the rig.
 
 use super::axle::Given;
-use super::bench::{Bench, Chain, Observation};
+use super::bench::{Bench, Observation, WarmStart};
 use super::bench_error::BenchError;
 use super::config::Config;
 use super::gradient::{Gradient, gradients};
@@ -128,7 +128,7 @@ pub fn run_watched(
 }
 
 /// Finds ride height, from the load if the configuration gives a load.
-fn ride(bench: &mut Bench<'_>) -> Result<(Ride, Chain), BenchError> {
+fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
     let config = bench.config;
     let at = "ride height";
     let vertical_at_patch = config.tyre.is_some();
@@ -289,7 +289,7 @@ impl Course<'_> {
     fn placed(
         &mut self,
         bench: &mut Bench<'_>,
-        chain: &Chain,
+        chain: &WarmStart,
         value: f64,
     ) -> Result<Inputs, BenchError> {
         /// Largest number of Newton steps.
@@ -323,7 +323,7 @@ impl Course<'_> {
     fn direction(
         &self,
         bench: &mut Bench<'_>,
-        chain: &Chain,
+        chain: &WarmStart,
         inputs: &Inputs,
         at: &str,
     ) -> Result<Drive, BenchError> {
@@ -344,7 +344,7 @@ impl Course<'_> {
     fn observe(
         &mut self,
         bench: &mut Bench<'_>,
-        chain: &mut Chain,
+        chain: &mut WarmStart,
         (value, tangents): (f64, bool),
     ) -> Result<(Inputs, Observation), BenchError> {
         let at = self.at(value);
@@ -363,7 +363,7 @@ impl Course<'_> {
 fn settle_loop(
     course: &mut Course<'_>,
     bench: &mut Bench<'_>,
-    chain: &mut Chain,
+    chain: &mut WarmStart,
     grid: &[f64],
 ) -> Result<(), BenchError> {
     /// Largest number of loops; convergence is slow where joints slide in only part of the loop.
@@ -400,7 +400,7 @@ fn settle_loop(
 fn test(
     bench: &mut Bench<'_>,
     (kind, settings): (TestKind, TestSettings),
-    (ride, base): (&Ride, &Chain),
+    (ride, base): (&Ride, &WarmStart),
     given: &Given,
     each: &mut dyn FnMut(),
 ) -> Result<TestRun, BenchError> {
@@ -417,7 +417,7 @@ fn test(
     };
     let mut chain = bench.chain(course.variant)?;
     chain.start_at(base);
-    bench.let_rub(course.variant, &mut chain)?;
+    bench.enable_friction(course.variant, &mut chain)?;
     // The order is: ride height with tangents, outward to the lowest value, up, and down again.
     let (_, mut centre) = course.observe(bench, &mut chain, (0.0, true))?;
     each();

@@ -35,13 +35,13 @@ impl VerticalLoad {
 
 /// Returns the slope angle of the front-view swing arm, positive if the instant centre is above the wheel centre: left `atan(-C23 / C33)`.
 pub fn front_view_angle(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
-    libm::atan(side.outboard() * load.per_travel(c, side, 2))
+    libm::atan(side.outboard_sign() * load.per_travel(c, side, 2))
 }
 
 /// Returns the slant length of the front-view swing arm, positive with the instant centre inboard: left `-1 / (C43/C33 cos angle)`.
 pub(crate) fn front_view_length(c: &Compliance, side: Side, load: VerticalLoad) -> f64 {
     let angle = front_view_angle(c, side, load);
-    side.outboard() / (load.per_travel(c, side, 4) * libm::cos(angle))
+    side.outboard_sign() / (load.per_travel(c, side, 4) * libm::cos(angle))
 }
 
 /// Returns the slope angle of the side-view swing arm: `atan(-C13 / C33)`. It is negative if the instant centre is ahead of the wheel and
@@ -76,7 +76,7 @@ pub(crate) fn roll_centre(
     load: VerticalLoad,
 ) -> RollCentre {
     let [l, r] = contact;
-    let slope = |side: Side| side.outboard() * load.per_travel(at_patch, side, 2);
+    let slope = |side: Side| side.outboard_sign() * load.per_travel(at_patch, side, 2);
     let (ml, mr) = (slope(Side::Left), slope(Side::Right));
     let lateral = (r.z - l.z + ml * l.y + mr * r.y) / (ml + mr);
     let height = l.z + ml * (lateral - l.y);

@@ -45,7 +45,7 @@ pub fn camber(o: &Vec3) -> f64 {
 
 /// Returns the inclination relative to the road normal, positive with the top leaning to the vehicle's left on both sides: `-+asin(o . n)`.
 pub fn inclination(side: Side, o: &Vec3, normal: &Vec3) -> f64 {
-    side.outboard() * libm::asin(o.dot(normal).clamp(-1.0, 1.0))
+    side.outboard_sign() * libm::asin(o.dot(normal).clamp(-1.0, 1.0))
 }
 
 /// Returns the steer angle about the road normal, positive to the right on both sides: `atan(o.x / o.ey)`, where ey is the road's lateral
@@ -75,7 +75,7 @@ pub fn angle_rates(side: Side, o: &Vec3, w: &Vec3) -> AngleRates {
     AngleRates {
         toe,
         camber: -d.z / (1.0 - o.z * o.z).sqrt(),
-        steer: -side.outboard() * toe,
+        steer: -side.outboard_sign() * toe,
     }
 }
 
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn rates_are_the_derivatives() {
         for side in Side::BOTH {
-            let o = Vec3::new(0.03, side.outboard(), -0.07).normalize();
+            let o = Vec3::new(0.03, side.outboard_sign(), -0.07).normalize();
             let w = Vec3::new(0.3, -0.8, 0.5);
             let h = 1e-5;
             let difference = |f: &dyn Fn(&Vec3) -> f64| {

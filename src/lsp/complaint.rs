@@ -1,12 +1,12 @@
 //! Diagnostics that are kept while the text changes: their positions are relative to pieces of the file.
 
-use admire_session::check::Told;
+use admire_session::check::DiagnosticSource;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::{Edit, Span};
 
 /// A diagnostic whose positions move with the text.
 #[derive(Clone, Debug)]
-pub(super) struct Complaint {
+pub(super) struct AnchoredDiagnostic {
     pub diagnostic: Diagnostic,
     /// Position of each label; `None` for labels in other files.
     pub labels: Vec<Option<Anchor>>,
@@ -23,13 +23,13 @@ pub(super) struct Anchor {
 
 /// A diagnostic that may be published, with the data needed for the selection.
 pub(super) struct Candidate<'a> {
-    pub told: Told,
+    pub told: DiagnosticSource,
     pub diagnostic: &'a Diagnostic,
     /// Position of its first label in the current text.
     pub span: Option<Span>,
     /// Offset of its piece, for diagnostics of the reader.
     pub base: usize,
-    pub kept: Option<&'a Complaint>,
+    pub kept: Option<&'a AnchoredDiagnostic>,
 }
 
 impl<'a> Candidate<'a> {
@@ -38,7 +38,7 @@ impl<'a> Candidate<'a> {
         let label = diagnostic.labels.first();
         let span = label.map(|label| Span::new(base + label.span.start(), base + label.span.end()));
         Self {
-            told: Told::Reader,
+            told: DiagnosticSource::Reader,
             diagnostic,
             span,
             base,

@@ -5,7 +5,7 @@ use lsp_types::{
     Documentation, InsertTextFormat, MarkupContent, MarkupKind, Range, TextEdit,
 };
 
-use super::cursor::asked;
+use super::cursor::locate_request;
 use super::document::Document;
 use super::position::range;
 use super::snippets::snippet;
@@ -21,7 +21,7 @@ pub(super) fn completion(
     workspace: &mut Workspace,
     params: &CompletionParams,
 ) -> Option<CompletionResponse> {
-    let (path, file, offset) = asked(workspace, &params.text_document_position)?;
+    let (path, file, offset) = locate_request(workspace, &params.text_document_position)?;
     let commands = file.document.is_command_file();
     let found = place(&file.document, offset)?;
     let typed = range(file.document.pieces(), found.word);

@@ -42,7 +42,7 @@ pub(super) struct Cursor {
 }
 
 /// Returns the file and the offset that a request refers to.
-pub(super) fn asked<'w>(
+pub(super) fn locate_request<'w>(
     workspace: &'w Workspace,
     at: &TextDocumentPositionParams,
 ) -> Option<(PathBuf, &'w File, usize)> {

@@ -2,7 +2,7 @@
 
 use lsp_types::{GotoDefinitionParams, GotoDefinitionResponse, Location};
 
-use super::cursor::{Thing, asked, cursor, location};
+use super::cursor::{Thing, cursor, locate_request, location};
 use super::workspace::Workspace;
 use admire_syntax::text::Span;
 
@@ -10,7 +10,7 @@ pub(super) fn definition(
     workspace: &mut Workspace,
     params: &GotoDefinitionParams,
 ) -> Option<GotoDefinitionResponse> {
-    let (path, file, offset) = asked(workspace, &params.text_document_position_params)?;
+    let (path, file, offset) = locate_request(workspace, &params.text_document_position_params)?;
     let commands = file.document.is_command_file();
     let thing = cursor(&file.document, offset)?.thing;
     let deck = if commands {

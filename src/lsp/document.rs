@@ -8,10 +8,10 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::complaint::{Anchor, Candidate, Complaint, new_place, shifted};
+use super::complaint::{Anchor, AnchoredDiagnostic, Candidate, new_place, shifted};
 use super::definitions::{Definitions, is_known_body};
 use super::excerpt::{Depth, Excerpt};
-use admire_session::check::{Found, Told};
+use admire_session::check::{DiagnosticSource, Found};
 use admire_syntax::catalogue::{Catalogue, Place};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar::Role;
@@ -33,9 +33,9 @@ pub struct Document {
     /// Index of each piece by its key.
     places: HashMap<u32, usize>,
     /// Diagnostics of the neighbourhood rules, by the piece of the first label.
-    near: HashMap<u32, Vec<Complaint>>,
+    near: HashMap<u32, Vec<AnchoredDiagnostic>>,
     /// Diagnostics of the checks of the whole file.
-    far: Vec<Complaint>,
+    far: Vec<AnchoredDiagnostic>,
     /// Suppression comments, by piece.
     silences: HashMap<u32, Suppressed>,
 }
@@ -148,18 +148,20 @@ impl Document {
     }
 
     /// Stores the findings of a check of the whole file, which must have seen the current text.
-    pub fn told(&mut self, found: Vec<Found>) {
+    pub fn store_findings(&mut self, found: Vec<Found>) {
         self.far.clear();
         self.near.clear();
         for found in found {
             let complaint = match found.told {
                 // The pieces hold the reader's diagnostics themselves.
-                Told::Reader => continue,
-                Told::Neighbourhood | Told::File => self.anchored(found.diagnostic),
+                DiagnosticSource::Reader => continue,
+                DiagnosticSource::Neighbourhood | DiagnosticSource::File => {
+                    self.anchored(found.diagnostic)
+                }
             };
             let Some(complaint) = complaint else { continue };
             match complaint.labels.first() {
-                Some(Some(anchor)) if found.told == Told::Neighbourhood => {
+                Some(Some(anchor)) if found.told == DiagnosticSource::Neighbourhood => {
                     self.near.entry(anchor.piece).or_default().push(complaint);
                 }
                 _ => self.far.push(complaint),
@@ -193,12 +195,12 @@ impl Document {
             all.push(Candidate::read(&missing, 0));
         }
         let near = self.near.values().flatten();
-        all.extend(near.filter_map(|c| self.candidate(c, Told::Neighbourhood)));
+        all.extend(near.filter_map(|c| self.candidate(c, DiagnosticSource::Neighbourhood)));
         let seen: HashSet<(Code, Option<usize>)> = all.iter().map(Candidate::place).collect();
         let far = self
             .far
             .iter()
-            .filter_map(|c| self.candidate(c, Told::File));
+            .filter_map(|c| self.candidate(c, DiagnosticSource::File));
         all.extend(far.filter(|found| !seen.contains(&found.place())));
         all.retain(|found| wanted(found.diagnostic) && !self.is_silenced(found));
         let others = all.len().saturating_sub(most);
@@ -218,7 +220,11 @@ impl Document {
     }
 
     /// Returns a stored diagnostic as a candidate, or `None` if its own position is gone.
-    fn candidate<'a>(&self, complaint: &'a Complaint, told: Told) -> Option<Candidate<'a>> {
+    fn candidate<'a>(
+        &self,
+        complaint: &'a AnchoredDiagnostic,
+        told: DiagnosticSource,
+    ) -> Option<Candidate<'a>> {
         let first = complaint.diagnostic.labels.first();
         let span = match complaint.labels.first() {
             // After END only diagnostics about suppression comments remain.
@@ -361,7 +367,7 @@ impl Document {
         let excerpt = Excerpt::of(self, asked, Depth::One);
         let options = Options::default();
         let found = check_until(&excerpt.dataset, &options, Reach::Neighbours, || false);
-        let mut new: HashMap<u32, Vec<Complaint>> = pieces
+        let mut new: HashMap<u32, Vec<AnchoredDiagnostic>> = pieces
             .iter()
             .map(|at| (self.pieces.pieces()[*at].key(), Vec::new()))
             .collect();
@@ -393,7 +399,7 @@ impl Document {
             let piece = &self.pieces.pieces()[*at];
             let base = self.pieces.start(*at);
             let of_comments = self.silences.get(&piece.key());
-            let own: Vec<Complaint> = of_comments
+            let own: Vec<AnchoredDiagnostic> = of_comments
                 .iter()
                 .flat_map(|silences| &silences.diagnostics)
                 .filter_map(|found| self.anchored(shifted(found, base)))
@@ -434,7 +440,7 @@ impl Document {
         })
     }
 
-    fn anchored(&self, diagnostic: Diagnostic) -> Option<Complaint> {
+    fn anchored(&self, diagnostic: Diagnostic) -> Option<AnchoredDiagnostic> {
         let name = self.name();
         let labels = diagnostic
             .labels
@@ -449,7 +455,7 @@ impl Document {
         let edits = fix
             .map(|edit| self.anchor(edit.span))
             .collect::<Option<Vec<Anchor>>>()?;
-        Some(Complaint {
+        Some(AnchoredDiagnostic {
             diagnostic,
             labels,
             edits,
@@ -465,7 +471,7 @@ impl Document {
     }
 
     /// Returns a stored diagnostic with its current positions, or `None` if its own position is gone.
-    fn resolved(&self, complaint: &Complaint) -> Option<Diagnostic> {
+    fn resolved(&self, complaint: &AnchoredDiagnostic) -> Option<Diagnostic> {
         let mut found = complaint.diagnostic.clone();
         let mut labels = Vec::with_capacity(found.labels.len());
         for (k, (mut label, anchor)) in found.labels.into_iter().zip(&complaint.labels).enumerate()

@@ -2,7 +2,7 @@
 
 use lsp_types::{DocumentHighlight, DocumentHighlightKind, DocumentHighlightParams};
 
-use super::cursor::{Thing, asked, cursor};
+use super::cursor::{Thing, cursor, locate_request};
 use super::position::range;
 use super::references::{Role, places};
 use super::workspace::Workspace;
@@ -11,7 +11,7 @@ pub(super) fn highlight(
     workspace: &Workspace,
     params: &DocumentHighlightParams,
 ) -> Option<Vec<DocumentHighlight>> {
-    let (_, file, offset) = asked(workspace, &params.text_document_position_params)?;
+    let (_, file, offset) = locate_request(workspace, &params.text_document_position_params)?;
     let Thing::Object(object) = cursor(&file.document, offset)?.thing else {
         return None;
     };

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lsp_types::{Hover, HoverContents, HoverParams, MarkupContent, MarkupKind};
 
-use super::cursor::{Cursor, Thing, asked, cursor};
+use super::cursor::{Cursor, Thing, cursor, locate_request};
 use super::document::Document;
 use super::excerpt::{Depth, Excerpt};
 use super::position::range;
@@ -23,7 +23,7 @@ const MOST_LINES: usize = 12;
 const MOST_STATEMENTS: usize = 2000;
 
 pub(super) fn hover(workspace: &mut Workspace, params: &HoverParams) -> Option<Hover> {
-    let (path, _, offset) = asked(workspace, &params.text_document_position_params)?;
+    let (path, _, offset) = locate_request(workspace, &params.text_document_position_params)?;
     if let Some(deck) = workspace.deck_of(&path, offset) {
         workspace.read(&deck);
     }

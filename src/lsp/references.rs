@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lsp_types::{Location, ReferenceParams};
 
-use super::cursor::{Thing, all_references, asked, cursor, location};
+use super::cursor::{Thing, all_references, cursor, locate_request, location};
 use super::document::Document;
 use super::workspace::Workspace;
 use admire_syntax::ObjectId;
@@ -99,7 +99,7 @@ pub(super) fn references(
     workspace: &mut Workspace,
     params: &ReferenceParams,
 ) -> Option<Vec<Location>> {
-    let (path, file, offset) = asked(workspace, &params.text_document_position)?;
+    let (path, file, offset) = locate_request(workspace, &params.text_document_position)?;
     let Thing::Object(object) = cursor(&file.document, offset)?.thing else {
         return None;
     };

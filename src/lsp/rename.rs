@@ -8,7 +8,7 @@ use lsp_types::{
 };
 
 use super::convert::text_edits;
-use super::cursor::{Cursor, Thing, asked, cursor};
+use super::cursor::{Cursor, Thing, cursor, locate_request};
 use super::position::range;
 use super::references::{Role, everywhere};
 use super::refused::Refused;
@@ -22,7 +22,7 @@ pub(super) fn prepare(
     workspace: &Workspace,
     params: &TextDocumentPositionParams,
 ) -> Result<Option<PrepareRenameResponse>, Refused> {
-    let found = asked(workspace, params)
+    let found = locate_request(workspace, params)
         .and_then(|(_, file, offset)| Some((file, cursor(&file.document, offset)?)));
     let Some((
         file,
@@ -46,7 +46,8 @@ pub(super) fn rename(
     workspace: &mut Workspace,
     params: &RenameParams,
 ) -> Result<Option<WorkspaceEdit>, Refused> {
-    let Some((path, file, offset)) = asked(workspace, &params.text_document_position) else {
+    let Some((path, file, offset)) = locate_request(workspace, &params.text_document_position)
+    else {
         return Ok(None);
     };
     let Some(Cursor {

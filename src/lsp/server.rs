@@ -307,7 +307,7 @@ impl Server {
             return;
         };
         if file.edits.load(Ordering::Relaxed) == answer.edits && file.version.is_some() {
-            file.document.told(answer.found);
+            file.document.store_findings(answer.found);
             self.show(&answer.path);
         }
     }

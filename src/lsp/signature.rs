@@ -5,7 +5,7 @@ use lsp_types::{
     SignatureInformation,
 };
 
-use super::cursor::asked;
+use super::cursor::locate_request;
 use super::typing::open_call;
 use super::workspace::Workspace;
 use admire_syntax::grammar::find_function;
@@ -14,7 +14,7 @@ pub(super) fn signature(
     workspace: &Workspace,
     params: &SignatureHelpParams,
 ) -> Option<SignatureHelp> {
-    let (_, file, offset) = asked(workspace, &params.text_document_position_params)?;
+    let (_, file, offset) = locate_request(workspace, &params.text_document_position_params)?;
     let call = open_call(&file.document, offset)?;
     let def = find_function(call.name.as_bytes())?;
     let label = format!("{}({})", def.name, def.arguments);

@@ -192,7 +192,10 @@ fn message(body: &[u8]) -> Result<Message, MalformedMessage> {
         Err(error) => error,
     };
     match serde_json::from_slice::<Value>(body) {
-        Err(error) => Err(MalformedMessage::new(ErrorCode::ParseError, error.to_string())),
+        Err(error) => Err(MalformedMessage::new(
+            ErrorCode::ParseError,
+            error.to_string(),
+        )),
         Ok(mut value) => {
             let mut refused = MalformedMessage::new(ErrorCode::InvalidRequest, error.to_string());
             if let Some(id) = value

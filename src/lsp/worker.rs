@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender};
 
-use admire_session::check::{Found, Told};
+use admire_session::check::{DiagnosticSource, Found};
 use admire_session::{check, folder_of, read_files};
 use admire_syntax::lint::Options;
 use admire_syntax::pieces::Pieces;
@@ -120,7 +120,7 @@ impl Job {
             Some(Dataset::parse(source).value)
         };
         let found = check::command_file(CommandFile::parse(source), deck);
-        let told = |diagnostic| Found::new(Told::File, diagnostic);
+        let told = |diagnostic| Found::new(DiagnosticSource::File, diagnostic);
         found.into_iter().map(told).collect()
     }
 }

@@ -12,7 +12,9 @@ use admire_identify::global::Marginal;
 use admire_identify::{Fit, LoadedStudy};
 use admire_report::VERSION;
 use admire_study::settings::Method;
-use admire_sweep::uncertainty::{Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, Made, Repeats, repeat};
+use admire_sweep::uncertainty::{
+    Kind, LEAST_DRAWS, LEAST_REPLICATES, MOST, RepeatOutput, Repeats, repeat,
+};
 use admire_sweep::{Progress, Row};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -232,7 +234,9 @@ fn repeated(
             .map_err(|error| failed(&error.to_string()))?
             .ok_or_else(|| failed("stopped before its end"))?;
         for (kind, made) in made {
-            let Made::Rows(rows) = made else { continue };
+            let RepeatOutput::Rows(rows) = made else {
+                continue;
+            };
             let none = vec![f64::NAN; numbers];
             let of = |row: &Row| row.outputs.get(..numbers).unwrap_or(&none).to_vec();
             let values = rows.iter().flat_map(of).collect();

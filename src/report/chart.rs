@@ -162,7 +162,9 @@ impl Chart {
                     path(&spots)
                 ));
             }
-            if matches!(series.mark, SeriesStyle::Points | SeriesStyle::LinePoints) || spots.len() == 1 {
+            if matches!(series.mark, SeriesStyle::Points | SeriesStyle::LinePoints)
+                || spots.len() == 1
+            {
                 for spot in &spots {
                     push(format_args!("{}", symbol(k, *spot)));
                 }

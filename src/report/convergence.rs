@@ -1,4 +1,4 @@
-use super::{Chart, DrawingError, Figure, SeriesStyle, Series};
+use super::{Chart, DrawingError, Figure, Series, SeriesStyle};
 use admire_identify::{Fit, LoadedStudy};
 
 /// Draws the convergence of every parameter over the iterations, in one chart per element to keep many parameters readable. `named` splits

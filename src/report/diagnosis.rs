@@ -14,7 +14,7 @@ use super::number::unbroken;
 use super::ranking::{ranking, words};
 use super::scene::Role;
 use super::{
-    Align, Chart, DrawingError, Figure, HeatMap, SeriesStyle, Page, Scene, Series, Table, number,
+    Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
 };
 use admire_identify::LoadedStudy;

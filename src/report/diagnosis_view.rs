@@ -2,7 +2,7 @@ use super::number::change;
 use super::ranking::words;
 use super::scene::Role;
 use super::study_figures::load_axis;
-use super::{Chart, DrawingError, Figure, SeriesStyle, Positions, Scene, Series, study_scene};
+use super::{Chart, DrawingError, Figure, Positions, Scene, Series, SeriesStyle, study_scene};
 use admire_diagnosis::{FittedModel, Outcome, Verdict};
 use admire_identify::LoadedStudy;
 use admire_solver::model::Model;

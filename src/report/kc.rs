@@ -1,5 +1,5 @@
 use super::number::rounded;
-use super::{Align, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table};
+use super::{Align, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table};
 use admire_kc::{
     Branch, Convention, Gradient, KcRun, Reading, Sample, Side, TestKind, TestRun, driven_unit,
     fitted_slope, loop_half_width, output, shown, slope,

@@ -45,8 +45,8 @@ mod topology_graph;
 
 pub use bars::Bars;
 pub use chart::Chart;
-pub use chart::SeriesStyle;
 pub use chart::Series;
+pub use chart::SeriesStyle;
 pub use check::Verdict;
 pub use diagnosis::DiagnosisReport;
 pub use diagnosis_text::diagnosis_sentences;

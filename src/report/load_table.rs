@@ -18,7 +18,7 @@ const EXCHANGED: f64 = 0.25;
 /// Number of cases required beyond the number of functions of the loads.
 const SPARE: usize = 4;
 /// Relative singular value below which a direction of the functions of the loads counts as zero.
-const NONE: f64 = 1e-6;
+const RANK_TOLERANCE: f64 = 1e-6;
 
 /// Returns the suspicious findings about loads and marks. The comparison with the prediction at the start values is included where it is
 /// meaningful.
@@ -42,9 +42,9 @@ fn against(loaded: &LoadedStudy, predicted: &[Case]) -> Option<Vec<(Verdict, Str
     let loads = varying(&to.cases, &cases);
     let X = functions(&to.cases, &cases, &loads, false);
     let turn = X.svd(true, true);
-    let slopes = |of: &[Case]| turn.solve(&coordinates(of, &cases)?, NONE).ok();
+    let slopes = |of: &[Case]| turn.solve(&coordinates(of, &cases)?, RANK_TOLERANCE).ok();
     let [read, model] = [slopes(&to.cases)?, slopes(predicted)?];
-    if cases.len() < loads.len() + 1 + SPARE || turn.rank(NONE) <= loads.len() {
+    if cases.len() < loads.len() + 1 + SPARE || turn.rank(RANK_TOLERANCE) <= loads.len() {
         return None;
     }
     let mut out = Vec::new();
@@ -80,7 +80,7 @@ fn exchanged(loaded: &LoadedStudy) -> Option<String> {
     let Y = coordinates(to, &cases)?;
     let enough = |products: bool| {
         let turn = functions(to, &cases, &loads, products).svd(true, false);
-        let rank = turn.rank(NONE);
+        let rank = turn.rank(RANK_TOLERANCE);
         (cases.len() >= rank + SPARE).then(|| turn.u.map(|u| u.columns(0, rank).into_owned()))?
     };
     let U = enough(true).or_else(|| enough(false))?;

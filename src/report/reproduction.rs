@@ -1,6 +1,6 @@
 //! Page of the paper's validations, repeated with this program.
 
-use super::{Align, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table};
+use super::{Align, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table};
 use admire_results::Timestamp;
 use serde::Serialize;
 
@@ -54,6 +54,7 @@ pub struct Curve {
 
 impl Curve {
     /// The same as a change from where `load` is zero, or from its first point.
+    #[must_use]
     pub fn since_zero(mut self) -> Self {
         let zero = self.points.iter().find(|(load, _)| *load == 0.0);
         let zero = zero
@@ -135,7 +136,11 @@ impl ReproductionReport<'_> {
                 let series = figure.curves.iter().enumerate().map(|(k, curve)| Series {
                     name: curve.name.clone(),
                     points: curve.points.clone(),
-                    mark: if k < 2 { SeriesStyle::LinePoints } else { SeriesStyle::Line },
+                    mark: if k < 2 {
+                        SeriesStyle::LinePoints
+                    } else {
+                        SeriesStyle::Line
+                    },
                 });
                 let chart = Chart {
                     title: figure.title.clone(),

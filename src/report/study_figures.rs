@@ -1,5 +1,5 @@
 use super::scene::Role;
-use super::{Chart, DrawingError, Figure, HeatMap, SeriesStyle, Positions, Series, short_unit};
+use super::{Chart, DrawingError, Figure, HeatMap, Positions, Series, SeriesStyle, short_unit};
 use admire_identify::LoadedStudy;
 use admire_identify::global::Prepared;
 use admire_solver::mechanics::{Pose, Vec3, Vec6};

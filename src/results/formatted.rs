@@ -79,7 +79,11 @@ impl FormattedResults {
         results
     }
 
-    fn take(&mut self, block: &Block<'_>, displacements: &mut Vec<usize>) -> Result<(), LocatedFault> {
+    fn take(
+        &mut self,
+        block: &Block<'_>,
+        displacements: &mut Vec<usize>,
+    ) -> Result<(), LocatedFault> {
         let line = |at: usize| block.lines.get(at).copied();
         match block.label.as_str() {
             "FILE TYPE AND SOURCE" => {

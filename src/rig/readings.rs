@@ -102,7 +102,7 @@ impl Readings {
                 }
             }
             for x in seen.iter_mut().flatten() {
-                *x += second_session.heavy(options.scatter.tails, measured.sigma);
+                *x += second_session.student_t_vector(options.scatter.tails, measured.sigma);
             }
             for fault in &reality.faults {
                 if let ReadingFault::Mark {

@@ -11,7 +11,7 @@ const TURN_DEG: f64 = 30.0;
 /// Largest displacement along a free sliding motion, in m.
 const SHIFT: f64 = 1e-3;
 /// Largest number of attempts; each attempt without an equilibrium halves the displacement of the next.
-const HALVED: usize = 6;
+const MAX_ATTEMPTS: usize = 6;
 
 /// Returns an equilibrium of a case displaced by a random amount along each of its free motions. Returns `state` itself if there are no free
 /// motions or no displaced equilibrium is found.
@@ -47,7 +47,7 @@ pub(super) fn spun(
     };
     let amounts: Vec<f64> = motions.iter().map(amount).collect();
     let mut part = 1.0;
-    for _ in 0..HALVED {
+    for _ in 0..MAX_ATTEMPTS {
         let mut moved = state.clone();
         for (motion, amount) in motions.iter().zip(&amounts) {
             displace(system, &mut moved, motion, part * amount);

@@ -186,7 +186,7 @@ impl Tolerances {
     }
 
     /// Formats the nonzero standard deviations as in `--tolerances`, for the truth file.
-    pub(super) fn told(mut self) -> String {
+    pub(super) fn to_text(mut self) -> String {
         let asked = self.named().into_iter();
         let asked = asked.filter(|(_, size)| **size > 0.0);
         let items: Vec<String> = asked.map(|(name, size)| format!("{name}={size}")).collect();
@@ -225,7 +225,7 @@ mod tests {
         let found = Tolerances::parse("hardpoints=0.1, load_gain=0.003").unwrap();
         assert_eq!((found.hardpoints, found.load_gain), (0.1, 0.003));
         assert_eq!(found.marks_on_parts, 0.0);
-        assert_eq!(found.told(), "hardpoints=0.1,load_gain=0.003");
+        assert_eq!(found.to_text(), "hardpoints=0.1,load_gain=0.003");
         for text in ["hardpoints", "rust=1", "load_gain=-1", "hardpoints=NaN"] {
             assert_eq!(
                 Tolerances::parse(text).unwrap_err().code,

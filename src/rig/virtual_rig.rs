@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::effect::{GroundTruth, Marked, Memory, plant};
+use super::effect::{GroundTruth, HistoryState, Marked, plant};
 use super::readings::Readings;
 use super::rest::{Rest, place};
 use super::rig_options::RigOptions;
@@ -142,7 +142,7 @@ pub fn virtual_rig_watched(
         truth += &spec.text;
         truth.push('\n');
     }
-    let told = options.tolerances.told();
+    let told = options.tolerances.to_text();
     if !told.is_empty() {
         truth += &format!("# tolerances: {told}\n");
         for spec in &tolerances {
@@ -229,7 +229,7 @@ fn at_rest(
     Ok(out)
 }
 
-fn displacement(model: &Model, poses: &[Pose], memory: &Memory) -> f64 {
+fn displacement(model: &Model, poses: &[Pose], memory: &HistoryState) -> f64 {
     let [i, j] = memory.markers.map(|id| {
         let marker = model
             .marker(id)

@@ -101,7 +101,12 @@ impl Session<'_> {
 }
 
 impl Session<'_> {
-    fn not_linearised(&mut self, time: f64, reason: &motion::MotionFailure, place: Place<'_>) -> Flow {
+    fn not_linearised(
+        &mut self,
+        time: f64,
+        reason: &motion::MotionFailure,
+        place: Place<'_>,
+    ) -> Flow {
         let diagnostic = Diagnostic::error(
             Code::NoMotion,
             format!("the equations are not linearised at time {time}: {reason}"),

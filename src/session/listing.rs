@@ -195,7 +195,7 @@ impl Loaded {
         let time = self.time();
         let mut text = String::new();
         for (word, kind) in asked {
-            let values = self.asked(kind(i, j, rm))?;
+            let values = self.evaluate_request(kind(i, j, rm))?;
             let word = word.to_ascii_lowercase();
             let relation = if word == "force" { "by" } else { "from" };
             _ = writeln!(
@@ -211,7 +211,7 @@ impl Loaded {
     }
 
     /// Evaluates a request that is not in the dataset at the current state.
-    fn asked(&mut self, kind: RequestKind) -> Result<Components, Diagnostic> {
+    fn evaluate_request(&mut self, kind: RequestKind) -> Result<Components, Diagnostic> {
         let names = match kind {
             RequestKind::Displacement { .. } => ["MAG", "X", "Y", "Z", "PSI", "THETA", "PHI"],
             RequestKind::Velocity { .. } => ["VM", "VX", "VY", "VZ", "WX", "WY", "WZ"],

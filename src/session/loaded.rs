@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use admire_solver::function::Measure;
-use admire_solver::model::{Definitions, Ignore, Model, Request, said_left_out};
+use admire_solver::model::{Definitions, Ignore, Model, Request, left_out_warning};
 use admire_solver::statics::Solver;
 use admire_solver::system::{EquationName, Name, Parameters, Scratch, Slot, State, System};
 use admire_syntax::diagnostic::{Checked, Diagnostic, Severity};
@@ -284,7 +284,7 @@ impl Loaded {
             diagnostics.extend(
                 left_out
                     .iter()
-                    .map(|(kind, header)| said_left_out(kind, header)),
+                    .map(|(kind, header)| left_out_warning(kind, header)),
             );
             let checked = System::compile(&self.model);
             let (errors, warnings): (Vec<_>, Vec<_>) = checked

@@ -34,7 +34,7 @@ impl<'s> Measures<'s> {
         scratch: &'s mut Scratch,
     ) -> Self {
         // Elements driven by functions without a value are zero.
-        let _ = system.look_leniently(parameters, state, scratch);
+        let _ = system.evaluate_leniently(parameters, state, scratch);
         Self {
             system,
             parameters,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use admire_results::Timestamp;
-use admire_solver::model::lint::Apart;
+use admire_solver::model::lint::MarkerGap;
 use admire_solver::model::{IntegratorSettings, KinematicsSettings};
 use admire_solver::system::{EquationName, Name};
 use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
@@ -204,7 +204,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Writes a warning about a constraint whose markers are apart, in ADAMS' words for points and planes.
-    pub(crate) fn apart(&mut self, apart: &Apart) {
+    pub(crate) fn apart(&mut self, apart: &MarkerGap) {
         let (name, d) = (&apart.name, apart.distance);
         let text = match apart.counts {
             [false, false, true] => format!(

@@ -14,7 +14,7 @@ use super::located::Sources;
 use super::message::Messages;
 use super::moment::Watcher;
 use super::record::Record;
-use super::saved::Kept;
+use super::saved::SavedStates;
 
 /// Executes commands on a model and writes the output files that ADAMS would write.
 pub struct Session<'a> {
@@ -25,7 +25,7 @@ pub struct Session<'a> {
     pub(super) folders: Vec<PathBuf>,
     pub(super) policy: FilePolicy,
     pub(super) loaded: Option<Loaded>,
-    pub(super) kept: Kept,
+    pub(super) kept: SavedStates,
     pub(super) stop_on_failure: bool,
     /// Statements that may be left out of the models.
     pub(super) ignored: Vec<Ignore>,
@@ -56,7 +56,7 @@ impl<'a> Session<'a> {
             folders: vec![directory.to_path_buf()],
             policy: FilePolicy::new(directory),
             loaded: None,
-            kept: Kept::default(),
+            kept: SavedStates::default(),
             stop_on_failure: false,
             ignored: Vec::new(),
             unwritten: None,

@@ -45,7 +45,7 @@ pub(super) struct Written {
 
 /// States saved by the SAVE commands of one run.
 #[derive(Default)]
-pub(super) struct Kept {
+pub(super) struct SavedStates {
     /// Saved states with their models, by file.
     pub files: BTreeMap<PathBuf, Saved>,
     /// States alone, by the name of their buffer; they last until the end of the run (`com_reload`).

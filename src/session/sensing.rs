@@ -105,7 +105,7 @@ impl Sensed {
         }
         let mut scratch = Scratch::new(system);
         // Functions without a value fire no sensor.
-        let _ = system.at(parameters, state, &mut scratch).look();
+        let _ = system.at(parameters, state, &mut scratch).evaluate();
         for (index, sensor) in model.sensors.iter().enumerate() {
             if !sensor.header.active {
                 continue;

@@ -1,6 +1,6 @@
 use admire_results::StepKind;
 use admire_solver::model::Model;
-use admire_solver::statics::{Balance, Far, Left, Report, StaticSettings, Softest, SolveError};
+use admire_solver::statics::{Balance, Far, Left, Report, Softest, SolveError, StaticSettings};
 use admire_syntax::Statement;
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::text::Source;

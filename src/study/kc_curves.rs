@@ -90,7 +90,7 @@ impl Curve {
     }
 
     /// Returns a description of the curve's sign convention.
-    pub(crate) const fn told(self) -> &'static str {
+    pub(crate) const fn sign_convention(self) -> &'static str {
         match self {
             Self::Toe => "positive for toe-in",
             Self::Camber => "positive with the top outboard",

@@ -225,7 +225,7 @@ fn channel(
     };
     told.push(format!(
         "{name} from `{header}` in {shown}, {}{reversed}",
-        curve.curve.told()
+        curve.curve.sign_convention()
     ));
     Some(Source {
         channel,

@@ -39,7 +39,7 @@ impl Noise {
 
     /// Draws three independent Student t numbers with `tails` degrees of freedom, multiplied by `scale`. With infinite degrees of freedom they
     /// are normal.
-    pub fn heavy(&mut self, tails: f64, scale: f64) -> Vec3 {
+    pub fn student_t_vector(&mut self, tails: f64, scale: f64) -> Vec3 {
         match StudentT::new(tails) {
             Ok(law) if tails.is_finite() => Vec3::from_fn(|_, _| self.0.sample(law)) * scale,
             _ => self.vector(scale),

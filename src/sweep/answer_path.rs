@@ -4,7 +4,7 @@ use serde_json::Value;
 
 /// Result file of a study.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Answer {
+pub enum ResultFile {
     /// `identification.json`.
     Identification,
     /// `diagnosis.json`.
@@ -15,7 +15,7 @@ pub enum Answer {
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct AnswerPath {
     /// Result file.
-    pub answer: Answer,
+    pub answer: ResultFile,
     steps: Vec<Step>,
 }
 
@@ -29,7 +29,7 @@ enum Step {
 
 impl AnswerPath {
     /// Parses a path; `None` if the text is not a path.
-    pub(crate) fn parse(answer: Answer, text: &str) -> Option<Self> {
+    pub(crate) fn parse(answer: ResultFile, text: &str) -> Option<Self> {
         let mut steps = Vec::new();
         let mut rest = text;
         loop {
@@ -193,7 +193,7 @@ mod tests {
             ],
             "findings": [{ "cause": "dry-friction", "address": "BUSHING/2.K.1", "probability": 0.9 }],
         });
-        let path = |text: &str| AnswerPath::parse(Answer::Identification, text).unwrap();
+        let path = |text: &str| AnswerPath::parse(ResultFile::Identification, text).unwrap();
         let number = |text: &str| path(text).number(&answer);
         assert_eq!(number("converged"), 1.0);
         assert_eq!(number("fit_test.chi2"), 12.5);
@@ -226,7 +226,7 @@ mod tests {
             assert!(refused(wrong).is_some(), "{wrong}");
         }
         for bad in ["", ".a", "a.", "a[b", "a]b.", "a[b]c"] {
-            assert_eq!(AnswerPath::parse(Answer::Diagnosis, bad), None, "{bad}");
+            assert_eq!(AnswerPath::parse(ResultFile::Diagnosis, bad), None, "{bad}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use admire_design::propose;
 use serde_json::Value;
 
-use super::answer_path::{Answer, AnswerPath};
+use super::answer_path::{AnswerPath, ResultFile};
 use super::kept::{Output, OutputSource, OutputSpec};
 use super::row::Status;
 use admire_diagnosis::{
@@ -17,12 +17,12 @@ use admire_syntax::text::{Source, Span};
 
 /// Results of a study, as far as the sweep records them.
 #[derive(Debug, Default)]
-pub(crate) struct Answers {
+pub(crate) struct StudyResults {
     identification: Value,
     diagnosis: Value,
 }
 
-impl Answers {
+impl StudyResults {
     /// Runs the study with another deck.
     ///
     /// # Errors
@@ -39,14 +39,14 @@ impl Answers {
             let why = error.map_or_else(|| "the study has errors".to_string(), |d| d.message);
             return Err((Status::Invalid, why));
         };
-        let asks = |answer: Answer| {
+        let asks = |answer: ResultFile| {
             let mut keeps = keeps.iter();
             keeps
                 .any(|(keep, ..)| matches!(keep, OutputSpec::Answer(path) if path.answer == answer))
         };
         let no_answer = |why: String| (Status::NoAnswer, why);
         let mut new = Self::default();
-        if asks(Answer::Identification) {
+        if asks(ResultFile::Identification) {
             let mut own = loaded.clone();
             let mut backend = solver::backend(&own.study, None, &|_| ());
             let found = fit::identify(&mut own, backend.as_mut(), &SharedProgress::default());
@@ -56,7 +56,7 @@ impl Answers {
             }
             new.identification = value(&found);
         }
-        if asks(Answer::Diagnosis) {
+        if asks(ResultFile::Diagnosis) {
             let mut own = loaded;
             let failed = |error: &dyn std::fmt::Display| no_answer(error.to_string());
             estimate_noise(&mut own, None).map_err(|error| failed(&error))?;
@@ -78,8 +78,8 @@ impl Answers {
 
     fn answer(&self, path: &AnswerPath) -> &Value {
         match path.answer {
-            Answer::Identification => &self.identification,
-            Answer::Diagnosis => &self.diagnosis,
+            ResultFile::Identification => &self.identification,
+            ResultFile::Diagnosis => &self.diagnosis,
         }
     }
 

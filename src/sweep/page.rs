@@ -1,6 +1,8 @@
 //! Page of a sweep: histograms, tornado charts, tables.
 
-use admire_report::{Align, Bars, Chart, DrawingError, Figure, SeriesStyle, Page, Series, Table, number};
+use admire_report::{
+    Align, Bars, Chart, DrawingError, Figure, Page, Series, SeriesStyle, Table, number,
+};
 
 use super::folder::SweepFolder;
 use super::summary::{OutputSummary, Spread, Summary};

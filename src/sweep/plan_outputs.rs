@@ -4,7 +4,7 @@ use admire_kc::TestKind;
 use admire_syntax::diagnostic::Code;
 use admire_syntax::text::Span;
 
-use super::answer_path::{Answer, AnswerPath};
+use super::answer_path::{AnswerPath, ResultFile};
 use super::complaints::CollectedDiagnostics;
 use super::kept::{OutputSpec, Reduction};
 use super::plan_file::{self, PlanFile};
@@ -67,8 +67,8 @@ fn one(
     out: &mut CollectedDiagnostics,
 ) -> Option<OutputSpec> {
     let answers = [
-        (Answer::Identification, &keep.identification),
-        (Answer::Diagnosis, &keep.diagnosis),
+        (ResultFile::Identification, &keep.identification),
+        (ResultFile::Diagnosis, &keep.diagnosis),
     ];
     let plain = answers.iter().all(|(_, text)| text.is_none());
     let mut paths = answers

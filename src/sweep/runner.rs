@@ -13,7 +13,7 @@ use admire_syntax::diagnostic::{Code, Diagnostic, Severity};
 use admire_syntax::text::{Source, Span};
 use admire_syntax::units::Units;
 
-use super::answers::Answers;
+use super::answers::StudyResults;
 use super::kept::{Output, OutputSource, OutputSpec};
 use super::plan::SweepPlan;
 use super::row::{Row, Status};
@@ -39,7 +39,7 @@ pub struct Runner<'p> {
 enum Seen {
     Steps(Option<Catalogue>, Vec<(f64, Vec<f64>)>, Vec<[f64; 2]>),
     Tests(Box<KcRun>),
-    Answers(Box<Answers>),
+    Answers(Box<StudyResults>),
 }
 
 impl<'p> Runner<'p> {
@@ -247,7 +247,7 @@ impl<'p> Runner<'p> {
         }
     }
 
-    fn find_answers(&mut self, answers: &Answers, wrong: &mut Vec<Diagnostic>) {
+    fn find_answers(&mut self, answers: &StudyResults, wrong: &mut Vec<Diagnostic>) {
         for (keep, name, span) in &self.plan.keeps {
             let OutputSpec::Answer(path) = keep else {
                 continue;
@@ -312,8 +312,10 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), None) => self.trial(deck, commands),
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
-            (Task::Study(study, check), _) => Answers::of((study, *check), deck, &self.plan.keeps)
-                .map(|answers| Seen::Answers(Box::new(answers))),
+            (Task::Study(study, check), _) => {
+                StudyResults::of((study, *check), deck, &self.plan.keeps)
+                    .map(|answers| Seen::Answers(Box::new(answers)))
+            }
         }
     }
 

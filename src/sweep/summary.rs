@@ -73,7 +73,7 @@ pub struct OutputSummary {
     /// Value of the nominal deck.
     pub nominal: Option<f64>,
     /// Linear effects of the numbers, the largest first; empty if undefined.
-    pub swings: Vec<Swing>,
+    pub swings: Vec<LinearEffect>,
     /// Share of the variance explained by the linear model.
     pub explained: Option<f64>,
     /// Sobol indices, for the plan `sobol-indices`.
@@ -84,7 +84,7 @@ pub struct OutputSummary {
 
 /// Linear change of a result as one number goes from its 5 percent to its 95 percent quantile.
 #[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Swing {
+pub struct LinearEffect {
     /// Name of the number.
     pub name: String,
     /// Change of the result from the number's mean to its 5 percent quantile.
@@ -308,7 +308,7 @@ impl Summary {
                 .map(|(k, slope)| {
                     let input = &self.inputs[*k];
                     let ends = [0.05, 0.95].map(|s| (input.quantile(s) - input.mean) / input.sd);
-                    Swing {
+                    LinearEffect {
                         name: input.name.clone(),
                         low: slope.slope * ends[0],
                         high: slope.slope * ends[1],
@@ -316,7 +316,7 @@ impl Summary {
                     }
                 })
                 .collect();
-            let size = |swing: &Swing| (swing.high - swing.low).abs();
+            let size = |swing: &LinearEffect| (swing.high - swing.low).abs();
             output.swings.sort_by(|a, b| size(b).total_cmp(&size(a)));
         }
         Ok(())

@@ -8,7 +8,7 @@ use std::alloc::System as Memory;
 use std::path::Path;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::System;
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};

@@ -17,7 +17,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Balance, StaticSettings, Solver};
+use admire_solver::statics::{Balance, Solver, StaticSettings};
 use admire_solver::system::{Scratch, State, System};
 use admire_syntax::text::Source;
 use admire_syntax::{Address, Dataset};

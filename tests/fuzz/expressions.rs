@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use admire_rig::Scatter;
-use admire_solver::function::{ExpressionCompiler, EvaluationMemory};
+use admire_solver::function::{EvaluationMemory, ExpressionCompiler};
 use admire_solver::model::Model;
 use admire_syntax::expression::Node;
 use admire_syntax::text::Source;

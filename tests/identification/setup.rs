@@ -31,6 +31,7 @@ impl Loaded {
             settings: &self.study.identify,
             regression: &self.study.regression,
             tolerances: &self.study.tolerances,
+            priors: &self.study.priors,
             free: &self.free,
             unknowns: self.unknowns.clone(),
         }

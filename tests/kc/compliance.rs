@@ -375,7 +375,7 @@ fn columns_are_slopes_of_wheel_centre_sweeps() {
             let load = swing_arm::VerticalLoad::InPhase;
             let c = centre.axle.compliance.unwrap();
             let angle = swing_arm::front_view_angle(&c, side, load);
-            near("front view", angle.tan(), side.outboard() * y);
+            near("front view", angle.tan(), side.outboard_sign() * y);
             let x = slope(&mut bench, &|seen| {
                 seen.axle.wheels[k].unwrap().wheel.centre.x
             });

@@ -146,7 +146,7 @@ fn steer_axes_of_real_results() {
                 let w = side.word();
                 let of = |name: &str| of(&name.replace('@', w));
                 let (caster, kingpin) = (of("caster_angle.@"), of("kingpin_incl_angle.@"));
-                let direction = Vec3::new(caster.tan(), -side.outboard() * kingpin.tan(), 1.0);
+                let direction = Vec3::new(caster.tan(), -side.outboard_sign() * kingpin.tan(), 1.0);
                 let vector =
                     |name: &str| Vec3::from(["X", "Y", "Z"].map(|c| of(&format!("{name}.@_{c}"))));
                 let axis = SteerAxis {
@@ -226,7 +226,7 @@ fn identities_of_columns() {
                 };
                 let camber = 1.0 + arm("fr_view") * c33 * track / on_tyres;
                 same(camber, of("roll_camber_coefficient"), "roll camber");
-                let caster = -side.outboard() * arm("side_view") * c33 * track / on_tyres;
+                let caster = -side.outboard_sign() * arm("side_view") * c33 * track / on_tyres;
                 same(caster, of("roll_caster_coefficient"), "roll caster");
             }
             let steer = ["left", "right"].map(|w| of(&format!("steer_angle.{w}")));

@@ -2,7 +2,7 @@
 
 use admire_lsp::Document;
 use admire_session::check;
-use admire_session::check::{Found, Told};
+use admire_session::check::{DiagnosticSource, Found};
 use admire_syntax::diagnostic::Checked;
 use admire_syntax::files::Files;
 use admire_syntax::lint::Options;
@@ -245,7 +245,7 @@ fn same_complaints(document: &mut Document, fresh: Checked<Dataset>, step: usize
     let sorted = |found: &[Found], whole: bool| {
         let kept = found
             .iter()
-            .filter(|found| !found.silenced && (whole || found.told != Told::File));
+            .filter(|found| !found.silenced && (whole || found.told != DiagnosticSource::File));
         let mut all: Vec<String> = kept
             .map(|found| format!("{:?}", found.diagnostic))
             .collect();
@@ -258,7 +258,7 @@ fn same_complaints(document: &mut Document, fresh: Checked<Dataset>, step: usize
         place,
     );
     if step.is_multiple_of(20) {
-        document.told(found.clone());
+        document.store_findings(found.clone());
         compare(
             &sorted(&document.complaints(), true),
             &sorted(&found, true),

@@ -2,7 +2,7 @@
 
 use admire_lsp::Document;
 use admire_session::check;
-use admire_session::check::Told;
+use admire_session::check::DiagnosticSource;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::Code;
 use admire_syntax::files::Files;
@@ -80,7 +80,7 @@ fn compare(document: &mut Document, text: &str, place: &str) {
     let shown = |found: Vec<check::Found>| {
         let near = found
             .into_iter()
-            .filter(|found| found.told != Told::File && !found.silenced);
+            .filter(|found| found.told != DiagnosticSource::File && !found.silenced);
         let mut all: Vec<String> = near
             .map(|found| format!("{:?}", found.diagnostic))
             .collect();
@@ -89,7 +89,7 @@ fn compare(document: &mut Document, text: &str, place: &str) {
     };
     // Of a large deck the rules of neighbours are asked about what was touched; the check of the whole has told the rest.
     if document.pieces().pieces().len() > 64 {
-        document.told(found.clone());
+        document.store_findings(found.clone());
     }
     let (held, fresh) = (shown(document.complaints()), shown(found));
     let missing: Vec<_> = fresh

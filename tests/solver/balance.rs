@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{Model, PartKind};
-use admire_solver::statics::{Report, StaticSettings, Solver};
+use admire_solver::statics::{Report, Solver, StaticSettings};
 use admire_solver::system::{Parameters, Scratch, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;

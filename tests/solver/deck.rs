@@ -2,7 +2,7 @@
 
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
-use admire_solver::statics::{Report, StaticSettings, Solver};
+use admire_solver::statics::{Report, Solver, StaticSettings};
 use admire_solver::system::{Parameters, Scratch, State, System};
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;

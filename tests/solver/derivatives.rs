@@ -1,6 +1,6 @@
 //! The tangent against differences: of the residual along random motions, of the equilibrium along every number of theta.
 
-use admire_solver::statics::{StaticSettings, Solver, Tangent};
+use admire_solver::statics::{Solver, StaticSettings, Tangent};
 use admire_solver::system::{Parameters, Slot, State, System};
 
 use crate::differences::{along, richardson, step};

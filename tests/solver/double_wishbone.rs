@@ -5,7 +5,7 @@ use std::path::Path;
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::Model;
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::{Scratch, State, System};
 
 use crate::deck;

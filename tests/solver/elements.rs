@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::System;
 
 use crate::balance;

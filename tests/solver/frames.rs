@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use admire_solver::mechanics::{Pose, Vec3, exp};
-use admire_solver::statics::{Report, StaticSettings, Softest, SolveError, Solver};
+use admire_solver::statics::{Report, Softest, SolveError, Solver, StaticSettings};
 use admire_solver::system::System;
 
 use crate::common::shared;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use admire_solver::statics::{StaticSettings, Solver, Tangent};
+use admire_solver::statics::{Solver, StaticSettings, Tangent};
 use admire_solver::system::System;
 use admire_syntax::grammar::{FUNCTIONS, FunctionDef, Solved};
 

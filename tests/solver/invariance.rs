@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_6;
 
 use admire_solver::mechanics::{Mat3, Pose, Vec3, exp};
 use admire_solver::model::{Model, Orientation, PartKind, SpringKind};
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::text::Source;
@@ -140,7 +140,11 @@ fn shuffled_statements() {
             let model = deck::read(&format!("shuffled\n{}\nEND\n", pieces.join("\n")));
             let ids = |m: &Model| m.parts.iter().map(|p| p.header.id).collect::<Vec<_>>();
             assert_ne!(ids(&model), ids(&straight));
-            compare(&equilibrium(&model, &StaticSettings::tight()), &expected, 1e-7);
+            compare(
+                &equilibrium(&model, &StaticSettings::tight()),
+                &expected,
+                1e-7,
+            );
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Free motions, redundant and contradicting constraints, stability: named in the user's words.
 
-use admire_solver::statics::{StaticSettings, SolveError, Solver, smallest_eigenvalue};
+use admire_solver::statics::{SolveError, Solver, StaticSettings, smallest_eigenvalue};
 use admire_solver::system::System;
 
 use crate::deck;

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use admire_solver::model::Model;
-use admire_solver::statics::{Continuation, StaticSettings, SolveError, Solver};
+use admire_solver::statics::{Continuation, SolveError, Solver, StaticSettings};
 use admire_solver::system::System;
 use admire_syntax::Dataset;
 use admire_syntax::diagnostic::{Diagnostic, Severity};

@@ -2,7 +2,7 @@
 
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{JointKind, Model};
-use admire_solver::statics::{StaticSettings, SolveError, Solver};
+use admire_solver::statics::{SolveError, Solver, StaticSettings};
 use admire_solver::system::{Scratch, System};
 use admire_syntax::Address;
 

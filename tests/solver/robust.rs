@@ -1,7 +1,7 @@
 //! Equilibria from poor starts.
 
 use admire_solver::mechanics::{Vec3, exp};
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::System;
 use admire_syntax::Address;
 

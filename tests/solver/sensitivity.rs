@@ -1,7 +1,7 @@
 //! Derivatives of forces and measures by every number of theta: direct against adjoint, both against differences of equilibria.
 
 use admire_solver::model::PartIx;
-use admire_solver::statics::{Sensitivity, StaticSettings, Solver};
+use admire_solver::statics::{Sensitivity, Solver, StaticSettings};
 use admire_solver::system::{Parameters, Quantity, Scratch, Slot, State, System};
 
 use crate::deck;

@@ -1,6 +1,6 @@
 //! Equilibria that do not last, the way on from them, and starts that stay.
 
-use admire_solver::statics::{StaticSettings, Softest, SolveError, Solver};
+use admire_solver::statics::{Softest, SolveError, Solver, StaticSettings};
 use admire_solver::system::Scratch;
 
 use crate::deck::{Solved, solve, solve_with};
@@ -184,7 +184,12 @@ fn as_many_iterations_as_stated_and_no_more() {
         &settings,
     );
     assert!(matches!(solved, Err(SolveError::NotConverged { .. })));
-    assert!(solve_with(&far, &StaticSettings::default()).report.iterations > 1);
+    assert!(
+        solve_with(&far, &StaticSettings::default())
+            .report
+            .iterations
+            > 1
+    );
 }
 
 /// A lamp whose spring balances its weight in every position (k a h = m g l), on a foot of this stiffness.

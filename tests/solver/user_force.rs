@@ -1,7 +1,7 @@
 //! USER forces that only read a property file, replaced by its curves: the deck then solves, to closed forms.
 
 use admire_solver::model::{Model, replace_user_forces};
-use admire_solver::statics::{StaticSettings, Solver};
+use admire_solver::statics::{Solver, StaticSettings};
 use admire_solver::system::System;
 use admire_syntax::files::Files;
 use admire_syntax::text::{Source, apply_edits};

@@ -92,10 +92,7 @@ pub(super) fn section(
         ],
     };
     let mut findings = paper.remarks.clone();
-    let worst = by_fit
-        .iter()
-        .map(|r| libm::log(*r).abs())
-        .fold(0.0, f64::max);
+    let worst = by_fit.iter().map(|r| r.ln().abs()).fold(0.0, f64::max);
     findings.push(format!(
         "The paper takes the loop's errors for non-uniqueness; the same readings give every stiffness to within {worst:.0e}: the \
          step test stops the loop before its fixed point."

@@ -15,7 +15,7 @@ use admire_syntax::diagnostic::Diagnostic;
 
 /// Error that prevents a section.
 #[derive(Debug, thiserror::Error)]
-pub enum ReproductionError {
+pub(crate) enum ReproductionError {
     /// The study of a section has errors.
     #[error("the study in {folder} cannot be used")]
     Study {
@@ -38,14 +38,14 @@ pub enum ReproductionError {
 }
 
 /// Number of progress reports of `reproduce`.
-pub const STAGES: usize = mcpherson::STAGES + multilink::STAGES + experiment::STAGES;
+pub(crate) const STAGES: usize = mcpherson::STAGES + multilink::STAGES + experiment::STAGES;
 
 /// Repeats the paper's validations on the studies `pseudo-mcpherson`, `multilink` and `kc-experiment` of a corpus. `progress` is called
 /// [`STAGES`] times with a description of the running stage.
 ///
 /// # Errors
 /// Fails if a study cannot be used or an identification has no result.
-pub fn reproduce(
+pub(crate) fn reproduce(
     corpus: &Path,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Vec<Section>, ReproductionError> {
@@ -98,7 +98,7 @@ fn range(ratios: &[f64]) -> String {
 
 /// Returns the median of |ln ratio|.
 fn median_error(ratios: &[f64]) -> f64 {
-    let mut errors: Vec<f64> = ratios.iter().map(|ratio| libm::log(*ratio).abs()).collect();
+    let mut errors: Vec<f64> = ratios.iter().map(|ratio| ratio.ln().abs()).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN)
 }

@@ -2,7 +2,7 @@
 //! The force is `F = -K (u - c)`. After each case `c` moves towards `u` by the fraction `rate` of their difference, so the response depends on
 //! the number of earlier cases.
 
-use super::memory::{Memory, MemoryLaw};
+use super::memory::{HistoryState, MemoryLaw};
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
 
@@ -16,7 +16,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
     }
     let stiffness = reality.dataset.value_at(&address).unwrap_or(0.0);
     let flown = reality.add("VARIABLE", &[("FUNCTION", Some("0.0".to_string()))]);
-    reality.memories.push(Memory {
+    reality.memories.push(HistoryState {
         variables: vec![flown],
         markers: pair,
         component,

@@ -4,7 +4,7 @@
 //! exponentially, `df/du = k (1 - f sgn(du) / F)`. The history variables are VARIABLEs of the deck, updated after each case. Before the first
 //! case the parts are in the design position and the friction force is `start` times its limit.
 
-use super::memory::{Memory, MemoryLaw};
+use super::memory::{HistoryState, MemoryLaw};
 use super::reality::displacement;
 use super::{EffectSpec, GroundTruth};
 use admire_syntax::diagnostic::Diagnostic;
@@ -41,7 +41,7 @@ pub(super) fn plant(spec: &EffectSpec, reality: &mut GroundTruth) -> Result<(), 
         )
     };
     let force = format!("-IF({moved}: {}, VARVAL({held}), {})", way("-"), way("+"));
-    reality.memories.push(Memory {
+    reality.memories.push(HistoryState {
         variables: vec![from, held],
         markers: pair,
         component,
@@ -103,7 +103,7 @@ pub(super) fn slider(
     let u = displacement(pair, component);
     let spring = format!("{stiffness:e}*({u}-VARVAL({anchor}))");
     let force = format!("-MAX(-{minus:e},MIN({plus:e},{spring}))");
-    reality.memories.push(Memory {
+    reality.memories.push(HistoryState {
         variables: vec![anchor],
         markers: pair,
         component,

@@ -1,6 +1,6 @@
 /// History-dependent state of an effect, held in VARIABLEs of the deck and updated after the equilibrium of each case.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Memory {
+pub struct HistoryState {
     /// Ids of the VARIABLEs that hold the state, in the order of the law's values.
     pub variables: Vec<u32>,
     /// Ids of the I and J markers.

@@ -35,7 +35,7 @@ mod stop_contact;
 mod thermal_drift;
 
 pub(super) use load_direction::direction_of;
-pub use memory::Memory;
+pub use memory::HistoryState;
 pub(super) use point::{held, points};
 pub use reality::Marked;
 pub(crate) use reality::{GroundTruth, ReadingFault};

@@ -4,7 +4,7 @@ use admire_solver::model::{MarkerIx, Model};
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::{Address, Dataset, NewStatement};
 
-use super::{EffectSpec, Memory};
+use super::{EffectSpec, HistoryState};
 
 /// A fault of the readings, applied after the equilibrium is found.
 #[derive(Clone, PartialEq, Debug)]
@@ -103,7 +103,7 @@ pub struct GroundTruth {
     /// The loads that actually act.
     pub programme: LoadProgramme,
     /// History-dependent states.
-    pub memories: Vec<Memory>,
+    pub memories: Vec<HistoryState>,
     /// Faults of the readings.
     pub faults: Vec<ReadingFault>,
     /// Marked parts with their marks.

@@ -88,7 +88,7 @@ fn is_licence_failure(line: &str) -> bool {
 }
 
 /// Returns, for each static solution in the message file, whether it converged, in the order of the file.
-fn fates(messages: &[String]) -> Vec<bool> {
+fn convergence_flags(messages: &[String]) -> Vec<bool> {
     let mut fates = Vec::new();
     for line in messages {
         if line.contains("Begin Static Solution") {
@@ -184,7 +184,7 @@ pub(super) fn read(
         ));
     }
     let cases = request.programme.cases.len();
-    let Some(of) = cases_of(steps.len(), &fates(&messages(folder)), cases) else {
+    let Some(of) = cases_of(steps.len(), &convergence_flags(&messages(folder)), cases) else {
         return Err(RunError::Steps {
             steps: steps.len(),
             cases,

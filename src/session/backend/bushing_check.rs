@@ -153,7 +153,7 @@ impl BushingCheck {
         let mut here = self
             .system
             .at(&self.parameters, &self.state, &mut self.scratch);
-        let _ = here.look();
+        let _ = here.evaluate();
         for reported in &self.bushings {
             let id = reported.id;
             let reading = here

@@ -1,6 +1,6 @@
 use super::compiled::slot;
 use super::{BackendError, LoadProgramme};
-use admire_solver::statics::{StaticSettings, SolveError, Solver};
+use admire_solver::statics::{SolveError, Solver, StaticSettings};
 use admire_solver::system::{Parameters, Slot, State, System};
 
 /// Numbers that change from case to case: the loads.

@@ -9,7 +9,7 @@ use admire_syntax::lint::{Options, Reach, Suppressed, check_until};
 
 /// Source of a diagnostic.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Told {
+pub enum DiagnosticSource {
     /// The reader of the text.
     Reader,
     /// A rule that looks at a statement and its neighbours.
@@ -22,7 +22,7 @@ pub enum Told {
 #[derive(Clone, Debug)]
 pub struct Found {
     /// Source of the diagnostic.
-    pub told: Told,
+    pub told: DiagnosticSource,
     /// The diagnostic.
     pub diagnostic: Diagnostic,
     /// True if a comment of the file suppresses it.
@@ -31,7 +31,7 @@ pub struct Found {
 
 impl Found {
     /// Creates a finding that no comment suppresses.
-    pub fn new(told: Told, diagnostic: Diagnostic) -> Self {
+    pub fn new(told: DiagnosticSource, diagnostic: Diagnostic) -> Self {
         Self {
             told,
             diagnostic,
@@ -51,13 +51,21 @@ pub fn dataset(
     let dataset = &read.value;
     let of = |told| move |diagnostic| Found::new(told, diagnostic);
     let resolved = Model::lower_with(dataset, &files.value);
-    let mut found: Vec<Found> = read.diagnostics.into_iter().map(of(Told::Reader)).collect();
-    found.extend(as_one(files.diagnostics).into_iter().map(of(Told::File)));
+    let mut found: Vec<Found> = read
+        .diagnostics
+        .into_iter()
+        .map(of(DiagnosticSource::Reader))
+        .collect();
+    found.extend(
+        as_one(files.diagnostics)
+            .into_iter()
+            .map(of(DiagnosticSource::File)),
+    );
     let linted = check_until(dataset, options, Reach::File, &outdated)?;
     found.extend(linted.into_iter().map(|(reach, diagnostic)| {
         let told = match reach {
-            Reach::Statement | Reach::Neighbours => Told::Neighbourhood,
-            Reach::File => Told::File,
+            Reach::Statement | Reach::Neighbours => DiagnosticSource::Neighbourhood,
+            Reach::File => DiagnosticSource::File,
         };
         Found::new(told, diagnostic)
     }));
@@ -69,14 +77,14 @@ pub fn dataset(
         let whole = diagnostic.labels.first().map(|label| label.span);
         let new = !seen.contains(&place(&diagnostic)) && own.insert((diagnostic.code, whole));
         if new && !(groundless && diagnostic.code == Code::NoGround) {
-            found.push(of(Told::File)(diagnostic));
+            found.push(of(DiagnosticSource::File)(diagnostic));
         }
     }
     if outdated() {
         return None;
     }
     let of_model = model::lint::check(dataset, &resolved.value);
-    found.extend(of_model.into_iter().map(of(Told::File)));
+    found.extend(of_model.into_iter().map(of(DiagnosticSource::File)));
     let suppressed = Suppressed::of(dataset.source(), dataset.statements());
     for found in &mut found {
         found.silenced = suppressed.covers(&found.diagnostic);
@@ -85,7 +93,7 @@ pub fn dataset(
         suppressed
             .diagnostics
             .into_iter()
-            .map(of(Told::Neighbourhood)),
+            .map(of(DiagnosticSource::Neighbourhood)),
     );
     found.sort_by_key(|found| {
         let label = found.diagnostic.labels.first();

@@ -8,7 +8,7 @@ mod dataset;
 mod settings;
 
 pub use command_file::command_file;
-pub use dataset::{Found, Told, dataset};
+pub use dataset::{DiagnosticSource, Found, dataset};
 pub use settings::code_named;
 pub use settings::table_above;
 pub use settings::{Settings, Solver};

@@ -29,7 +29,12 @@ pub(crate) enum GearedJoint {
 /// the two parts therefore integrate to `sum a q (first) - sum a q (second) = const`, where the constant is the value in the design
 /// position. A CYLINDRICAL joint gives two terms, the other joints one. Source: derived from the common-velocity definition in the Adams
 /// Solver help, `state_gear`.
-pub(crate) fn gear_terms(kind: GearedJoint, j: &Pose, cv: &Pose, factor: f64) -> [Option<GearTerm>; 2] {
+pub(crate) fn gear_terms(
+    kind: GearedJoint,
+    j: &Pose,
+    cv: &Pose,
+    factor: f64,
+) -> [Option<GearTerm>; 2] {
     let zj: Vec3 = j.R.column(2).into_owned();
     let along: Vec3 = cv.R.column(2).into_owned();
     let rotation = GearTerm {

@@ -1,7 +1,7 @@
 //! Registry of the pair constraints. Contains no parameter values.
 
 use super::{
-    Convel, Drive, Locks, RelativeCoordinate, PairConstraint, RackPinion, Screw,
+    Convel, Drive, Locks, PairConstraint, RackPinion, RelativeCoordinate, Screw,
     joint::{CYLINDRICAL, FIXED, HOOKE, PLANAR, REVOLUTE, SPHERICAL, TRANSLATIONAL, UNIVERSAL},
     primitive::{AT_POINT, INLINE, INPLANE, ORIENTATION, PARALLEL_AXES, PERPENDICULAR},
 };

@@ -5,8 +5,8 @@ use super::breaks::linear;
 use super::call::{refusal, vector_refusal};
 use super::compiler::ExpressionCompiler;
 use super::interpolant::Interpolant;
-use super::program::{Kind, NO_SWITCH, Program, Instruction};
-use super::{Input, EvaluationMemory};
+use super::program::{Instruction, Kind, NO_SWITCH, Program};
+use super::{EvaluationMemory, Input};
 use admire_syntax::Expression;
 use admire_syntax::diagnostic::Diagnostic;
 use admire_syntax::expression::{BinaryOperator, Constant, Node};
@@ -273,5 +273,7 @@ fn fold(kind: Kind, constants: &[f64], interpolants: &[(Arc<Interpolant>, usize)
         branches: false,
         switches: Vec::new(),
     };
-    program.eval(&[], &[], &mut EvaluationMemory::default()).ok()
+    program
+        .eval(&[], &[], &mut EvaluationMemory::default())
+        .ok()
 }

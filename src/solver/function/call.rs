@@ -7,7 +7,7 @@ use super::intrinsic::{Binary, Unary};
 use super::program::Kind;
 use super::step::Shape;
 use super::{
-    MeasuredElement, ForceComponent, ForceMeasure, Input, Measure, MeasureKind, RateAxis, RateKind,
+    ForceComponent, ForceMeasure, Input, Measure, MeasureKind, MeasuredElement, RateAxis, RateKind,
     RateMeasure, RotationSequence,
 };
 use crate::model::{ArrayKind, MarkerIx};
@@ -318,7 +318,11 @@ impl Build<'_> {
             let found = self.compiler.find_pair_force(def.name, id);
             let index = found.ok_or_else(|| undefined(function, def.name, id))?;
             let on_j = self.on_j(function, arguments)?;
-            return self.force_of(function, arguments, (MeasuredElement::PairForce(index), on_j));
+            return self.force_of(
+                function,
+                arguments,
+                (MeasuredElement::PairForce(index), on_j),
+            );
         }
         let space = match function.name {
             "BUSH" => Space::Bushing,

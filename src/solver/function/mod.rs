@@ -32,11 +32,12 @@ pub use compiler::ExpressionCompiler;
 pub(crate) use degree::Degree;
 pub(crate) use error::{EvalError, Fault};
 pub(crate) use input::{
-    MeasuredElement, ForceComponent, ForceMeasure, MeasureKind, RateAxis, RateKind, RateMeasure, RotationSequence,
+    ForceComponent, ForceMeasure, MeasureKind, MeasuredElement, RateAxis, RateKind, RateMeasure,
+    RotationSequence,
 };
 pub use input::{Input, Measure};
 pub use measure::Reference;
-pub(crate) use program::Program;
 pub use program::EvaluationMemory;
+pub(crate) use program::Program;
 pub(crate) use rate::MovingFrame;
-pub(crate) use switch::{Piece, Seen, between, half_width};
+pub(crate) use switch::{Piece, SwitchState, between, half_width};

@@ -4,8 +4,8 @@ use super::interpolant::Interpolant;
 use super::intrinsic::{self, Binary, Unary};
 use super::step::{Shape, step};
 use super::switch::{
-    Piece, Seen, Switched, abs_on, dim_on, extreme_on, half_width, modulo_on, part_of, sign_on,
-    stop_on, whole_on,
+    Piece, SwitchState, Switched, abs_on, dim_on, extreme_on, half_width, modulo_on, part_of,
+    sign_on, stop_on, whole_on,
 };
 use super::{EvalError, Fault, Input, impact, series};
 
@@ -141,7 +141,7 @@ pub struct EvaluationMemory {
     arguments: Vec<f64>,
     pub(super) trace: Vec<u32>,
     blends: Vec<Blend>,
-    seen: Vec<Seen>,
+    seen: Vec<SwitchState>,
     /// Time derivatives of all slots, kept to avoid reallocation.
     pub(super) rates: Vec<[f64; 2]>,
 }
@@ -165,7 +165,7 @@ struct Blend {
 
 impl EvaluationMemory {
     /// Returns the observed switch states of the last evaluation with held pieces.
-    pub(crate) fn seen(&self) -> &[Seen] {
+    pub(crate) fn seen(&self) -> &[SwitchState] {
         &self.seen
     }
 
@@ -305,7 +305,7 @@ impl Program {
         blends.clear();
         if !pieces.is_empty() {
             seen.clear();
-            seen.resize(pieces.len(), Seen::NOTHING);
+            seen.resize(pieces.len(), SwitchState::NOTHING);
         }
         let (n, m) = (self.inputs.len(), self.parameters.len());
         values[..n].copy_from_slice(inputs);

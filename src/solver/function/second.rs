@@ -1,7 +1,7 @@
 //! Second time derivatives of programs along a motion of their inputs.
 
 use super::intrinsic::{Binary, Unary};
-use super::program::{Kind, Program, EvaluationMemory};
+use super::program::{EvaluationMemory, Kind, Program};
 use super::series;
 
 /// First and second time derivative of a quantity.
@@ -13,7 +13,11 @@ impl Program {
     ///
     /// For a step `f(a, b, ..)` they are `f_a a' + ..` and `f_a a'' + .. + f_aa a' a' + 2 f_ab a' b' + ..`. At a kink they belong to the
     /// side whose derivatives the evaluation returned. Returns `None` where a step has no second derivatives.
-    pub(crate) fn rates_along(&self, inputs: &[TimeRates], scratch: &mut EvaluationMemory) -> Option<TimeRates> {
+    pub(crate) fn rates_along(
+        &self,
+        inputs: &[TimeRates],
+        scratch: &mut EvaluationMemory,
+    ) -> Option<TimeRates> {
         if self.steps.is_empty() {
             return Some(
                 inputs
@@ -47,7 +51,7 @@ impl Program {
                 }
             }
             if arguments.iter().any(|(_, [first, _])| *first != 0.0) {
-                match self.bend(step.kind, &arguments) {
+                match self.second_order_term(step.kind, &arguments) {
                     Some(bend) => rates[1] += bend,
                     None => found = false,
                 }
@@ -66,7 +70,7 @@ impl Program {
     }
 
     /// Returns `f_aa a' a' + 2 f_ab a' b' + ..` of a step, from the values and time derivatives of its arguments.
-    fn bend(&self, kind: Kind, arguments: &[(f64, TimeRates)]) -> Option<f64> {
+    fn second_order_term(&self, kind: Kind, arguments: &[(f64, TimeRates)]) -> Option<f64> {
         let (x, [dx, _]) = arguments[0];
         let (y, [dy, _]) = arguments.get(1).copied().unwrap_or_default();
         // True if all arguments after the first are constant.

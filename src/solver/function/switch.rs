@@ -13,14 +13,14 @@ pub(crate) type Piece = Option<i64>;
 
 /// Observed state of a piecewise function after an evaluation.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct Seen {
+pub(crate) struct SwitchState {
     /// Piece to which the arguments belong; `None` if the function was not evaluated, as in the parts of an IF that are not selected.
     pub piece: Piece,
     /// Event function: negative on the piece on which the function is held, zero at its end, positive beyond.
     pub excess: f64,
 }
 
-impl Seen {
+impl SwitchState {
     /// State of a function that was not evaluated.
     pub(crate) const NOTHING: Self = Self {
         piece: None,
@@ -31,7 +31,7 @@ impl Seen {
 /// Value of a function on a piece, with the observed state.
 pub(super) struct Switched {
     pub value: f64,
-    pub seen: Seen,
+    pub seen: SwitchState,
 }
 
 /// Returns the piece code of a function that is held between its two sides, where both sides push towards the switching point (sliding
@@ -54,7 +54,7 @@ const POSITIVE: i64 = 2;
 
 /// Returns the part of an IF and its observed state. The part follows the sign of the test, or is the one on which the IF is held. An IF
 /// held between its sides returns the negative part.
-pub(super) fn part_of(test: f64, held: Piece) -> (i64, Seen) {
+pub(super) fn part_of(test: f64, held: Piece) -> (i64, SwitchState) {
     let piece = match test {
         test if test < 0.0 => NEGATIVE,
         test if test > 0.0 => POSITIVE,
@@ -130,8 +130,8 @@ pub(super) fn stop_on(a: &[f64], held: Piece, by: &mut [f64]) -> Result<Switched
 
 /// Returns the observed state of a function on a piece. `excess` is zero at the end of that piece and is ignored if the function is not
 /// held.
-fn seen(piece: i64, held: Piece, excess: f64) -> Seen {
-    Seen {
+fn seen(piece: i64, held: Piece, excess: f64) -> SwitchState {
+    SwitchState {
         piece: Some(piece),
         excess: held.map_or(f64::NEG_INFINITY, |_| excess),
     }

@@ -1,6 +1,6 @@
 //! Tests of every function against closed-form values and central differences.
 
-use super::{ExpressionCompiler, EvalError, Fault, Input, Program, EvaluationMemory};
+use super::{EvalError, EvaluationMemory, ExpressionCompiler, Fault, Input, Program};
 use crate::mechanics::{Mat3, Vec3};
 use crate::model::{
     ArrayData, ArrayKind, Bushing, Header, Marker, MarkerIx, Model, Orientation, PartIx, Spline,
@@ -150,8 +150,11 @@ impl Case {
     }
 
     fn at(&self, state: [f64; 4]) -> Result<f64, EvalError> {
-        self.program
-            .eval(&self.inputs(state), &self.literals, &mut EvaluationMemory::default())
+        self.program.eval(
+            &self.inputs(state),
+            &self.literals,
+            &mut EvaluationMemory::default(),
+        )
     }
 }
 
@@ -165,7 +168,9 @@ fn fault(text: &str) -> EvalError {
 
 fn refused(text: &str) -> (Code, String) {
     let expression = Expression::parse_str(text).unwrap();
-    let diagnostic = ExpressionCompiler::new(&model()).compile(&expression).unwrap_err();
+    let diagnostic = ExpressionCompiler::new(&model())
+        .compile(&expression)
+        .unwrap_err();
     (diagnostic.code, diagnostic.message)
 }
 
@@ -457,9 +462,13 @@ fn rates_know_their_markers_and_equal_inputs_are_read_once() {
 fn constants_follow_their_literals() {
     let case = compile("42");
     let mut by = [0.0];
-    let found =
-        case.program
-            .eval_with_derivatives(&[], &[42.0], &mut EvaluationMemory::default(), &mut [], &mut by);
+    let found = case.program.eval_with_derivatives(
+        &[],
+        &[42.0],
+        &mut EvaluationMemory::default(),
+        &mut [],
+        &mut by,
+    );
     assert_eq!((found, by), (Ok(42.0), [1.0]));
 }
 

@@ -209,7 +209,7 @@ impl<T: Scalar> Lu<T> {
     }
 
     /// Returns the rows without a pivot; they are as many as the columns without one.
-    pub(crate) fn left_out(&self) -> &[u32] {
+    pub(crate) fn rows_without_pivot(&self) -> &[u32] {
         &self.idle
     }
 

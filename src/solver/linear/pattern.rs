@@ -8,7 +8,7 @@ use super::entries::Entries;
 use super::factors::Factors;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::{Pivot, EliminationStep};
+use super::step::{EliminationStep, Pivot};
 
 const NOWHERE: u32 = u32::MAX;
 
@@ -155,7 +155,7 @@ impl Pattern {
                     continue;
                 }
                 let pivot = &pivots[k as usize];
-                if !pivot.serves(value, scale) {
+                if !pivot.is_acceptable(value, scale) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;

@@ -128,7 +128,7 @@ impl<T: Scalar> Recorded<T> {
                 if value == zero {
                     continue;
                 }
-                if !pivot.serves(value, row_scale[self.index[k] as usize]) {
+                if !pivot.is_acceptable(value, row_scale[self.index[k] as usize]) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;

@@ -1,10 +1,10 @@
 /// Receiver of the entries of a matrix. Entries at the same position are added up.
 pub trait Sink {
     /// False if the receiver ignores all entries, so that they need not be computed.
-    const WANTED: bool = true;
+    const NEEDS_ENTRIES: bool = true;
 
     /// False if the receiver also ignores the rows of the constraints.
-    const ROWS: bool = Self::WANTED;
+    const ROWS: bool = Self::NEEDS_ENTRIES;
 
     /// Adds `value` to one entry.
     fn add(&mut self, row: usize, column: usize, value: f64);
@@ -29,6 +29,6 @@ pub trait Sink {
 pub(crate) struct NoMatrix;
 
 impl Sink for NoMatrix {
-    const WANTED: bool = false;
+    const NEEDS_ENTRIES: bool = false;
     fn add(&mut self, _: usize, _: usize, _: f64) {}
 }

@@ -57,7 +57,7 @@ pub(super) struct Pivot<T> {
 impl<T: Scalar> Pivot<T> {
     /// Returns true if the pivot is large enough for an entry below it.
     #[inline]
-    pub(super) fn serves(&self, below: T, row_scale: f64) -> bool {
+    pub(super) fn is_acceptable(&self, below: T, row_scale: f64) -> bool {
         self.most == f64::INFINITY || below.reach() * row_scale <= self.most
     }
 }

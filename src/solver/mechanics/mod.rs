@@ -7,12 +7,14 @@
 //! the C library differ between systems in the last digits, and for large angles in all digits.
 
 pub mod eigen;
+mod nan;
 mod pose;
 mod relative_motion;
 mod rotation;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub(crate) use nan::{exceeds, larger};
 pub use pose::Pose;
 pub use relative_motion::RelativeMotion;
 pub use rotation::projected_angles;

@@ -50,7 +50,7 @@ pub use settings::ResultsSettings;
 pub(crate) use settings::{EquilibriumSettings, OutputSettings, StaticMethod};
 pub use unsolved::Ignore;
 pub(crate) use unsolved::Unsolved;
-pub use unsolved::said_left_out;
+pub use unsolved::left_out_warning;
 pub(crate) use unsolved::{effect_of, may_be_ignored};
 pub use user_force::replace_user_forces;
 

@@ -55,7 +55,7 @@ pub(crate) fn effect_of(kind: &str) -> Option<&'static str> {
 }
 
 /// Returns the warning that a statement is left out on request, with its effect.
-pub fn said_left_out(kind: &str, header: &Header) -> Diagnostic {
+pub fn left_out_warning(kind: &str, header: &Header) -> Diagnostic {
     let effect = effect_of(kind).unwrap_or_default();
     let name = &header.name;
     Diagnostic::warning(

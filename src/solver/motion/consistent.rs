@@ -3,7 +3,7 @@
 use super::bordered::{Bordered, plain_weight};
 use super::error::MotionFailure;
 use crate::linear::{Entries, Levels, Lu};
-use crate::mechanics::{Mat6, Pose, Vec3, log};
+use crate::mechanics::{Mat6, Pose, Vec3, exceeds, log};
 use crate::system::{Parameters, Rows, Scratch, State, System};
 
 /// Violation, per model length, up to which positions satisfy the constraints.
@@ -110,7 +110,7 @@ impl Consistent {
                 return Ok(());
             }
             self.border.fill(0.0);
-            let holds = |k: usize| system.holds_places(state, k);
+            let holds = |k: usize| system.is_effective_holonomic(state, k);
             if let Some((poses, weight)) = anchors {
                 for (part, body) in system.bodies.iter().enumerate() {
                     let apart = difference(&state.poses[part], &poses[part]);
@@ -167,7 +167,7 @@ impl Consistent {
         let mut worst = (0, 0.0);
         for k in 0..system.equations {
             let violation = self.g[system.first_equation + k].abs();
-            if system.holds_places(state, k) && !(violation <= worst.1) {
+            if system.is_effective_holonomic(state, k) && exceeds(violation, worst.1) {
                 worst = (k, violation);
             }
         }
@@ -190,7 +190,7 @@ impl Consistent {
             scratch, g, rows, ..
         } = self;
         system.constraints_and_rows(parameters, state, scratch, g, rows)?;
-        let takes_part = |k: usize| system.takes_part(state, k);
+        let takes_part = |k: usize| system.is_effective(state, k);
         self.bordered.factor(system, &self.rows, takes_part, weight);
         // Solves twice, because the first solution leaves round-off in proportion to its size.
         for _ in 0..2 {
@@ -199,7 +199,7 @@ impl Consistent {
             let mut rates = self.rows.time.clone();
             self.rows.times(&self.v, &mut rates);
             for k in 0..system.equations {
-                let takes_part = system.takes_part(state, k);
+                let takes_part = system.is_effective(state, k);
                 self.border[n + k] = if takes_part { -rates[k] } else { 0.0 };
             }
             self.bordered.solve(&mut self.border);
@@ -217,7 +217,7 @@ impl Consistent {
         let mut rates = self.rows.time.clone();
         self.rows.times(&self.v, &mut rates);
         let all = rates.iter().enumerate();
-        all.filter(|(k, _)| system.takes_part(state, *k))
+        all.filter(|(k, _)| system.is_effective(state, *k))
             .fold((0, 0.0), |worst, (k, rate)| {
                 if rate.abs() <= worst.1 {
                     worst
@@ -248,7 +248,7 @@ impl Consistent {
         let (equations, m) = (n..system.first_variable, system.moving_unknowns);
         let first_state = system.first_state();
         {
-            let (mut here, _) = system.look_leniently(parameters, state, &mut self.scratch)?;
+            let (mut here, _) = system.evaluate_leniently(parameters, state, &mut self.scratch)?;
             here.gamma(step, &mut self.gamma)?;
         }
         let mut before = f64::INFINITY;
@@ -284,7 +284,7 @@ impl Consistent {
             self.factors.factor_entries(&matrix);
             system.gathered(&state.accelerations, &mut self.v);
             for k in 0..system.equations {
-                if system.takes_part(state, k) {
+                if system.is_effective(state, k) {
                     self.g[n + k] = self.gamma[k];
                 }
             }

@@ -142,7 +142,7 @@ impl Coupled {
             };
             for &(row, column, value) in &rows.entries {
                 let (row, column) = (row as usize, column as usize);
-                let value = if system.holds_places(start, row) {
+                let value = if system.is_effective_holonomic(start, row) {
                     value
                 } else {
                     0.0
@@ -165,7 +165,7 @@ impl Coupled {
                 }
             }
             for k in 0..count {
-                let out = !system.holds_places(start, k);
+                let out = !system.is_effective_holonomic(start, k);
                 put(mu(i, k), mu(i, k), f64::from(u8::from(out)));
             }
         }

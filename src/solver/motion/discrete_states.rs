@@ -18,7 +18,7 @@ const MOST: usize = 1000;
 /// A change of a discrete state.
 pub(super) enum Change {
     /// Change between sticking and sliding of the friction with this index.
-    Grip(usize),
+    StickSlip(usize),
     /// Switch of the piecewise function with this index to the given piece.
     Switch(usize, i64),
 }
@@ -37,7 +37,7 @@ struct History {
 
 /// Bookkeeping of the discrete states of a motion. The discrete states themselves are part of [`State`].
 #[derive(Debug)]
-pub(super) struct Regimes {
+pub(super) struct DiscreteStates {
     pub(super) scratch: Scratch,
     /// Surface speed minus stiction velocity of each friction; NaN for frictions that cannot stick.
     pub(super) slips: Vec<f64>,
@@ -50,7 +50,7 @@ pub(super) struct Regimes {
     last: Option<(f64, usize)>,
 }
 
-impl Regimes {
+impl DiscreteStates {
     /// Returns `None` if the system has no discrete states. Otherwise holds the functions of the state on their present pieces.
     pub(super) fn new(
         system: &System,

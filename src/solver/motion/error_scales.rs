@@ -1,5 +1,5 @@
 use super::newton::Unknowns;
-use crate::mechanics::Vec3;
+use crate::mechanics::{Vec3, exceeds};
 use crate::system::{PartRates, State, System};
 
 /// Scales of relative errors: the largest value so far of each kind of unknown.
@@ -60,7 +60,7 @@ impl ErrorScales {
         self.each(system, tolerance, variables, |at, velocity, size| {
             let value = if velocity { w[at] } else { z[at] };
             let value = (value / size).abs();
-            if !(value <= worst.0) {
+            if exceeds(value, worst.0) {
                 worst = (value, at, velocity);
             }
         });

@@ -3,7 +3,7 @@
 //! Within a step every piecewise function (IMPACT, IF, ABS) stays on one piece, and every friction either sticks or slides. The step ends
 //! where this ceases to be valid, and the next step starts with the changed discrete state.
 
-use super::discrete_states::{Change, Regimes};
+use super::discrete_states::{Change, DiscreteStates};
 use super::error::{MotionError, MotionFailure};
 use super::event_location::Watched;
 use super::integrator::Integrator;
@@ -32,7 +32,7 @@ const SOON: f64 = 1e-2;
 struct Watching<'a> {
     system: &'a System,
     parameters: &'a Parameters,
-    regimes: &'a mut Regimes,
+    regimes: &'a mut DiscreteStates,
 }
 
 impl Watched for Watching<'_> {
@@ -49,7 +49,7 @@ impl Watched for Watching<'_> {
 impl Watching<'_> {
     fn look(&mut self, state: &State) {
         let (system, parameters) = (self.system, self.parameters);
-        let Regimes { scratch, slips, .. } = &mut *self.regimes;
+        let DiscreteStates { scratch, slips, .. } = &mut *self.regimes;
         if system.has_friction() {
             system.slips(parameters, state, scratch, slips);
         }
@@ -76,7 +76,7 @@ impl Watching<'_> {
             (seen.excess > 0.0).then_some(Change::Switch(k, other))
         });
         grips
-            .map(|(k, _)| Change::Grip(k))
+            .map(|(k, _)| Change::StickSlip(k))
             .chain(switches)
             .collect()
     }
@@ -104,7 +104,7 @@ impl Integrator<'_> {
         done
     }
 
-    fn settle(&mut self, regimes: &mut Regimes) -> Result<(), MotionError> {
+    fn settle(&mut self, regimes: &mut DiscreteStates) -> Result<(), MotionError> {
         let (system, parameters) = (self.system, self.parameters);
         let mut changed = Vec::new();
         for _ in 0..CHANGES {
@@ -173,13 +173,17 @@ impl Integrator<'_> {
 
     /// Applies changes: sticking surfaces slide, sliding ones stick, and functions switch to other pieces. Returns true if a function is held
     /// between its sides; such a motion needs no short steps.
-    fn change(&mut self, regimes: &mut Regimes, changes: &[Change]) -> Result<bool, MotionError> {
+    fn change(
+        &mut self,
+        regimes: &mut DiscreteStates,
+        changes: &[Change],
+    ) -> Result<bool, MotionError> {
         let (system, parameters) = (self.system, self.parameters);
         let (time, steps) = (self.state.time, self.statistics.steps);
         let (mut switched, mut held) = (false, false);
         for change in changes {
             match change {
-                Change::Grip(k) => {
+                Change::StickSlip(k) => {
                     let grip = &mut self.state.grips[*k];
                     grip.sticking = !self.origin.grips[*k].sticking;
                     grip.creep = Vec3::zeros();
@@ -218,7 +222,7 @@ impl Integrator<'_> {
 
     /// Returns true if a function that has just switched to a piece would switch back at once: its value jumps, and the motion on the new
     /// piece leads back.
-    fn is_pushed_back(&mut self, regimes: &mut Regimes, k: usize) -> bool {
+    fn is_pushed_back(&mut self, regimes: &mut DiscreteStates, k: usize) -> bool {
         let (system, parameters) = (self.system, self.parameters);
         let switch = system.switches[k];
         if switch.of_time || !switch.jumps {

@@ -2,7 +2,7 @@
 
 use super::error::MotionError;
 use super::integrator::Integrator;
-use super::root::narrowed;
+use super::root::narrow_bracket;
 use crate::system::State;
 
 /// Fractions of a step at which the watched function is sampled.
@@ -52,7 +52,7 @@ impl Integrator<'_> {
                 };
                 let exact = EXACT * (to - from);
                 let f = |time: f64| watched.excess(&self.continued(time));
-                return Some(narrowed(f, before, (time, excess), exact));
+                return Some(narrow_bracket(f, before, (time, excess), exact));
             }
             watched.go_on();
             before = Some((time, excess));
@@ -119,7 +119,7 @@ impl Integrator<'_> {
                 } else {
                     (known, there)
                 };
-                return Some(narrowed(f, before, after, EXACT * step).1);
+                return Some(narrow_bracket(f, before, after, EXACT * step).1);
             }
             known = there;
             reach *= WIDER;

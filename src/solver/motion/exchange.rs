@@ -52,7 +52,7 @@ impl Consistent {
         let mut exchanged = false;
         // Every exchange increases the volume, so that no exchange is ever undone.
         for _ in 0..system.equations {
-            let holds = |k: usize| system.holds_places(state, k);
+            let holds = |k: usize| system.is_effective_holonomic(state, k);
             self.bordered.factor(system, &self.rows, holds, |_| plain);
             let mut most = (EXCHANGED, None);
             for out in (0..system.equations).filter(|&k| state.redundant[k]) {

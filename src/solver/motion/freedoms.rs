@@ -53,7 +53,7 @@ impl FreedomBases {
         lengths: &DVector<f64>,
     ) -> Result<Self, MotionFailure> {
         let whole = (system, parameters, state);
-        let bare = Bare::of(whole, lengths)?;
+        let bare = FreeBases::of(whole, lengths)?;
         let n = lengths.len();
         let (p, r) = (bare.Z.ncols(), bare.velocities().ncols());
         let Some(coordinates) = coordinates else {
@@ -105,12 +105,12 @@ impl FreedomBases {
             rows_of(&near[2])?,
             rows_of(&near[3])?,
         ];
-        let at = |k: usize, state: &State, bare: Bare| {
+        let at = |k: usize, state: &State, bare: FreeBases| {
             let here = (system, parameters, state);
             seen.from(bare, &Ys[k], &slope(&Ys[k - 1], &Ys[k + 1]), here)
         };
         let side = |k: usize, state: &State| {
-            Bare::of((system, parameters, state), lengths).map(|bare| at(k, state, bare))
+            FreeBases::of((system, parameters, state), lengths).map(|bare| at(k, state, bare))
         };
         let (before, after) = (side(1, &near[1])?, side(3, &near[2])?);
         let mut here = at(2, state, bare);
@@ -134,7 +134,7 @@ impl CoordinatePartition<'_> {
     /// From bases of any kind to those of the coordinates.
     fn from(
         &self,
-        bare: Bare,
+        bare: FreeBases,
         Y: &DMatrix<f64>,
         Y_rate: &DMatrix<f64>,
         (system, _, state): (&System, &Parameters, &State),
@@ -217,7 +217,7 @@ fn along(system: &System, state: &State, h: f64) -> State {
 }
 
 /// Arbitrary bases of the free motions.
-struct Bare {
+struct FreeBases {
     /// Free motions for positions.
     Z: DMatrix<f64>,
     /// Free motions for velocities, if nonholonomic constraints leave fewer of them.
@@ -226,7 +226,7 @@ struct Bare {
     moves: bool,
 }
 
-impl Bare {
+impl FreeBases {
     fn velocities(&self) -> &DMatrix<f64> {
         self.R.as_ref().unwrap_or(&self.Z)
     }
@@ -263,7 +263,7 @@ impl Bare {
         let most = svd.singular_values.iter().fold(0.0_f64, |a, b| a.max(*b));
         let (U, Vt) = (svd.u.expect("asked for"), svd.v_t.expect("asked for"));
         let free = left_free(&svd.singular_values, &Vt, lengths);
-        let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
+        let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.is_effective(state, k);
         let (Z, R) = if (0..equations).any(|k| of_velocities(&k)) {
             let G = gradients(&|k| !system.is_nonholonomic[k]);
             let svd = singular_values(G, false, true).ok_or(MotionFailure::NoEigenvalues)?;

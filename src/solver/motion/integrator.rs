@@ -2,10 +2,10 @@ use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
-use super::discrete_states::Regimes;
-use super::error::{MotionError, NotSettled, MotionFailure};
+use super::discrete_states::DiscreteStates;
+use super::error::{MotionError, MotionFailure, NotSettled};
 use super::error_scales::ErrorScales;
-use super::newton::{StepMatrices, Stages, Unknowns};
+use super::newton::{Stages, StepMatrices, Unknowns};
 use super::sequence::StageSequence;
 use super::settings::{INSIDE, MotionSettings};
 use super::tableau::{A, C, lagrange};
@@ -80,7 +80,7 @@ pub struct Integrator<'a> {
     /// Description of the largest error in the last step, or of its failure.
     pub(super) worst: String,
     /// Discrete states; `None` if the system has none.
-    pub(super) regimes: Option<Box<Regimes>>,
+    pub(super) regimes: Option<Box<DiscreteStates>>,
 }
 
 impl<'a> Integrator<'a> {
@@ -91,7 +91,7 @@ impl<'a> Integrator<'a> {
         mut state: State,
         settings: MotionSettings,
     ) -> Self {
-        let regimes = Regimes::new(system, parameters, &mut state);
+        let regimes = DiscreteStates::new(system, parameters, &mut state);
         let mut new = Self {
             system,
             parameters,
@@ -121,7 +121,7 @@ impl<'a> Integrator<'a> {
             state,
         };
         let scratch = &mut new.equations.scratch;
-        system.grip_on(parameters, &mut new.state, scratch);
+        system.advance_stiction(parameters, &mut new.state, scratch);
         let step = 1e-2 * new.settings.hmax;
         // If this fails, the first step reports the reason.
         let _ = new
@@ -473,7 +473,7 @@ impl<'a> Integrator<'a> {
         let scratch = &mut self.equations.scratch;
         system.drive_on(self.parameters, &mut end, scratch)?;
         system.accept(self.parameters, &mut end, scratch);
-        system.grip_on(self.parameters, &mut end, scratch);
+        system.advance_stiction(self.parameters, &mut end, scratch);
         self.origin = std::mem::replace(&mut self.state, end);
         std::mem::swap(&mut self.unknowns, &mut self.polynomial);
         self.last = Some(h);

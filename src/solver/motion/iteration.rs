@@ -6,6 +6,7 @@ use super::error::NotSettled;
 use super::integrator::Integrator;
 use super::sequence::StageSequence;
 use super::settings::INSIDE;
+use crate::mechanics::exceeds;
 use crate::system::NoValue;
 
 /// Estimated remaining error, as a share of the tolerance, below which the iteration has converged.
@@ -85,7 +86,7 @@ impl Integrator<'_> {
         let mut worst = (0.0, 0, false);
         for (z, w) in self.change.z.iter().zip(&self.change.w) {
             let found = self.measured(z, w, variables);
-            if !(found.0 <= worst.0) {
+            if exceeds(found.0, worst.0) {
                 worst = found;
             }
         }

@@ -4,7 +4,7 @@ use super::arrival::has_arrived;
 use super::consistent::Consistent;
 use super::error::{MotionError, MotionFailure};
 use super::event_location::{EXACT, PLACES, Watched};
-use super::root::narrowed;
+use super::root::narrow_bracket;
 use crate::system::{Parameters, Scratch, State, System};
 
 /// Largest number of times that a failing step is halved.
@@ -46,7 +46,7 @@ pub fn advance(
     };
     let (of, to) = ((system, parameters), (end, largest));
     let mut steps = 0;
-    system.grip_on(parameters, state, &mut memory.scratch);
+    system.advance_stiction(parameters, state, &mut memory.scratch);
     for _ in 0..GRIPS {
         let (taken, passed) = watching(freely, of, state, memory, to, &mut slips)?;
         steps += taken;
@@ -180,7 +180,7 @@ fn watching(
                     }
                 }
             };
-            let (_, after) = narrowed(at, start, (to, excess), EXACT * (end - from));
+            let (_, after) = narrow_bracket(at, start, (to, excess), EXACT * (end - from));
             if let Some(error) = failed {
                 return Err(error);
             }
@@ -208,7 +208,7 @@ fn place(
     system.drive_on(parameters, state, &mut memory.scratch)?;
     system.accept(parameters, state, &mut memory.scratch);
     memory.reconcile(system, parameters, state, 1e-2 * step)?;
-    system.grip_on(parameters, state, &mut memory.scratch);
+    system.advance_stiction(parameters, state, &mut memory.scratch);
     Ok(())
 }
 
@@ -221,7 +221,7 @@ pub fn check_determined(system: &System, state: &State) -> Result<(), MotionErro
     if freedoms > 0 {
         return Err(MotionFailure::NotKinematic { freedoms }.at(state.time));
     }
-    let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.takes_part(state, k);
+    let of_velocities = |&k: &usize| system.is_nonholonomic[k] && system.is_effective(state, k);
     if let Some(k) = (0..system.equations).find(of_velocities) {
         let equation = system.constraint_equation_name(k).to_string();
         return Err(MotionFailure::HeldVelocities { equation }.at(state.time));

@@ -66,7 +66,7 @@ impl Linearisation {
         self.levels.finish();
         system.constraints_and_rows(parameters, state, scratch, g, &mut self.rows)?;
         let plain = plain_weight(system);
-        let holds = |k: usize| system.holds_places(state, k);
+        let holds = |k: usize| system.is_effective_holonomic(state, k);
         self.bordered.factor(system, &self.rows, holds, |_| plain);
         self.rows.pack();
         Ok(())
@@ -159,7 +159,7 @@ impl Linearisation {
             of.border[n + row as usize] += T::of(value) * of.w[column as usize];
         }
         for k in 0..system.equations {
-            if !system.holds_places(start, k) {
+            if !system.is_effective_holonomic(start, k) {
                 of.border[n + k] = T::default();
             }
         }
@@ -174,9 +174,9 @@ impl Linearisation {
             *g = -*g;
         }
         for k in 0..system.equations {
-            if system.holds_places(start, k) {
+            if system.is_effective_holonomic(start, k) {
                 b[n + k] = b[n + k] * z * z;
-            } else if system.takes_part(start, k) {
+            } else if system.is_effective(start, k) {
                 b[n + k] = b[n + k] * z;
             }
         }

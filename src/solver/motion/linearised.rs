@@ -60,7 +60,7 @@ impl Linearised {
         let variables = system.variables.len();
         let mut scratch = Scratch::new(system);
         // Surfaces at rest stick, as in a motion that starts here.
-        system.grip_on(parameters, &mut state, &mut scratch);
+        system.advance_stiction(parameters, &mut state, &mut scratch);
         let mut levels = Levels::new(m);
         let mut g = vec![0.0; m];
         system.assemble(parameters, &state, &mut scratch, &mut g, &mut levels)?;

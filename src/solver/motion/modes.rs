@@ -117,14 +117,14 @@ fn finite_eigenvalues(E: &DMatrix<f64>, F: &DMatrix<f64>) -> Option<Vec<Complex<
         let U = found.u?;
         let algebraic = U.select_columns(&without).tr_mul(&F);
         let rows = U.select_columns(&with_rate);
-        let free = nothing_of(&algebraic, without.len())?;
+        let free = null_space(&algebraic, without.len())?;
         (E, F) = (rows.tr_mul(&E) * &free, rows.tr_mul(&F) * &free);
     }
     Some(Vec::new())
 }
 
 /// Returns an orthonormal basis of the vectors for which `count` rows of length n give zero; it has n - `count` columns.
-fn nothing_of(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
+fn null_space(rows: &DMatrix<f64>, count: usize) -> Option<DMatrix<f64>> {
     let n = rows.ncols();
     // Additional rows of zeros make the right singular vectors a complete basis.
     let whole = rows.clone().resize_vertically(n, 0.0);

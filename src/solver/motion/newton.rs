@@ -332,7 +332,7 @@ impl StepMatrices {
                 }
             }
             for k in 0..system.equations {
-                if !system.holds_places(start, k) {
+                if !system.is_effective_holonomic(start, k) {
                     r4[k] = 0.0;
                 }
             }

@@ -6,7 +6,7 @@ const MOST: usize = 100;
 ///
 /// Chandrupatla's method: inverse quadratic interpolation where it is safe, otherwise bisection (T. R. Chandrupatla, A new hybrid
 /// quadratic/bisection algorithm, Advances in Engineering Software 28, 1997).
-pub(super) fn narrowed(
+pub(super) fn narrow_bracket(
     mut f: impl FnMut(f64) -> f64,
     (start, at_start): (f64, f64),
     (end, at_end): (f64, f64),
@@ -50,7 +50,7 @@ pub(super) fn narrowed(
 
 #[cfg(test)]
 mod tests {
-    use super::narrowed;
+    use super::narrow_bracket;
 
     #[test]
     fn roots_are_found_to_the_last_digit_and_kept_between_the_ends() {
@@ -67,7 +67,7 @@ mod tests {
                 count += 1;
                 f(x)
             };
-            let (before, after) = narrowed(counted, (start, f(start)), (end, f(end)), 0.0);
+            let (before, after) = narrow_bracket(counted, (start, f(start)), (end, f(end)), 0.0);
             assert!(f(before) <= 0.0 && f(after) > 0.0);
             assert!(
                 after - before <= 4.0 * f64::EPSILON * root.max(1e-8),
@@ -88,7 +88,7 @@ mod tests {
             count += 1;
             x.exp() - 2.0
         };
-        let (before, after) = narrowed(f, (0.0, -1.0), (3.0, 18.0), 1e-14);
+        let (before, after) = narrow_bracket(f, (0.0, -1.0), (3.0, 18.0), 1e-14);
         assert!(before <= 2.0_f64.ln() && 2.0_f64.ln() <= after);
         assert!(count < 16, "{count}");
     }

@@ -86,11 +86,12 @@ pub fn state_matrices(
         about.by_rate.select_rows(outputs),
     );
     let direct = about.by_input.select_rows(outputs).select_columns(inputs);
-    let (C, D) = reduced
-        .output(&by_u, &by_rate, &direct)
-        .map_err(|row| MotionFailure::InputRate {
-            what: system.variables[outputs[row]].name.to_string(),
-        })?;
+    let (C, D) =
+        reduced
+            .output(&by_u, &by_rate, &direct)
+            .map_err(|row| MotionFailure::InputRate {
+                what: system.variables[outputs[row]].name.to_string(),
+            })?;
     let states = reduced.kept.iter().map(|k| names[*k].clone()).collect();
     let B = reduced.B.columns(0, inputs.len()).into_owned();
     Ok(StateMatrices {

@@ -230,7 +230,8 @@ DIFF/91, FUNCTION=VARVAL(15)-DIF(91)*VARVAL(14)
 /// Makes all frictions stick, with some creep.
 fn stick(deck: &Deck, state: &mut State) {
     let mut scratch = Scratch::new(&deck.system);
-    deck.system.grip_on(&deck.parameters, state, &mut scratch);
+    deck.system
+        .advance_stiction(&deck.parameters, state, &mut scratch);
     for (k, grip) in state.grips.iter_mut().enumerate() {
         let vector = |k: usize| Vec3::new(number(k), number(k + 1), number(k + 2)) * 0.3;
         grip.sticking = true;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::mechanics::Vec3;
+use crate::mechanics::{Vec3, exceeds};
 use crate::model::PartIx;
 use crate::system::{Name, NoValue, Parameters, Scratch, State, System};
 use admire_syntax::units::{Dimension, Units};
@@ -98,8 +98,7 @@ impl Balance {
         let (mut force, mut torque) = (None, None);
         for (part, body) in system.bodies.iter().enumerate() {
             let left = |size: f64, before: &mut Option<(f64, usize)>| {
-                // A NaN counts as larger than the value before it.
-                if before.is_none_or(|(most, _)| !(size <= most)) {
+                if before.is_none_or(|(most, _)| exceeds(size, most)) {
                     *before = Some((size, part));
                 }
             };
@@ -135,7 +134,10 @@ impl Balance {
     pub fn or_worse(&mut self, other: &Self) {
         let larger = |own: &mut Option<Left>, other: &Option<Left>| {
             let most = own.as_ref().map_or(-1.0, |own| own.size);
-            if other.as_ref().is_some_and(|other| !(other.size <= most)) {
+            if other
+                .as_ref()
+                .is_some_and(|other| exceeds(other.size, most))
+            {
                 own.clone_from(other);
             }
         };
@@ -180,7 +182,7 @@ impl fmt::Display for Balance {
 mod tests {
     use super::*;
     use crate::model::Model;
-    use crate::statics::{StaticSettings, Solver};
+    use crate::statics::{Solver, StaticSettings};
     use admire_syntax::Dataset;
     use admire_syntax::text::Source;
 
@@ -223,7 +225,7 @@ END
             assert!(!left.holds(settings.imbalance), "{left}");
             // A false solution is refused in fits and sweeps as in a single run.
             let refused =
-                solver.judge(&system, &parameters, &wrong, &settings, &mut report.clone());
+                solver.check_balance(&system, &parameters, &wrong, &settings, &mut report.clone());
             let Err(crate::statics::SolveError::Unbalanced(found)) = refused else {
                 panic!("{refused:?}");
             };

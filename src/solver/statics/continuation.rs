@@ -4,7 +4,7 @@ use super::causes::Ended;
 use super::measures::largest;
 use super::newton::{Failure, NewtonOptions, Solver};
 use super::settings::MOST_ITERATIONS;
-use super::{Continuation, Report, StaticSettings, Softest, SolveError};
+use super::{Continuation, Report, Softest, SolveError, StaticSettings};
 use crate::system::{Parameters, State, System};
 
 /// Path of the end of an arm in a half turn, in lengths of the arm, with a margin.

@@ -19,7 +19,7 @@ impl Solver {
         if !system.reads_solution() {
             return Ok(());
         }
-        let (_, mut lacking) = system.look_leniently(parameters, state, &mut self.scratch)?;
+        let (_, mut lacking) = system.evaluate_leniently(parameters, state, &mut self.scratch)?;
         while lacking > 0 {
             self.next.clear();
             let (scratch, g, next) = (&mut self.scratch, &mut self.g, &mut self.next);
@@ -35,7 +35,7 @@ impl Solver {
             self.dx[..system.first_equation].fill(0.0);
             let mut trial = state.clone();
             system.advance(&mut trial, &self.dx);
-            let (_, still) = system.look_leniently(parameters, &trial, &mut self.scratch)?;
+            let (_, still) = system.evaluate_leniently(parameters, &trial, &mut self.scratch)?;
             if still >= lacking {
                 break;
             }

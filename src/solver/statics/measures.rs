@@ -1,19 +1,13 @@
 //! Sizes of residuals and corrections, in the terms of the EQUILIBRIUM statement.
 
 use super::{Far, StaticSettings};
-use crate::mechanics::log;
+use crate::mechanics::{larger, log};
 use crate::model::PartIx;
 use crate::system::{State, System};
 
 /// Returns the magnitude of the largest entry.
 pub(super) fn largest(g: &[f64]) -> f64 {
-    // A NaN counts as larger than all entries before it.
-    g.iter().fold(
-        0.0,
-        |a: f64, b| {
-            if b.is_nan() { f64::NAN } else { a.max(b.abs()) }
-        },
-    )
+    g.iter().fold(0.0, |most, value| larger(most, value.abs()))
 }
 
 /// Returns the largest unbalanced force, or torque over the model's length.
@@ -22,7 +16,7 @@ pub(super) fn force_imbalance(system: &System, g: &[f64]) -> f64 {
     for body in &system.bodies {
         for k in 0..body.freedoms {
             let scale = if k < 3 { 1.0 } else { system.length };
-            out = out.max(g[body.first + k].abs() / scale);
+            out = larger(out, g[body.first + k].abs() / scale);
         }
     }
     out
@@ -61,7 +55,7 @@ pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) ->
             } else {
                 1.0
             };
-            out = out.max(d[k].abs() / scale);
+            out = larger(out, d[k].abs() / scale);
         }
     }
     let largest = state
@@ -69,14 +63,14 @@ pub(super) fn relative_correction(system: &System, state: &State, dx: &[f64]) ->
         .iter()
         .fold(1.0_f64, |a, b| a.max(b.abs()));
     for d in &dx[system.first_equation..system.first_variable] {
-        out = out.max(d.abs() / largest);
+        out = larger(out, d.abs() / largest);
     }
     for (k, unknown) in system.implicit_variables() {
-        out = out.max(dx[unknown].abs() / state.variables[k].abs().max(1.0));
+        out = larger(out, dx[unknown].abs() / state.variables[k].abs().max(1.0));
     }
     for (equation, value) in system.states.iter().zip(&state.states) {
         if let Some(unknown) = equation.unknown {
-            out = out.max(dx[unknown].abs() / value.abs().max(1.0));
+            out = larger(out, dx[unknown].abs() / value.abs().max(1.0));
         }
     }
     out

@@ -33,7 +33,7 @@ impl FreeMotionSpace {
         }
         for m in 0..factors.deficiency() {
             let mut z = factors.null_vector(m);
-            new.take_off(&mut z);
+            new.project(&mut z);
             let norm = new.product(&z, &z).sqrt();
             // A null vector in which no part moves describes undetermined reactions.
             if norm > UNDETERMINED * largest(&z[system.first_equation..]) {
@@ -47,7 +47,7 @@ impl FreeMotionSpace {
     }
 
     /// Projects a solution onto the one of minimum norm.
-    pub(super) fn take_off(&self, dx: &mut [f64]) {
+    pub(super) fn project(&self, dx: &mut [f64]) {
         for motion in &self.motions {
             let share = self.product(dx, motion);
             for (value, along) in dx.iter_mut().zip(motion) {
@@ -58,7 +58,7 @@ impl FreeMotionSpace {
 
     /// Applies the transpose of [`take_off`](Self::take_off): replaces weights `w` by weights whose product with any solution equals the
     /// product of `w` with the solution of minimum norm.
-    pub(super) fn ignore(&self, weights: &mut [f64]) {
+    pub(super) fn project_transposed(&self, weights: &mut [f64]) {
         for motion in self.motions.iter().rev() {
             let seen: f64 = weights.iter().zip(motion).map(|(w, z)| w * z).sum();
             for ((value, z), own) in weights.iter_mut().zip(motion).zip(&self.weights) {

@@ -7,7 +7,7 @@ use super::measures::{
 use super::minimum_norm::FreeMotionSpace;
 use super::path::{add_damping, add_stability};
 use super::rank::{free_motions, redundant_equations};
-use super::{Balance, Iteration, Report, StaticSettings, SolveError, Tangent};
+use super::{Balance, Iteration, Report, SolveError, StaticSettings, Tangent};
 use crate::linear::{Lu, Matrix};
 use crate::mechanics::Pose;
 use crate::system::{NoValue, Parameters, Scratch, State, System};
@@ -232,14 +232,14 @@ impl Solver {
         report.shortened = self.shortened;
         report.at_roundoff = self.at_roundoff;
         report.factorisations = self.factorisations;
-        self.judge(system, parameters, state, settings, &mut report)?;
+        self.check_balance(system, parameters, state, settings, &mut report)?;
         self.poses.clone_from(&state.poses);
         Ok(report)
     }
 
     /// Sums the forces on every part again, in another way than the residual. A remainder due to round-off of the model's own numbers
     /// (`at_roundoff`) is accepted; any other remainder is an error.
-    pub(super) fn judge(
+    pub(super) fn check_balance(
         &mut self,
         system: &System,
         parameters: &Parameters,
@@ -428,7 +428,7 @@ impl Solver {
                 *dx = -g;
             }
             self.matrix.solve(&mut self.dx);
-            FreeMotionSpace::of(system, &self.matrix).take_off(&mut self.dx);
+            FreeMotionSpace::of(system, &self.matrix).project(&mut self.dx);
             let mut correction = relative_correction(system, state, &self.dx);
             if iteration == 0
                 && correction > NEAR
@@ -562,7 +562,7 @@ impl Solver {
             let z = self.matrix.null_vector(m);
             let gathered: f64 = z.iter().zip(floor.iter()).map(|(z, f)| z.abs() * f).sum();
             let least = LEAST_SHARE * largest(&z[..system.first_equation]);
-            for &row in self.matrix.left_out() {
+            for &row in self.matrix.rows_without_pivot() {
                 let row = row as usize;
                 if z[row].abs() > least {
                     floor[row] = floor[row].max(gathered / z[row].abs());
@@ -588,7 +588,7 @@ impl Solver {
             *dx = -g;
         }
         self.matrix.solve(&mut self.dx_bar);
-        FreeMotionSpace::of(system, &self.matrix).take_off(&mut self.dx_bar);
+        FreeMotionSpace::of(system, &self.matrix).project(&mut self.dx_bar);
         motion_norm(system, &self.dx_bar) <= (1.0 - 0.25 * step) * motion_norm(system, &self.dx)
     }
 }

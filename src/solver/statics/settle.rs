@@ -3,7 +3,7 @@
 use super::measures::{distance, force_imbalance, largest, limit};
 use super::newton::Solver;
 use super::path::add_damping;
-use super::{Report, StaticSettings, Softest, SolveError};
+use super::{Report, Softest, SolveError, StaticSettings};
 use crate::system::{NoValue, Parameters, State, System};
 
 /// Size of the first displacement, as a share of the model's length.
@@ -29,7 +29,7 @@ pub struct StabilisedEquilibrium {
 /// Reasons why neither direction leads to a stable equilibrium.
 #[derive(Clone, PartialEq, Debug, thiserror::Error)]
 #[error("no stable equilibrium was found: one way {0}, the other way {1}")]
-pub struct Unsettled(pub String, pub String);
+pub struct NoStableEquilibrium(pub String, pub String);
 
 impl From<NoValue> for Descent {
     fn from(reason: NoValue) -> Self {
@@ -61,7 +61,7 @@ impl Solver {
         state: &mut State,
         settings: &StaticSettings,
         softest: &Softest,
-    ) -> Result<StabilisedEquilibrium, Unsettled> {
+    ) -> Result<StabilisedEquilibrium, NoStableEquilibrium> {
         let mut found = Vec::new();
         let mut failures = Vec::new();
         for way in [1.0, -1.0] {
@@ -87,7 +87,7 @@ impl Solver {
                     softest,
                 })
             }
-            None => Err(Unsettled(failures.remove(0), failures.remove(0))),
+            None => Err(NoStableEquilibrium(failures.remove(0), failures.remove(0))),
         }
     }
 

@@ -87,7 +87,7 @@ impl Tangent {
             *value = -*value;
         }
         self.factors.solve(dg);
-        self.free_space.take_off(dg);
+        self.free_space.project(dg);
     }
 
     /// Replaces many changes of the residual, which follow one another, as [`respond`](Self::respond) does with one.
@@ -97,13 +97,13 @@ impl Tangent {
         }
         self.factors.solve_many(changes);
         for change in changes.chunks_mut(self.residual.len()) {
-            self.free_space.take_off(change);
+            self.free_space.project(change);
         }
     }
 
     /// Replaces weights w of the unknowns by `a = -J^-T w`. Then `d(w . x) = a . dg` for every change of the residual.
     pub(crate) fn adjoint(&mut self, weights: &mut [f64]) {
-        self.free_space.ignore(weights);
+        self.free_space.project_transposed(weights);
         for value in weights.iter_mut() {
             *value = -*value;
         }

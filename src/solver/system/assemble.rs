@@ -4,8 +4,8 @@
 
 use super::chain::{add_block, add_wrench};
 use super::contribution::Of;
-use super::forces::Ask;
-use super::structure::{ParameterSource, Rate, System};
+use super::forces::DerivativeRequest;
+use super::structure::{ParameterSource, StateRhs, System};
 use super::{Configuration, NoValue, Parameters, Scratch, State};
 use crate::linear::{NoMatrix, Sink};
 use crate::mechanics::{Mat6, Vec3, skew};
@@ -45,7 +45,11 @@ impl System {
         if here.moving() {
             here.add_inertia(g, sink);
         }
-        let ask = if S::WANTED { Ask::Tangent } else { Ask::Value };
+        let ask = if S::NEEDS_ENTRIES {
+            DerivativeRequest::Tangent
+        } else {
+            DerivativeRequest::Value
+        };
         for (number, element) in self.elements.iter().enumerate() {
             if element.active {
                 here.element(number, ask)?;
@@ -55,7 +59,7 @@ impl System {
         for multi in self.multis.iter().filter(|m| m.active) {
             here.evaluate_multi(multi)?;
             for at in 0..multi.i.len() {
-                here.multi(multi, at, S::WANTED);
+                here.multi(multi, at, S::NEEDS_ENTRIES);
                 here.add(g, sink);
             }
         }
@@ -114,7 +118,7 @@ impl Configuration<'_> {
         let wrench = &scratch.contribution;
         scratch.largest = scratch.largest.max(wrench.size(self.system.length));
         wrench.balance(g);
-        if S::WANTED {
+        if S::NEEDS_ENTRIES {
             wrench.tangent_by_motion(sink);
             wrench.tangent_by_functions(&scratch.functions, &scratch.gradient, sink);
         }
@@ -136,7 +140,7 @@ impl Configuration<'_> {
                 block.fixed_view_mut::<3, 3>(3, 3).copy_from(&by_turn);
             }
             // Every part has its diagonal block in the pattern.
-            if S::WANTED {
+            if S::NEEDS_ENTRIES {
                 add_block(sink, place, place, &block);
             }
         }
@@ -163,8 +167,8 @@ impl Configuration<'_> {
         }
         for (at, term) in joint.terms.iter().enumerate() {
             self.term(number, at, S::ROWS);
-            if S::WANTED {
-                self.bend_term();
+            if S::NEEDS_ENTRIES {
+                self.set_reaction_stiffness();
             }
             for k in 0..joint.count {
                 if !out[k] {
@@ -235,15 +239,15 @@ impl Configuration<'_> {
                 &equation.rate
             };
             match rate {
-                Rate::Held => {}
-                Rate::Function(function) => {
+                StateRhs::Held => {}
+                StateRhs::Function(function) => {
                     let value = &scratch.functions[*function];
                     g[row] += value.value;
                     for &(unknown, derivative) in &scratch.gradient[value.first..value.last] {
                         sink.add(row, unknown, derivative);
                     }
                 }
-                Rate::Linear(by_state, by_variable) => {
+                StateRhs::Linear(by_state, by_variable) => {
                     for &(k, a) in by_state {
                         g[row] += a * state.states[k];
                         if let Some(unknown) = system.state_unknown(k, moving) {

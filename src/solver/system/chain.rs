@@ -59,7 +59,12 @@ pub(super) fn moved_columns(M: &Mat6, r: &Mat3) -> Mat6 {
 }
 
 /// Adds a block to the Jacobian, truncated to the degrees of freedom of the bodies.
-pub(crate) fn add_block<S: Sink>(sink: &mut S, row: BodyColumns, column: BodyColumns, block: &Mat6) {
+pub(crate) fn add_block<S: Sink>(
+    sink: &mut S,
+    row: BodyColumns,
+    column: BodyColumns,
+    block: &Mat6,
+) {
     for (j, values) in block.as_slice().chunks_exact(6).enumerate() {
         if j < column.freedoms {
             sink.add_column(row.first, column.first + j, &values[..row.freedoms]);
@@ -68,7 +73,14 @@ pub(crate) fn add_block<S: Sink>(sink: &mut S, row: BodyColumns, column: BodyCol
 }
 
 /// Adds a wrench at an arm to the force and torque balance of a body.
-pub(crate) fn add_wrench(g: &mut [f64], place: BodyColumns, sign: f64, F: &Vec3, T: &Vec3, arm: &Vec3) {
+pub(crate) fn add_wrench(
+    g: &mut [f64],
+    place: BodyColumns,
+    sign: f64,
+    F: &Vec3,
+    T: &Vec3,
+    arm: &Vec3,
+) {
     if place.freedoms == 0 {
         return;
     }

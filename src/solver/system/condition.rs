@@ -2,8 +2,8 @@
 
 use super::NoValue;
 use super::compiled_function::Source;
-use super::scratch::Beside;
-use super::structure::{ParameterSource, GconEquation};
+use super::scratch::NeighbourState;
+use super::structure::{GconEquation, ParameterSource};
 use super::{Configuration, Name, Scratch, State, System};
 use crate::linear::Sink;
 use crate::mechanics::Vec3;
@@ -26,7 +26,7 @@ impl Configuration<'_> {
         // Generalised forces of a constraint: minus the multiplier times the gradient.
         let on = |first: usize, freedoms: usize| {
             let mut reaction = [0.0; 6];
-            for (unknown, derivative) in held_by(system, condition, scratch) {
+            for (unknown, derivative) in constraint_gradient(system, condition, scratch) {
                 if (first..first + freedoms).contains(&unknown) {
                     reaction[unknown - first] -= lambda * derivative;
                 }
@@ -56,18 +56,18 @@ impl Configuration<'_> {
     /// Returns whether a GCON is ignored: it is inactive, redundant, or a velocity constraint in statics.
     pub(super) fn is_out(&self, condition: &GconEquation) -> bool {
         let at_rest = self.system.is_nonholonomic[condition.equation] && !self.moving();
-        at_rest || !self.system.takes_part(self.state, condition.equation)
+        at_rest || !self.system.is_effective(self.state, condition.equation)
     }
 
     /// Adds the part of the nonholonomic GCON equations beyond `G V`: `f(q, V, t) - G V`.
-    pub(super) fn add_asked(&self, rates: &mut [f64]) {
+    pub(super) fn add_nonholonomic_offset(&self, rates: &mut [f64]) {
         let (system, scratch) = (self.system, &*self.scratch);
         for condition in &system.conditions {
             if !system.is_nonholonomic[condition.equation] || self.is_out(condition) {
                 continue;
             }
             let mut asked = scratch.functions[condition.function].value;
-            for (column, by) in held_by(system, condition, scratch) {
+            for (column, by) in constraint_gradient(system, condition, scratch) {
                 asked -= by * self.velocity_of(column);
             }
             rates[condition.equation] += asked;
@@ -94,11 +94,11 @@ impl Configuration<'_> {
             for &(column, derivative) in &self.scratch.gradient[value.first..value.last] {
                 sink.add(row, column, on * derivative);
             }
-            for (unknown, derivative) in held_by(system, condition, self.scratch) {
+            for (unknown, derivative) in constraint_gradient(system, condition, self.scratch) {
                 g[unknown] -= on * lambda * derivative;
                 sink.add(unknown, row, -on * derivative);
             }
-            if S::WANTED {
+            if S::NEEDS_ENTRIES {
                 self.add_curvature(condition, on * lambda, sink)?;
             }
         }
@@ -116,7 +116,7 @@ impl Configuration<'_> {
         let (system, state, scratch) = (self.system, self.state, &mut *self.scratch);
         let value = scratch.functions[condition.function];
         let mut beside = scratch.beside.take().unwrap_or_else(|| {
-            Box::new(Beside {
+            Box::new(NeighbourState {
                 state: State::empty(),
                 scratch: Scratch::new(system),
                 step: vec![0.0; system.unknowns],
@@ -148,7 +148,7 @@ impl Configuration<'_> {
                     result = Err(error);
                     break;
                 }
-                for (unknown, derivative) in held_by(system, condition, &near.scratch) {
+                for (unknown, derivative) in constraint_gradient(system, condition, &near.scratch) {
                     let change = sign * derivative / (2.0 * h);
                     sink.add(unknown, column, -lambda * change);
                 }
@@ -188,7 +188,7 @@ impl System {
 ///
 /// It is the gradient of the function with respect to the positions, or to the velocities for a nonholonomic GCON. Requires
 /// [`Configuration::look`].
-pub(super) fn held_by<'a>(
+pub(super) fn constraint_gradient<'a>(
     system: &'a System,
     condition: &GconEquation,
     scratch: &'a Scratch,

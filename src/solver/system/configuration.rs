@@ -44,7 +44,7 @@ impl System {
         scratch: &'a mut Scratch,
     ) -> Result<Configuration<'a>, NoValue> {
         let mut here = self.at(parameters, state, scratch);
-        here.look()?;
+        here.evaluate()?;
         Ok(here)
     }
 
@@ -53,7 +53,7 @@ impl System {
     ///
     /// # Errors
     /// [`NoValue`] if an element that a function measures is undefined in this configuration.
-    pub fn look_leniently<'a>(
+    pub fn evaluate_leniently<'a>(
         &'a self,
         parameters: &'a Parameters,
         state: &'a State,
@@ -61,7 +61,7 @@ impl System {
     ) -> Result<(Configuration<'a>, usize), NoValue> {
         scratch.lacking = Some(0);
         let mut here = self.at(parameters, state, scratch);
-        let done = here.look();
+        let done = here.evaluate();
         let lacking = here.scratch.lacking.take().unwrap_or(0);
         done?;
         Ok((here, lacking))
@@ -85,7 +85,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if a function, or an element that a function measures, is undefined in this configuration.
-    pub fn look(&mut self) -> Result<(), NoValue> {
+    pub fn evaluate(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
         self.evaluate_functions(&self.system.order)
@@ -95,7 +95,7 @@ impl Configuration<'_> {
     ///
     /// # Errors
     /// [`NoValue`] if one of their functions is undefined in this configuration.
-    pub(crate) fn look_at_constraints(&mut self) -> Result<(), NoValue> {
+    pub(crate) fn evaluate_constraints(&mut self) -> Result<(), NoValue> {
         self.place_markers();
         self.drive()?;
         self.evaluate_functions(&self.system.order_of_constraints)
@@ -202,7 +202,7 @@ impl Configuration<'_> {
     }
 
     /// Initialises `scratch.contribution` with a wrench in the axes of the frame, without derivatives.
-    pub(super) fn begin(&mut self, ends: WrenchEnds, w: Vec6) {
+    pub(super) fn init_contribution(&mut self, ends: WrenchEnds, w: Vec6) {
         let system = self.system;
         let a = (
             system.place(system.owners[ends.i]),

@@ -231,7 +231,10 @@ impl Contribution {
     }
 
     /// Returns the contributions of a scalar to the balances, per unit: the position of each body and its six numbers.
-    pub(crate) fn column(&self, scalar: &ScalarWrench) -> impl Iterator<Item = (BodyColumns, [f64; 6])> {
+    pub(crate) fn column(
+        &self,
+        scalar: &ScalarWrench,
+    ) -> impl Iterator<Item = (BodyColumns, [f64; 6])> {
         let on = |(place, arm): (BodyColumns, Vec3), sign: f64| {
             let mut column = [0.0; 6];
             let local = BodyColumns { first: 0, ..place };

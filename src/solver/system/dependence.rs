@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use super::System;
 use super::compiled_function::{CompiledFunction, Exerted, Source};
-use super::structure::{Action, ParameterSource, Element, ConstraintEquation, VariableEquation};
+use super::structure::{Action, ConstraintEquation, Element, ParameterSource, VariableEquation};
 
 /// Objects through which functions read each other.
 #[derive(Clone, Copy)]
@@ -249,7 +249,7 @@ impl System {
         let driven = joints.filter_map(|joint| match joint.drive {
             ParameterSource::Function(function) => Some(function),
             ParameterSource::Rate(drive) => Some(drive.function),
-            ParameterSource::Theta(_) | ParameterSource::Held(_) => None,
+            ParameterSource::Theta(_) | ParameterSource::Constant(_) => None,
         });
         let conditions = self.conditions.iter().filter(|c| c.active);
         driven.chain(conditions.map(|c| c.function))

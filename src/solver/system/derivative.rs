@@ -8,10 +8,10 @@ use super::chain::add_wrench;
 use super::compiled_function::Exerted;
 use super::compiled_function::Source;
 use super::contribution::{Of, halves};
-use super::forces::Ask;
+use super::forces::DerivativeRequest;
 use super::parameters::PER_MARKER;
 use super::scratch::Seed;
-use super::structure::{Action, ParameterSource, Element, Rate};
+use super::structure::{Action, Element, ParameterSource, StateRhs};
 use super::{Configuration, Parameters, Scratch, Slot, State, System};
 use crate::linear::Sink;
 use crate::mechanics::{Vec3, Vec6};
@@ -60,7 +60,9 @@ impl System {
 impl Element {
     fn driven_by(&self, function: usize) -> bool {
         match &self.action {
-            Action::Law(_, drive) => matches!(drive, ParameterSource::Function(f) if *f == function),
+            Action::Law(_, drive) => {
+                matches!(drive, ParameterSource::Function(f) if *f == function)
+            }
             Action::Vector(components) => components.contains(&Some(function)),
         }
     }
@@ -94,7 +96,7 @@ impl Configuration<'_> {
         for (plus, minus) in dg.iter_mut().zip(&minus) {
             *plus = (*plus - minus) / (2.0 * STEP);
         }
-        self.look()
+        self.evaluate()
     }
 
     /// Computes the derivative of the residual with respect to a number of theta at constant unknowns. Overwrites `dg`.
@@ -116,7 +118,7 @@ impl Configuration<'_> {
                 if let (true, Action::Law(_, ParameterSource::Theta(range))) =
                     (element.active, &element.action)
                 {
-                    self.element(number, Ask::Parameters)?;
+                    self.element(number, DerivativeRequest::Parameters)?;
                     let w = &self.scratch.wrench.by_parameter[slot.0 - range.start];
                     self.scratch.contribution.spread_local(w, dg);
                 }
@@ -211,7 +213,7 @@ impl Configuration<'_> {
         self.scratch.seeds.clear();
         done?;
         dg.copy_from_slice(&sink.columns[0]);
-        self.look()
+        self.evaluate()
     }
 
     /// Adds the change of everything that depends directly on a function, for a given rate of the function.
@@ -225,7 +227,7 @@ impl Configuration<'_> {
             if !element.active || !element.driven_by(function) {
                 continue;
             }
-            self.element(number, Ask::Tangent)?;
+            self.element(number, DerivativeRequest::Tangent)?;
             let wrench = &self.scratch.contribution;
             for scalar in &wrench.scalars {
                 if matches!(scalar.of, Of::Function(f) if f == function) {
@@ -260,7 +262,7 @@ impl Configuration<'_> {
             })
         };
         for who in system.acting_with(moved) {
-            self.contribute(who, Ask::Tangent)?;
+            self.contribute(who, DerivativeRequest::Tangent)?;
             let wrench = &self.scratch.contribution;
             wrench.by_marker(of, &self.scratch.markers, dg);
             // The row of a constraint is minus the effect of its multiplier on the balances.
@@ -294,7 +296,7 @@ impl Configuration<'_> {
             }
         }
         for equation in &system.states {
-            if let (Rate::Function(f), Some(row)) = (&equation.rate, equation.unknown)
+            if let (StateRhs::Function(f), Some(row)) = (&equation.rate, equation.unknown)
                 && *f == function
             {
                 dg[row] += rate;
@@ -343,7 +345,7 @@ impl Configuration<'_> {
         for (plus, minus) in dg.iter_mut().zip(&minus) {
             *plus = (*plus - minus) / (2.0 * h);
         }
-        self.look()
+        self.evaluate()
     }
 }
 
@@ -420,8 +422,8 @@ impl System {
         let reads = self.reads();
         let is_it = |k: usize| reads.explicit(k) == Some(function);
         let drives_states = self.states.iter().any(|state| match &state.rate {
-            Rate::Linear(_, by_variable) => by_variable.iter().any(|(k, _)| is_it(*k)),
-            Rate::Function(_) | Rate::Held => false,
+            StateRhs::Linear(_, by_variable) => by_variable.iter().any(|(k, _)| is_it(*k)),
+            StateRhs::Function(_) | StateRhs::Held => false,
         });
         let mut order = self.order.iter();
         drives_states || order.any(|&f| reads.of(f).contains(&function))

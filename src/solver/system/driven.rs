@@ -3,7 +3,7 @@
 use super::NoValue;
 use super::structure::{ParameterSource, RateDrive};
 use super::{Configuration, Driven, Parameters, Scratch, State, System};
-use crate::constraint::{RelativeCoordinate, PairConstraint};
+use crate::constraint::{PairConstraint, RelativeCoordinate};
 
 /// Gauss-Legendre nodes and weights on [-1, 1].
 const POINTS: [(f64, f64); 5] = [
@@ -67,19 +67,23 @@ impl System {
         state: &mut State,
         scratch: &mut Scratch,
     ) -> Result<(), NoValue> {
-        self.at(parameters, state, scratch).look_at_constraints()?;
+        self.at(parameters, state, scratch).evaluate_constraints()?;
         for joint in self.joints.iter().filter(|joint| joint.active) {
             let value = match joint.drive {
                 ParameterSource::Function(function) => scratch.functions[function].value,
                 ParameterSource::Rate(drive) => scratch.driven[drive.index][0],
-                ParameterSource::Theta(_) | ParameterSource::Held(_) => continue,
+                ParameterSource::Theta(_) | ParameterSource::Constant(_) => continue,
             };
             for term in &joint.terms {
                 if let PairConstraint::Drive(drive) = term.law {
                     match drive.measure {
-                        RelativeCoordinate::Angle(axis) => state.pair_angles[term.pair][axis] = value,
+                        RelativeCoordinate::Angle(axis) => {
+                            state.pair_angles[term.pair][axis] = value;
+                        }
                         RelativeCoordinate::Body123(0) => state.pair_angles[term.pair].x = value,
-                        RelativeCoordinate::Translation(_) | RelativeCoordinate::Body123(_) | RelativeCoordinate::Pinion => {}
+                        RelativeCoordinate::Translation(_)
+                        | RelativeCoordinate::Body123(_)
+                        | RelativeCoordinate::Pinion => {}
                     }
                 }
             }

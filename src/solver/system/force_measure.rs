@@ -1,7 +1,7 @@
 //! Forces of elements as inputs of functions: components with gradients with respect to the unknowns.
 
 use super::compiled_function::{Exerted, Force};
-use super::forces::Ask;
+use super::forces::DerivativeRequest;
 use super::{Configuration, NoValue};
 use crate::mechanics::{Mat3, Vec3, Vec6};
 
@@ -11,23 +11,27 @@ const NO_DIRECTION: f64 = 1e-13;
 impl Configuration<'_> {
     /// Computes the wrench of an element or constraint into `scratch.contribution`. Returns false for a constraint term that does not
     /// exist.
-    pub(super) fn contribute(&mut self, who: Exerted, ask: Ask) -> Result<bool, NoValue> {
+    pub(super) fn contribute(
+        &mut self,
+        who: Exerted,
+        ask: DerivativeRequest,
+    ) -> Result<bool, NoValue> {
         match who {
             Exerted::Element(k) => self.element(k, ask)?,
             Exerted::Joint(k, term) => {
                 if term >= self.system.joints[k].terms.len() {
                     return Ok(false);
                 }
-                let tangent = ask == Ask::Tangent;
+                let tangent = ask == DerivativeRequest::Tangent;
                 self.term(k, term, tangent);
                 if tangent {
-                    self.bend_term();
+                    self.set_reaction_stiffness();
                 }
             }
             Exerted::Multi(k, at) => {
                 let multi = &self.system.multis[k];
                 self.evaluate_multi(multi)?;
-                self.multi(multi, at, ask == Ask::Tangent);
+                self.multi(multi, at, ask == DerivativeRequest::Tangent);
             }
         }
         Ok(true)
@@ -95,7 +99,7 @@ impl Configuration<'_> {
         on_j: bool,
         weight: &Vec6,
     ) -> Result<(), NoValue> {
-        if !self.contribute(who, Ask::Tangent)? {
+        if !self.contribute(who, DerivativeRequest::Tangent)? {
             return Ok(());
         }
         let mut weight = *weight;

@@ -1,15 +1,15 @@
 //! Wrenches of force elements: force laws between two markers, and vector forces given by functions.
 
 use super::chain::turn;
-use super::contribution::{ByRate, WrenchEnds, Of};
-use super::structure::{Action, ParameterSource, Element};
+use super::contribution::{ByRate, Of, WrenchEnds};
+use super::structure::{Action, Element, ParameterSource};
 use super::{Configuration, NoValue};
 use crate::element::Wrench;
 use crate::mechanics::{Mat6, Vec6};
 
 /// Derivatives to be computed with a wrench.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Ask {
+pub(crate) enum DerivativeRequest {
     /// Value only.
     Value,
     /// Value and derivatives with respect to the unknowns.
@@ -20,7 +20,7 @@ pub(crate) enum Ask {
 
 impl Configuration<'_> {
     /// Computes the wrench of an element into `scratch.contribution`. An inactive element gives zero with the same pattern.
-    pub(super) fn element(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
+    pub(super) fn element(&mut self, number: usize, ask: DerivativeRequest) -> Result<(), NoValue> {
         let element = &self.system.elements[number];
         let ends = WrenchEnds {
             i: element.i,
@@ -32,12 +32,12 @@ impl Configuration<'_> {
         match &element.action {
             Action::Law(_, drive) => {
                 if element.active {
-                    self.evaluate_law(element, ask == Ask::Parameters)?;
+                    self.evaluate_law(element, ask == DerivativeRequest::Parameters)?;
                 } else {
                     self.scratch.wrench.clear();
                 }
-                self.begin(ends, self.scratch.wrench.value);
-                if ask != Ask::Tangent {
+                self.init_contribution(ends, self.scratch.wrench.value);
+                if ask != DerivativeRequest::Tangent {
                     return Ok(());
                 }
                 let scratch = &mut *self.scratch;
@@ -68,8 +68,8 @@ impl Configuration<'_> {
                         w[k] = components[k].map_or(0.0, |f| self.scratch.functions[f].value);
                     }
                 }
-                self.begin(ends, w);
-                if ask != Ask::Tangent {
+                self.init_contribution(ends, w);
+                if ask != DerivativeRequest::Tangent {
                     return Ok(());
                 }
                 let out = &mut self.scratch.contribution;
@@ -105,12 +105,14 @@ impl Configuration<'_> {
         let motion = self.motion((element.i, element.j, element.pair), law.uses_angles());
         let value;
         let (theta, with_parameters) = match drive {
-            ParameterSource::Theta(range) => (&self.parameters.theta()[range.clone()], with_parameters),
+            ParameterSource::Theta(range) => {
+                (&self.parameters.theta()[range.clone()], with_parameters)
+            }
             ParameterSource::Function(function) => {
                 value = [self.scratch.functions[*function].value];
                 (&value[..], true)
             }
-            ParameterSource::Held(held) => {
+            ParameterSource::Constant(held) => {
                 value = [*held];
                 (&value[..], true)
             }

@@ -10,8 +10,8 @@
 //! vector, since the end of the last step. It therefore needs neither an unknown nor a tolerance of its own.
 
 use super::compiled_function::Exerted;
-use super::contribution::{WrenchEnds, FunctionValue, Of};
-use super::forces::Ask;
+use super::contribution::{FunctionValue, Of, WrenchEnds};
+use super::forces::DerivativeRequest;
 use super::surface::{JointFriction, SLOTS, Slide};
 use super::{Configuration, NoValue, Parameters, Scratch, State, StictionState, System};
 use crate::element::{Coefficient, FrictionLaw};
@@ -86,7 +86,7 @@ impl System {
     }
 
     /// Updates the creeps to the state at the end of a step. Each friction then sticks or slides according to its speed there.
-    pub(crate) fn grip_on(
+    pub(crate) fn advance_stiction(
         &self,
         parameters: &Parameters,
         state: &mut State,
@@ -237,7 +237,7 @@ impl Configuration<'_> {
             }
         }
         let first = self.scratch.gradient.len();
-        out.load = self.pressing(number, tangent)?;
+        out.load = self.normal_load(number, tangent)?;
         out.load_span = self.span_from(first);
         Ok(out)
     }
@@ -245,11 +245,11 @@ impl Configuration<'_> {
     /// Computes the normal load `N = preload + sum of factors times parts of the reaction on I`, and appends its gradient.
     ///
     /// With a the axis, the force has the parts `F_a = a . F` and `F_r = |F - a F_a|`, and the moment likewise. A zero load has zero slope.
-    fn pressing(&mut self, number: usize, tangent: bool) -> Result<f64, NoValue> {
+    fn normal_load(&mut self, number: usize, tangent: bool) -> Result<f64, NoValue> {
         let friction = &self.system.frictions[number];
         let of = friction.pressing;
         let who = Exerted::Joint(friction.joint, 0);
-        self.contribute(who, Ask::Value)?;
+        self.contribute(who, DerivativeRequest::Value)?;
         let (F, T) = (self.scratch.contribution.F, self.scratch.contribution.T);
         let direction = |x: Vec3| x.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
         let frame = friction.frame();
@@ -312,10 +312,14 @@ impl Configuration<'_> {
     }
 
     /// Computes the wrench of a friction into `scratch.contribution`. An inactive friction gives zero with the same pattern.
-    pub(super) fn friction(&mut self, number: usize, ask: Ask) -> Result<(), NoValue> {
+    pub(super) fn friction(
+        &mut self,
+        number: usize,
+        ask: DerivativeRequest,
+    ) -> Result<(), NoValue> {
         let system = self.system;
         let friction = &system.frictions[number];
-        let tangent = ask == Ask::Tangent;
+        let tangent = ask == DerivativeRequest::Tangent;
         let sliding = self.sliding(number, tangent)?;
         let (mu, sigma) = coefficients(self.law(friction), &sliding);
         let on = f64::from(u8::from(friction.active));
@@ -362,7 +366,7 @@ impl Configuration<'_> {
             frame: Some(friction.frame()),
             reaction: Some(system.owners[friction.j]),
         };
-        self.begin(ends, w);
+        self.init_contribution(ends, w);
         if tangent {
             for (k, &slide) in friction.slides.iter().enumerate() {
                 let of = Of::Function(slots + k);
@@ -385,7 +389,11 @@ impl Configuration<'_> {
         g: &mut [f64],
         sink: &mut S,
     ) -> Result<(), NoValue> {
-        let ask = if S::WANTED { Ask::Tangent } else { Ask::Value };
+        let ask = if S::NEEDS_ENTRIES {
+            DerivativeRequest::Tangent
+        } else {
+            DerivativeRequest::Value
+        };
         for number in 0..self.system.frictions.len() {
             let friction = &self.system.frictions[number];
             if !friction.active || !(self.moving() || friction.at_rest.is_some()) {
@@ -415,7 +423,7 @@ impl Configuration<'_> {
             }
             let sliding = self.sliding(number, false)?;
             let (mu, _) = coefficients(&friction.law, &sliding);
-            self.friction(number, Ask::Value)?;
+            self.friction(number, DerivativeRequest::Value)?;
             out.force += self.scratch.contribution.F;
             out.torque += self.scratch.contribution.T;
             let (_, R_ji) = self.joint_place(friction);

@@ -6,7 +6,7 @@
 
 use super::Configuration;
 use super::NoValue;
-use super::forces::Ask;
+use super::forces::DerivativeRequest;
 use super::friction::{Sliding, coefficients};
 use super::surface::{JointFriction, Slide};
 use crate::mechanics::{Vec3, Vec6};
@@ -111,7 +111,7 @@ impl Configuration<'_> {
         friction: &JointFriction,
         (axis, torque): (usize, bool),
     ) -> Result<(f64, usize), NoValue> {
-        self.friction(number, Ask::Tangent)?;
+        self.friction(number, DerivativeRequest::Tangent)?;
         let first = self.scratch.gradient.len();
         let e: Vec3 = self.scratch.markers[friction.j].R.column(axis).into();
         let (half, weight) = if torque {

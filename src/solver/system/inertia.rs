@@ -52,7 +52,7 @@ impl Configuration<'_> {
             }
             let size = F.amax().max(T.amax() / system.length);
             self.scratch.largest = self.scratch.largest.max(size);
-            if !S::WANTED {
+            if !S::NEEDS_ENTRIES {
                 continue;
             }
             let (mut K, mut C) = (Mat6::zeros(), Mat6::zeros());

@@ -1,7 +1,7 @@
 use super::Name;
 use super::compiled_function::Exerted;
-use super::condition::held_by;
-use super::forces::Ask;
+use super::condition::constraint_gradient;
+use super::forces::DerivativeRequest;
 use super::structure::Action;
 use super::{Configuration, NoValue, Reading};
 use crate::mechanics::Vec3;
@@ -86,7 +86,7 @@ impl<'s> Configuration<'s> {
         }
         for (number, friction) in system.frictions.iter().enumerate() {
             if friction.active && (self.moving() || friction.at_rest.is_some()) {
-                self.friction(number, Ask::Value)?;
+                self.friction(number, DerivativeRequest::Value)?;
                 let reading = self.contributed();
                 show(self.on_i(&friction.name, &reading));
                 show(self.on_j(&friction.name, &reading));
@@ -140,7 +140,7 @@ impl<'s> Configuration<'s> {
             let lambda = state.multipliers[condition.equation];
             for (part, body) in system.bodies.iter().enumerate() {
                 let mut on = [0.0; 6];
-                for (unknown, by) in held_by(system, condition, scratch) {
+                for (unknown, by) in constraint_gradient(system, condition, scratch) {
                     if (body.first..body.first + body.freedoms).contains(&unknown) {
                         on[unknown - body.first] -= lambda * by;
                     }

@@ -45,7 +45,7 @@ impl Configuration<'_> {
                 w -= multi.damping[at * n + k] * self.relative_rates(marker, multi.j);
             }
         }
-        self.begin(ends, w * on);
+        self.init_contribution(ends, w * on);
         if !tangent {
             return;
         }

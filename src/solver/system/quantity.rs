@@ -130,7 +130,7 @@ impl Configuration<'_> {
             Ok((plus - minus) / (2.0 * h))
         };
         let (coarse, fine) = (difference(h)?, difference(0.5 * h)?);
-        self.look()?;
+        self.evaluate()?;
         Ok((4.0 * fine - coarse) / 3.0)
     }
 }
@@ -143,7 +143,9 @@ impl System {
             Quantity::Element(ElementIx(k), _) => {
                 let element = &self.elements[k];
                 match (&element.action, role) {
-                    (Action::Law(_, ParameterSource::Theta(_)), Role::Law { element }) => element == k,
+                    (Action::Law(_, ParameterSource::Theta(_)), Role::Law { element }) => {
+                        element == k
+                    }
                     (Action::Law(_, ParameterSource::Theta(_)), Role::Marker(_)) => {
                         self.moves_marker(role, element.i) || self.moves_marker(role, element.j)
                     }

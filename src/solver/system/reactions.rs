@@ -2,8 +2,8 @@
 
 use super::Configuration;
 use super::State;
-use super::contribution::{WrenchEnds, Of};
-use super::structure::{ParameterSource, ConstraintEquation};
+use super::contribution::{Of, WrenchEnds};
+use super::structure::{ConstraintEquation, ParameterSource};
 use crate::constraint::Constraint;
 use crate::mechanics::{Mat6, Vec6};
 
@@ -53,7 +53,7 @@ impl Configuration<'_> {
             frame: Some(term.j),
             reaction: Some(self.system.owners[term.j]),
         };
-        self.begin(ends, w);
+        self.init_contribution(ends, w);
         if !gradients {
             return;
         }
@@ -71,7 +71,7 @@ impl Configuration<'_> {
     }
 
     /// Sets the derivative of the term's reaction with respect to the relative rotation of its markers.
-    pub(super) fn bend_term(&mut self) {
+    pub(super) fn set_reaction_stiffness(&mut self) {
         let scratch = &mut *self.scratch;
         let (equations, reaction) = (&scratch.equations, &mut scratch.contribution);
         let mut D = Mat6::zeros();
@@ -81,7 +81,12 @@ impl Configuration<'_> {
     }
 
     /// Evaluates one term of a constraint into `scratch.equations`.
-    pub(super) fn evaluate_term(&mut self, joint: &ConstraintEquation, number: usize, multipliers: &[f64; 6]) {
+    pub(super) fn evaluate_term(
+        &mut self,
+        joint: &ConstraintEquation,
+        number: usize,
+        multipliers: &[f64; 6],
+    ) {
         let term = &joint.terms[number];
         let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
         let value;
@@ -91,7 +96,7 @@ impl Configuration<'_> {
                 value = [self.scratch.functions[*function].value];
                 &value[..]
             }
-            ParameterSource::Held(held) => {
+            ParameterSource::Constant(held) => {
                 value = [*held];
                 &value[..]
             }

@@ -2,7 +2,7 @@
 
 use super::NoValue;
 use super::compiled_function::Exerted;
-use super::forces::Ask;
+use super::forces::DerivativeRequest;
 use super::{Configuration, ConstraintIx, ElementIx};
 use crate::mechanics::{RelativeMotion, Vec3, Vec6};
 use crate::model::MarkerIx;
@@ -72,7 +72,7 @@ impl Configuration<'_> {
 
     /// Returns the wrench of an element, a constraint term or an NFORCE marker.
     pub(super) fn read(&mut self, who: Exerted) -> Result<Reading, NoValue> {
-        if !self.contribute(who, Ask::Value)? {
+        if !self.contribute(who, DerivativeRequest::Value)? {
             self.scratch.contribution = super::contribution::Contribution::default();
         }
         Ok(self.contributed())

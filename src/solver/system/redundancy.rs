@@ -50,14 +50,14 @@ impl System {
         let mut weak = Vec::new();
         for row in distances {
             match basis.take(&rows[row], WEAK) {
-                Taken::In => {}
-                Taken::Nothing => out[row] = true,
-                Taken::Dependent => weak.push(row),
+                RowStatus::In => {}
+                RowStatus::Nothing => out[row] = true,
+                RowStatus::Dependent => weak.push(row),
             }
         }
         for row in products.into_iter().chain(weak).chain(others) {
             // An equation without any gradient cannot be satisfied by any reaction; the assembly reports it.
-            out[row] = basis.take(&rows[row], REDUNDANT) != Taken::In;
+            out[row] = basis.take(&rows[row], REDUNDANT) != RowStatus::In;
         }
         if basis.given_up {
             return self.dependent_rows(&rows);
@@ -158,7 +158,7 @@ impl System {
 
 /// Result of adding a row to the basis.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Taken {
+enum RowStatus {
     /// The row is independent of the earlier ones.
     In,
     /// The row depends on the earlier ones.
@@ -199,13 +199,13 @@ impl Basis {
     }
 
     /// Adds a row if more than a share of its length remains after its projection onto the basis is subtracted.
-    fn take(&mut self, row: &[(usize, f64)], share: f64) -> Taken {
+    fn take(&mut self, row: &[(usize, f64)], share: f64) -> RowStatus {
         // Later rows need more products than earlier ones, because they overlap with more rows.
         self.came += 1;
         let many = self.products / self.came > LARGE / self.all.max(1);
         self.given_up |= many && self.products > LARGE / 10;
         if self.given_up {
-            return Taken::In;
+            return RowStatus::In;
         }
         let Self {
             rows,
@@ -221,7 +221,7 @@ impl Basis {
         let mut within = support(v, 0.0);
         let before = norm(&v[within.clone()]);
         if before == 0.0 {
-            return Taken::Nothing;
+            return RowStatus::Nothing;
         }
         // Two passes of orthogonalisation suffice (Kahan), and one for a row that keeps most of its length.
         for _ in 0..2 {
@@ -251,12 +251,12 @@ impl Basis {
         }
         let after = norm(&v[within.clone()]);
         if after < share * before {
-            return Taken::Dependent;
+            return RowStatus::Dependent;
         }
         let within = support(v, NOTHING * after);
         let unit = v[within.clone()].iter().map(|x| x / after);
         rows.push((within.clone(), unit.collect()));
-        Taken::In
+        RowStatus::In
     }
 }
 

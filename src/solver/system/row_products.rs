@@ -46,7 +46,7 @@ impl RowProducts {
 }
 
 impl Sink for RowProducts {
-    const WANTED: bool = false;
+    const NEEDS_ENTRIES: bool = false;
     const ROWS: bool = true;
 
     fn add(&mut self, row: usize, column: usize, value: f64) {

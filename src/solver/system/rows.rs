@@ -1,7 +1,7 @@
 //! Constraint equations along a motion: gradients, rates, and the acceleration-independent part of the second time derivatives.
 
 use super::NoValue;
-use super::structure::{ParameterSource, ConstraintEquation, Rate, StateEquation};
+use super::structure::{ConstraintEquation, ParameterSource, StateEquation, StateRhs};
 use super::{Configuration, Parameters, Scratch, State, System};
 use crate::constraint::Constraint;
 use crate::linear::Sink;
@@ -61,7 +61,7 @@ impl Rows {
 }
 
 impl Sink for Rows {
-    const WANTED: bool = false;
+    const NEEDS_ENTRIES: bool = false;
     const ROWS: bool = true;
 
     #[inline]
@@ -143,7 +143,7 @@ impl System {
         rows.clear();
         g.fill(0.0);
         let mut here = self.at(parameters, state, scratch);
-        here.look_at_constraints()?;
+        here.evaluate_constraints()?;
         for number in 0..self.joints.len() {
             here.add_joint(number, g, rows);
         }
@@ -152,7 +152,7 @@ impl System {
             let rates = here.data_rates();
             here.row_rates(&mut rows.time, &rows.others, &rates);
         }
-        here.add_asked(&mut rows.time);
+        here.add_nonholonomic_offset(&mut rows.time);
         Ok(())
     }
 }
@@ -171,7 +171,7 @@ impl Configuration<'_> {
     /// The dynamic states have the rates of the stage, which belong to their increments. The rows use the same rates, so that the
     /// corrections of both agree.
     pub(super) fn stage_rates(&self, rates: &mut [f64], others: &[(u32, u32, f64)]) {
-        self.add_asked(rates);
+        self.add_nonholonomic_offset(rates);
         if !others.is_empty() {
             let own = |k: usize, _: &StateEquation| self.state.state_rates[k];
             self.row_rates(rates, others, &self.rates_of_data(own));
@@ -185,15 +185,17 @@ impl Configuration<'_> {
     fn data_rates(&self) -> Vec<f64> {
         let state = self.state;
         self.rates_of_data(|k, equation| match &equation.moving {
-            Rate::Function(function) if !equation.implicit => {
+            StateRhs::Function(function) if !equation.implicit => {
                 self.scratch.functions[*function].value
             }
-            Rate::Linear(by_state, by_variable) => {
+            StateRhs::Linear(by_state, by_variable) => {
                 let own: f64 = by_state.iter().map(|&(k, a)| a * state.states[k]).sum();
                 let input = by_variable.iter().map(|&(k, b)| b * self.variable(k));
                 own + input.sum::<f64>()
             }
-            Rate::Function(_) | Rate::Held => state.state_rates.get(k).copied().unwrap_or(0.0),
+            StateRhs::Function(_) | StateRhs::Held => {
+                state.state_rates.get(k).copied().unwrap_or(0.0)
+            }
         })
     }
 
@@ -301,7 +303,7 @@ impl Configuration<'_> {
                     let [_, rate, second] = self.scratch.driven[drive.index];
                     [rate, second]
                 }
-                ParameterSource::Theta(_) | ParameterSource::Held(_) => [0.0; 2],
+                ParameterSource::Theta(_) | ParameterSource::Constant(_) => [0.0; 2],
             };
             self.joint_gamma(joint, driven, gamma);
             for k in 0..joint.count {
@@ -318,7 +320,12 @@ impl Configuration<'_> {
         Ok(())
     }
 
-    fn joint_gamma(&mut self, joint: &ConstraintEquation, [rate, second]: [f64; 2], gamma: &mut [f64]) {
+    fn joint_gamma(
+        &mut self,
+        joint: &ConstraintEquation,
+        [rate, second]: [f64; 2],
+        gamma: &mut [f64],
+    ) {
         for (at, term) in joint.terms.iter().enumerate() {
             let u = self.relative_rates(term.i, term.j);
             let b = self.convective(term.i, term.j);
@@ -391,7 +398,7 @@ impl Configuration<'_> {
             }
             system.settle_variables(self.parameters, &mut near, &mut scratch)?;
             let mut here = system.at(self.parameters, &near, &mut scratch);
-            here.look_at_constraints()?;
+            here.evaluate_constraints()?;
             let variables = here.data_rates();
             for (rate, &function) in rates.iter_mut().zip(functions) {
                 rate[1] += weight / step * here.rate_along(function, &variables);
@@ -421,7 +428,7 @@ impl System {
             if self.implicit.is_empty() {
                 break;
             }
-            self.look_leniently(parameters, state, scratch)?;
+            self.evaluate_leniently(parameters, state, scratch)?;
             for &k in &self.implicit {
                 let value = scratch.functions[self.variables[k].function].value;
                 change = change.max((value - state.variables[k]).abs());

@@ -3,12 +3,12 @@ use super::contribution::{Contribution, FunctionValue};
 use super::surface::SLOTS;
 use crate::constraint::Equations;
 use crate::element::{MultiWrench, Wrench};
-use crate::function::Seen;
+use crate::function::SwitchState;
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 
 /// Working memory for differences of GCON gradients.
 #[derive(Clone, Debug)]
-pub(crate) struct Beside {
+pub(crate) struct NeighbourState {
     pub state: super::State,
     pub scratch: Scratch,
     pub step: Vec<f64>,
@@ -42,7 +42,7 @@ pub struct Scratch {
     /// End indices in `gradient` of the gradients of the inputs.
     pub(crate) spans: Vec<usize>,
     /// Neighbouring configuration for finite differences.
-    pub(crate) beside: Option<Box<Beside>>,
+    pub(crate) beside: Option<Box<NeighbourState>>,
     pub(crate) functions: Vec<FunctionValue>,
     /// Counter of function evaluations.
     pub(crate) looks: u64,
@@ -53,7 +53,7 @@ pub struct Scratch {
     /// Additional gradient columns, behind those of the unknowns.
     pub(crate) seeds: Vec<Seed>,
     /// Observed state of each switch while the functions are held on pieces.
-    pub(crate) seen: Vec<Seen>,
+    pub(crate) seen: Vec<SwitchState>,
     /// Displacement, velocity and acceleration of each MOTION that prescribes a velocity or acceleration.
     pub(crate) driven: Vec<[f64; 3]>,
     /// Gradients of all functions as (unknown, derivative), one after the other.
@@ -73,7 +73,7 @@ impl Scratch {
                 system.functions.len() + SLOTS * system.frictions.len()
             ],
             looked: vec![u64::MAX; system.functions.len()],
-            seen: vec![Seen::NOTHING; system.switches.len()],
+            seen: vec![SwitchState::NOTHING; system.switches.len()],
             ..Self::default()
         }
     }

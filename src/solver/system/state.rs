@@ -135,7 +135,8 @@ impl State {
     /// Allocates velocities, accelerations and state rates, zero where there was none.
     pub fn set_moving(&mut self) {
         self.velocities.resize(self.poses.len(), PartRates::zero());
-        self.accelerations.resize(self.poses.len(), PartRates::zero());
+        self.accelerations
+            .resize(self.poses.len(), PartRates::zero());
         self.state_rates.resize(self.states.len(), 0.0);
     }
 

@@ -128,7 +128,7 @@ pub(crate) enum ParameterSource {
     /// Single parameter, given by the value of a function.
     Function(usize),
     /// Constant value.
-    Held(f64),
+    Constant(f64),
     /// MOTION that prescribes a velocity or acceleration. Its displacement is held constant in statics.
     Rate(RateDrive),
 }
@@ -196,7 +196,7 @@ pub struct VariableEquation {
 
 /// Right-hand side of a DIFF or of a row of linear states.
 #[derive(Clone, Debug)]
-pub(crate) enum Rate {
+pub(crate) enum StateRhs {
     /// Value of a function.
     Function(usize),
     /// The state is constant: STATIC_HOLD (where it is then no unknown), DYNAMIC_HOLD, or an inactive statement.
@@ -210,13 +210,13 @@ pub(crate) enum Rate {
 pub(crate) struct StateEquation {
     pub name: Name,
     /// Right-hand side in statics, which is zero at equilibrium.
-    pub rate: Rate,
+    pub rate: StateRhs,
     /// Index of its unknown in statics; `None` if held constant.
     pub unknown: Option<usize>,
     /// Index of its unknown in motion.
     pub moving_unknown: usize,
     /// Right-hand side in motion, also for a state that statics holds constant.
-    pub moving: Rate,
+    pub moving: StateRhs,
     /// Whether the equation is implicit: the function contains the rate and equals zero.
     pub implicit: bool,
     /// Whether its statement is active; otherwise the state is zero.
@@ -408,7 +408,12 @@ impl System {
 
     /// Returns whether an active MOTION drives parts.
     pub fn is_driven(&self) -> bool {
-        let drives = |joint: &ConstraintEquation| matches!(joint.drive, ParameterSource::Function(_) | ParameterSource::Rate(_));
+        let drives = |joint: &ConstraintEquation| {
+            matches!(
+                joint.drive,
+                ParameterSource::Function(_) | ParameterSource::Rate(_)
+            )
+        };
         self.joints
             .iter()
             .any(|joint| joint.active && drives(joint))
@@ -496,18 +501,18 @@ impl System {
     }
 
     /// Returns whether an equation is active and not redundant.
-    pub(crate) fn takes_part(&self, state: &State, equation: usize) -> bool {
+    pub(crate) fn is_effective(&self, state: &State, equation: usize) -> bool {
         state.redundant.get(equation) != Some(&true) && self.equation_is_active(equation)
     }
 
     /// Returns whether an equation is active, not redundant, and constrains positions (holonomic).
-    pub(crate) fn holds_places(&self, state: &State, equation: usize) -> bool {
-        !self.is_nonholonomic[equation] && self.takes_part(state, equation)
+    pub(crate) fn is_effective_holonomic(&self, state: &State, equation: usize) -> bool {
+        !self.is_nonholonomic[equation] && self.is_effective(state, equation)
     }
 
     /// Returns whether the equation of a state reads its own rate in motion.
     pub(crate) fn state_reads_rate(&self, state: usize) -> bool {
-        let Rate::Function(function) = self.states[state].moving else {
+        let StateRhs::Function(function) = self.states[state].moving else {
             return false;
         };
         let sources = self.functions[function].sources.iter();
@@ -518,7 +523,7 @@ impl System {
     /// Returns the degrees of freedom of the parts minus the number of active, non-redundant equations. Nonholonomic equations count too,
     /// so the result counts free velocities.
     pub(crate) fn freedoms_left(&self, state: &State) -> usize {
-        let held = (0..self.equations).filter(|&k| self.takes_part(state, k));
+        let held = (0..self.equations).filter(|&k| self.is_effective(state, k));
         self.first_equation.saturating_sub(held.count())
     }
 

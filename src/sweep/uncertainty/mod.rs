@@ -22,6 +22,6 @@ pub use repeat::Kind;
 pub use repeat::LEAST_DRAWS;
 pub use repeat::LEAST_REPLICATES;
 pub use repeat::MOST;
-pub use repeat::Made;
+pub use repeat::RepeatOutput;
 pub use repeat::Repeats;
 pub use repeat::repeat;

@@ -68,14 +68,14 @@ pub(crate) type Told<'a> = dyn FnMut(Kind, &Progress) -> bool + 'a;
 
 /// Result of a repetition.
 #[derive(Clone, Debug)]
-pub enum Made {
+pub enum RepeatOutput {
     /// Path of a table.
     Table(PathBuf),
     /// Rows of the table, in its order.
     Rows(Vec<Row>),
 }
 
-impl Made {
+impl RepeatOutput {
     fn each(&self, layout: &Layout, mut take: impl FnMut(&Row)) -> Result<(), SweepError> {
         match self {
             Self::Rows(rows) => rows.iter().for_each(take),
@@ -102,7 +102,7 @@ pub fn repeat(
     asked: &Repeats,
     (folder, version): (Option<&Path>, &str),
     tell: &mut Told<'_>,
-) -> Result<Option<Vec<(Kind, Made)>>, RepeatError> {
+) -> Result<Option<Vec<(Kind, RepeatOutput)>>, RepeatError> {
     let estimate = Estimate::new(problem, marginal)?.ok_or(RepeatError::NoEstimate)?;
     let addresses: Vec<String> = fit.parameters.iter().map(|p| p.address.clone()).collect();
     let mut done = Vec::new();
@@ -151,9 +151,11 @@ pub fn repeat(
                 let places = places(folder, &work, (kind, count, asked.seed));
                 run_cases(&work, 0..count, &places, asked.threads, &mut tell)?
                     .is_complete()
-                    .then_some(Made::Table(places.table))
+                    .then_some(RepeatOutput::Table(places.table))
             }
-            None => run_in_memory(&work, 0..count, asked.threads, &mut tell)?.map(Made::Rows),
+            None => {
+                run_in_memory(&work, 0..count, asked.threads, &mut tell)?.map(RepeatOutput::Rows)
+            }
         };
         let Some(made) = made else { return Ok(None) };
         take(&work, (kind, count, asked.seed), &made, fit)?;
@@ -265,7 +267,7 @@ impl Cases for Work<'_> {
 fn take(
     work: &Work<'_>,
     (kind, count, seed): (Kind, u64, u64),
-    made: &Made,
+    made: &RepeatOutput,
     fit: &mut Fit,
 ) -> Result<(), RepeatError> {
     let mut values: Vec<Vec<Vec<f64>>> = vec![vec![Vec::new()]; fit.parameters.len()];

@@ -1,6 +1,6 @@
 //! Functions held on a piece: their formula continues beyond the end of the piece, and the excess of the arguments is reported.
 
-use super::{Fault, EvaluationMemory, compile};
+use super::{EvaluationMemory, Fault, compile};
 
 /// Returns the value, the derivatives with respect to VARIABLE/1 and /2, the piece of the arguments and the excess.
 fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) {

@@ -10,7 +10,7 @@ const TILT: f64 = 1.0;
 
 /// Alignment that a constraint requires of its markers at the design position.
 #[derive(Clone, Copy, Default)]
-struct Wanted {
+struct Alignment {
     /// Components of the distance from J to I, in J axes, that must be zero.
     distance: [bool; 3],
     /// The x axes must be parallel and point the same way.
@@ -34,7 +34,7 @@ pub(super) fn check(design: &Design<'_>, found: &mut Vec<Diagnostic>) {
 }
 
 /// Constraint whose marker origins do not coincide as required.
-pub struct Apart {
+pub struct MarkerGap {
     /// Name of the constraint.
     pub name: String,
     /// Distance from J to I in the axes of J; zero along unconstrained axes.
@@ -44,7 +44,7 @@ pub struct Apart {
 }
 
 /// Returns the active constraints whose marker origins are apart at the design position, in the order of the model.
-pub fn apart(model: &Model) -> Vec<Apart> {
+pub fn apart(model: &Model) -> Vec<MarkerGap> {
     let size = size(model);
     let mut found = Vec::new();
     for (_, header, (i, j), wanted) in pairs(model).filter(|(_, header, ..)| header.active) {
@@ -53,7 +53,7 @@ pub fn apart(model: &Model) -> Vec<Apart> {
         };
         let distance = distance(&i, &j, wanted);
         if distance.norm() > GAP * size {
-            found.push(Apart {
+            found.push(MarkerGap {
                 name: header.name.clone(),
                 distance,
                 counts: wanted.distance,
@@ -66,7 +66,7 @@ pub fn apart(model: &Model) -> Vec<Apart> {
 /// Returns every joint and primitive with the alignment that it requires.
 fn pairs(
     model: &Model,
-) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Wanted)> {
+) -> impl Iterator<Item = (&'static str, &Header, (MarkerIx, MarkerIx), Alignment)> {
     let joints = model.joints.iter().map(|joint| {
         let markers = (joint.i, joint.j);
         ("JOINT", &joint.header, markers, of_joint(joint.kind))
@@ -79,75 +79,75 @@ fn pairs(
     joints.chain(primitives)
 }
 
-fn of_joint(kind: JointKind) -> Wanted {
-    let point = Wanted {
+fn of_joint(kind: JointKind) -> Alignment {
+    let point = Alignment {
         distance: [true; 3],
-        ..Wanted::default()
+        ..Alignment::default()
     };
-    let line = Wanted {
+    let line = Alignment {
         distance: [true, true, false],
         z_along_z: true,
-        ..Wanted::default()
+        ..Alignment::default()
     };
     match kind {
         JointKind::Spherical | JointKind::Convel => point,
-        JointKind::Revolute => Wanted {
+        JointKind::Revolute => Alignment {
             z_along_z: true,
             ..point
         },
-        JointKind::Fixed => Wanted {
+        JointKind::Fixed => Alignment {
             z_along_z: true,
             x_along_x: true,
             ..point
         },
         JointKind::Cylindrical => line,
-        JointKind::Translational => Wanted {
+        JointKind::Translational => Alignment {
             x_along_x: true,
             ..line
         },
-        JointKind::Planar => Wanted {
+        JointKind::Planar => Alignment {
             distance: [false, false, true],
             z_along_z: true,
-            ..Wanted::default()
+            ..Alignment::default()
         },
-        JointKind::Hooke => Wanted {
+        JointKind::Hooke => Alignment {
             x_normal_y: true,
             ..point
         },
-        JointKind::Universal => Wanted {
+        JointKind::Universal => Alignment {
             z_normal: true,
             ..point
         },
         // These constrain only the relation of travel and rotation, which any position can start from.
-        JointKind::Screw { .. } | JointKind::RackPin { .. } => Wanted::default(),
+        JointKind::Screw { .. } | JointKind::RackPin { .. } => Alignment::default(),
     }
 }
 
-fn of_primitive(kind: PrimitiveKind) -> Wanted {
-    let none = Wanted::default();
+fn of_primitive(kind: PrimitiveKind) -> Alignment {
+    let none = Alignment::default();
     match kind {
-        PrimitiveKind::AtPoint => Wanted {
+        PrimitiveKind::AtPoint => Alignment {
             distance: [true; 3],
             ..none
         },
-        PrimitiveKind::Inline => Wanted {
+        PrimitiveKind::Inline => Alignment {
             distance: [true, true, false],
             ..none
         },
-        PrimitiveKind::Inplane => Wanted {
+        PrimitiveKind::Inplane => Alignment {
             distance: [false, false, true],
             ..none
         },
-        PrimitiveKind::Orientation => Wanted {
+        PrimitiveKind::Orientation => Alignment {
             x_along_x: true,
             z_along_z: true,
             ..none
         },
-        PrimitiveKind::ParallelAxes => Wanted {
+        PrimitiveKind::ParallelAxes => Alignment {
             z_parallel: true,
             ..none
         },
-        PrimitiveKind::Perpendicular => Wanted {
+        PrimitiveKind::Perpendicular => Alignment {
             z_normal: true,
             ..none
         },
@@ -173,7 +173,7 @@ fn pair(
     kind: &str,
     header: &Header,
     (i, j): (MarkerIx, MarkerIx),
-    wanted: Wanted,
+    wanted: Alignment,
     size: f64,
     found: &mut Vec<Diagnostic>,
 ) {
@@ -197,7 +197,7 @@ fn pair(
 }
 
 /// Returns the distance from J to I in J axes; zero along unconstrained axes.
-fn distance(i: &Pose, j: &Pose, wanted: Wanted) -> Vec3 {
+fn distance(i: &Pose, j: &Pose, wanted: Alignment) -> Vec3 {
     let p_ij_j = j.R.transpose() * (i.p - j.p);
     Vec3::from_fn(|axis, _| {
         if wanted.distance[axis] {
@@ -208,7 +208,7 @@ fn distance(i: &Pose, j: &Pose, wanted: Wanted) -> Vec3 {
     })
 }
 
-fn faults(i: &Pose, j: &Pose, wanted: Wanted, size: f64, unit: &str) -> Vec<String> {
+fn faults(i: &Pose, j: &Pose, wanted: Alignment, size: f64, unit: &str) -> Vec<String> {
     let mut faults = Vec::new();
     let off = distance(i, j, wanted);
     if off.norm() > GAP * size {

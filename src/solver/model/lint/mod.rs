@@ -8,7 +8,7 @@ mod implausible_units;
 mod joint_aligned;
 mod lost_torque;
 
-pub use joint_aligned::Apart;
+pub use joint_aligned::MarkerGap;
 pub use joint_aligned::apart;
 
 use super::{Header, MarkerIx, Model};

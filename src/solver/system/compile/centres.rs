@@ -1,7 +1,7 @@
 //! Centres of the parts, about which statics moves them, and the length scales of a model.
 
 use super::super::Parameters;
-use super::super::structure::{Body, Element, ConstraintEquation, NForce};
+use super::super::structure::{Body, ConstraintEquation, Element, NForce};
 use crate::mechanics::{Pose, Vec3};
 
 /// Sets the centre of every part, which must not depend on the position of the part's frame.

@@ -1,14 +1,16 @@
 //! Compilation of constraint statements to scalar equations.
 
-use super::{SystemCompiler, Header, name, stated};
+use super::{Header, SystemCompiler, name, stated};
 use crate::constraint::{
-    Constraint, ConstraintEntry, Convel, Drive as Driven, GearedJoint, RelativeCoordinate, PairConstraint,
-    constraint, gear_terms,
+    Constraint, ConstraintEntry, Convel, Drive as Driven, GearedJoint, PairConstraint,
+    RelativeCoordinate, constraint, gear_terms,
 };
 use crate::mechanics::{Pose, RelativeMotion, Vec3};
 use crate::model::{CouplerKind, JointKind, MotionAxis, MotionOrder};
 use crate::system::catalogue::Role;
-use crate::system::structure::{ParameterSource, GconEquation, ConstraintEquation, RateDrive, Term};
+use crate::system::structure::{
+    ConstraintEquation, GconEquation, ParameterSource, RateDrive, Term,
+};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
@@ -59,7 +61,13 @@ impl SystemCompiler<'_> {
     fn primitives(&mut self) {
         for p in &self.model.primitives {
             let law = entry("JPRIM", p.kind.word()).constraint;
-            self.push_joint("JPRIM", &p.header, (p.i.0, p.j.0), law, ParameterSource::Theta(0..0));
+            self.push_joint(
+                "JPRIM",
+                &p.header,
+                (p.i.0, p.j.0),
+                law,
+                ParameterSource::Theta(0..0),
+            );
         }
     }
 
@@ -124,7 +132,7 @@ impl SystemCompiler<'_> {
         self.joints.push(ConstraintEquation {
             name: name(kind, header),
             terms,
-            drive: ParameterSource::Held(0.0),
+            drive: ParameterSource::Constant(0.0),
             offset,
             first: self.equations,
             count: 1,

@@ -1,11 +1,11 @@
 //! Compilation of force statements to elements.
 
-use super::{SystemCompiler, Header, Name, name};
+use super::{Header, Name, SystemCompiler, name};
 use crate::element::{Beam, Damping, Law, ScalarForce};
 use crate::mechanics::{Mat6, Vec6};
 use crate::model::{SforceKind, SpringKind, VectorForceKind, law_arguments};
 use crate::system::catalogue::{GroupDimensions, Role};
-use crate::system::structure::{Action, ParameterSource, Element, NForce};
+use crate::system::structure::{Action, Element, NForce, ParameterSource};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::grammar;
 use admire_syntax::grammar::{Components, LawDef, StatementDef};

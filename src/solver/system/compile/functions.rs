@@ -1,11 +1,11 @@
 //! Compilation of FUNCTIONs to programs, and resolution of their inputs in the system.
 
-use super::{SystemCompiler, Function, Name, name, way_out};
-use crate::function::{MeasuredElement, ForceMeasure, Input, time_breaks};
+use super::{Function, Name, SystemCompiler, name, way_out};
+use crate::function::{ForceMeasure, Input, MeasuredElement, time_breaks};
 use crate::model::{ArrayKind, MarkerIx, RequestKind, effect_of};
 use crate::system::catalogue::{GroupDimensions, Role};
 use crate::system::compiled_function::{CompiledFunction, Exerted, Force, LinearRow, Source};
-use crate::system::structure::{Element, Rate};
+use crate::system::structure::{Element, StateRhs};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 use admire_syntax::units::Dimension;
 
@@ -163,7 +163,7 @@ impl SystemCompiler<'_> {
             Input::Variable(k) => Source::Variable(k),
             Input::Dif(k) => Source::State(k),
             Input::DifRate(k) => match (&self.states[k].rate, self.held_rates.get(&k)) {
-                (Rate::Held, Some(function)) => Source::StateRate(k, Some(*function)),
+                (StateRhs::Held, Some(function)) => Source::StateRate(k, Some(*function)),
                 _ => Source::StateRate(k, None),
             },
             Input::ArrayValue { array, element } => match &self.model.arrays[array].kind {

@@ -22,8 +22,8 @@ use super::carried::Carried;
 use super::catalogue::{Catalogue, Group, GroupDimensions, Role};
 use super::compiled_function::{CompiledFunction, Exerted};
 use super::structure::{
-    Body, Element, GconEquation, ConstraintEquation, NForce, Rate, Start, StateEquation, System,
-    VariableEquation,
+    Body, ConstraintEquation, Element, GconEquation, NForce, Start, StateEquation, StateRhs,
+    System, VariableEquation,
 };
 use super::surface::JointFriction;
 use super::{Driven, Name, Parameters, Scratch, State, StictionState};
@@ -304,9 +304,9 @@ impl<'a> SystemCompiler<'a> {
             }
             let rate = |held: bool| {
                 if held || !active {
-                    Rate::Held
+                    StateRhs::Held
                 } else {
-                    Rate::Function(function)
+                    StateRhs::Function(function)
                 }
             };
             self.states.push(StateEquation {
@@ -334,7 +334,7 @@ impl<'a> SystemCompiler<'a> {
             });
             for (row, a) in l.a.iter().enumerate() {
                 let b = l.b.get(row).map_or(&[][..], Vec::as_slice);
-                let linear = Rate::Linear(
+                let linear = StateRhs::Linear(
                     a.iter().enumerate().map(|(k, a)| (first + k, *a)).collect(),
                     b.iter()
                         .zip(&inputs)
@@ -344,7 +344,7 @@ impl<'a> SystemCompiler<'a> {
                 let active = l.header.active;
                 let rate = |held: bool| {
                     if held || !active {
-                        Rate::Held
+                        StateRhs::Held
                     } else {
                         linear.clone()
                     }
@@ -438,7 +438,7 @@ impl<'a> SystemCompiler<'a> {
         let mut unknowns = first_variable + order.implicit.len();
         let mut states = self.states;
         for state in &mut states {
-            if !matches!(state.rate, Rate::Held) {
+            if !matches!(state.rate, StateRhs::Held) {
                 state.unknown = Some(unknowns);
                 unknowns += 1;
             }

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::function::{Degree, RateAxis};
 use crate::model::{Model, PartKind};
 use crate::system::compiled_function::Source;
-use crate::system::structure::{ParameterSource, Rate};
+use crate::system::structure::{ParameterSource, StateRhs};
 use crate::system::{Name, System};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
@@ -173,9 +173,9 @@ fn unsteady_state(system: &System, state: usize, of_velocities: bool) -> Option<
                 return Some("a dynamic state that is given implicitly");
             }
             match &equation.moving {
-                Rate::Held => {}
-                Rate::Function(function) => functions.push(*function),
-                Rate::Linear(by_state, by_variable) => {
+                StateRhs::Held => {}
+                StateRhs::Function(function) => functions.push(*function),
+                StateRhs::Linear(by_state, by_variable) => {
                     states.extend(by_state.iter().map(|(k, _)| *k));
                     functions.extend(functions_of(system, by_variable));
                 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::SystemCompiler;
 use crate::system::compiled_function::Source;
 use crate::system::dependence::Reads;
-use crate::system::structure::{ParameterSource, Rate, Switch};
+use crate::system::structure::{ParameterSource, StateRhs, Switch};
 use admire_syntax::diagnostic::{Code, Diagnostic};
 
 /// Evaluation order of the functions.
@@ -112,11 +112,11 @@ impl SystemCompiler<'_> {
         }
         for rate in self.states.iter().flat_map(|s| [&s.rate, &s.moving]) {
             match rate {
-                Rate::Function(function) => roots.push(*function),
-                Rate::Linear(_, by_variable) => {
+                StateRhs::Function(function) => roots.push(*function),
+                StateRhs::Linear(_, by_variable) => {
                     roots.extend(by_variable.iter().filter_map(|(k, _)| reads.explicit(*k)));
                 }
-                Rate::Held => {}
+                StateRhs::Held => {}
             }
         }
         for (function, evaluate) in &self.sensors {
