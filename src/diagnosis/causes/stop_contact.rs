@@ -1,26 +1,26 @@
 //! `stop-contact`: a one-sided spring engages past a clearance along a joint or spring.
 
 use admire_solver::mechanics::Vec6;
-use admire_solver::model::JointKind;
+use admire_solver::model::{JointKind, MarkerIx};
 use admire_syntax::NewStatement;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, number,
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::survey::Survey;
+use crate::settings::START_CLEARANCES;
 
-/// First guesses of the clearance, as fractions of the displacement range. The fit then moves it.
-const GRID: [(f64, &str, &str); 4] = [
-    (0.25, "above 0.25", "below 0.25"),
-    (0.5, "above 0.50", "below 0.50"),
-    (0.7, "above 0.70", "below 0.70"),
-    (0.85, "above 0.85", "below 0.85"),
+/// Names of the first guesses of the clearance, from the lower and from the upper end of the displacement range.
+const FORMS: [(&str, &str); 4] = [
+    ("above 0.25", "below 0.25"),
+    ("above 0.50", "below 0.50"),
+    ("above 0.70", "below 0.70"),
+    ("above 0.85", "below 0.85"),
 ];
 
 /// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
-    let per_length = survey.newton() / survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(
             joint.kind,
@@ -37,15 +37,17 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let measure = survey.deflection_function((joint.i, joint.j), 2);
         let address = format!("JOINT/{}", joint.header.id);
         let text = |body: &str| survey.vector_force((joint.i, joint.j), &[(2, body)]);
-        stops(
-            &address,
-            ("GFORCE", "FZ"),
-            (joint.i, joint.j),
-            (&u, &directions),
-            &measure,
-            (&text, per_length),
-            out,
-        );
+        let travel = Travel {
+            address: &address,
+            kind: "GFORCE",
+            argument: "FZ",
+            pair: (joint.i, joint.j),
+            u: &u,
+            directions: &directions,
+            measure: &measure,
+            statements: &text,
+        };
+        stops(survey, &travel, out);
     }
     for spring in survey
         .model
@@ -82,32 +84,52 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         };
         let measure = format!("DM({i},{j})");
         let address = format!("SPRINGDAMPER/{}", spring.header.id);
-        let pair = (spring.i, spring.j);
-        stops(
-            &address,
-            ("SFORCE", "FUNCTION"),
-            pair,
-            (&u, &directions),
-            &measure,
-            (&text, per_length),
-            out,
-        );
+        let travel = Travel {
+            address: &address,
+            kind: "SFORCE",
+            argument: "FUNCTION",
+            pair: (spring.i, spring.j),
+            u: &u,
+            directions: &directions,
+            measure: &measure,
+            statements: &text,
+        };
+        stops(survey, &travel, out);
     }
 }
 
-/// Adds stops at both ends of a displacement `u`. A positive force acts along `directions`.
-fn stops(
-    address: &str,
-    (kind, argument): (&str, &str),
-    pair: (
-        admire_solver::model::MarkerIx,
-        admire_solver::model::MarkerIx,
-    ),
-    (u, directions): (&[f64], &[Vec6]),
-    measure: &str,
-    (statements, per_length): (&dyn Fn(&str) -> (u32, Vec<NewStatement>), f64),
-    out: &mut Vec<Hypothesis>,
-) {
+/// Travel of a sliding joint or a spring that a stop may limit.
+struct Travel<'a> {
+    /// Address of the joint or spring.
+    address: &'a str,
+    /// Statement of the added force.
+    kind: &'a str,
+    /// Argument of it that holds the function.
+    argument: &'a str,
+    pair: (MarkerIx, MarkerIx),
+    /// Displacement in each case.
+    u: &'a [f64],
+    /// Wrench of a unit force in each case.
+    directions: &'a [Vec6],
+    /// ADAMS function of the displacement.
+    measure: &'a str,
+    /// Id and statements of the force with a function.
+    statements: &'a dyn Fn(&str) -> (u32, Vec<NewStatement>),
+}
+
+/// Adds stops at both ends of a travel. A positive force acts along its directions.
+fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
+    let Travel {
+        address,
+        kind,
+        argument,
+        pair,
+        u,
+        directions,
+        measure,
+        statements,
+    } = *travel;
+    let per_length = survey.newton() / survey.millimetre();
     let (low, high) = u
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), u| {
@@ -128,7 +150,8 @@ fn stops(
             (last(1, 0), "in the lowest case", false),
         ]
     });
-    let grid = GRID.into_iter().flat_map(|(share, above, below)| {
+    let shares = START_CLEARANCES.into_iter().zip(FORMS);
+    let grid = shares.flat_map(|(share, (above, below))| {
         [
             (low + share * range, above, true),
             (high - share * range, below, false),
@@ -206,7 +229,7 @@ fn stops(
             one_sided: true,
             changes: added.into_iter().map(Change::Add).collect(),
             memory: None,
-            part: 0,
+            term: Term::Main,
             joint_with: None,
         });
     }
