@@ -110,11 +110,10 @@ pub use front::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 
 /// Contents of an [`Identification`]: the types of `identification.json`.
 pub mod fit {
-    pub use admire_identify::structure::LackOfFitTest;
     pub use admire_identify::{
-        BootstrapMade, CurveHeldOut, Fit, FitTest, HeldOut, Marks, NoiseFound, OffsetFit,
-        ParameterFit, PosteriorMade, ReadingsLeft, Repeated, Status, ToleranceFound,
-        UnidentifiableDirection, Verdict, WheelFit, Written,
+        BootstrapMade, ChiSquare, CurveHeldOut, Fit, FitTest, HeldOut, LackOfFitAspect,
+        LackOfFitTest, Marks, NoiseFound, OffsetFit, ParameterFit, PosteriorMade, ReadingsLeft,
+        Repeated, Status, ToleranceFound, UnidentifiableDirection, Verdict, WheelFit, Written,
     };
     pub use admire_solver::statics::{Balance, Left};
     pub use admire_solver::system::Name;

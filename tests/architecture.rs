@@ -75,7 +75,7 @@ const ROOMS: [(&str, &[&str]); 6] = [
         ],
     ),
     ("session", &["", "check", "backend"]),
-    ("identify", &["tolerance", ""]),
+    ("identify", &["settings", "priors", "tolerance", ""]),
     ("sweep", &["", "uncertainty"]),
     ("", &["front", "cli", "python"]),
 ];

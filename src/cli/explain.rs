@@ -170,12 +170,38 @@ fn page(word: &str) -> Result<String, String> {
     })
 }
 
+/// Columns of the names and the values of constants.
+const NAME_WIDTH: usize = 32;
+const VALUE_WIDTH: usize = 14;
+
 /// Priors and settings of identification, diagnosis and design, with their values.
 fn priors() -> String {
-    let sections: [(&str, &[Constant]); 1] = [(
-        "Causes of a diagnosis, settable in `[priors]` of study.toml",
-        CausePriors::TABLE,
-    )];
+    let sections: [(&str, &[Constant]); 6] = [
+        (
+            "Causes of a diagnosis, settable in `[priors]` of study.toml",
+            CausePriors::TABLE,
+        ),
+        (
+            "Sizes of tolerances and noise: prior medians",
+            admire_identify::priors::TABLE,
+        ),
+        (
+            "Further priors of the diagnosis",
+            admire_diagnosis::priors::TABLE,
+        ),
+        (
+            "Settings of the identification",
+            admire_identify::settings::TABLE,
+        ),
+        (
+            "Settings of the diagnosis",
+            admire_diagnosis::settings::TABLE,
+        ),
+        (
+            "Settings of the design of measurements",
+            admire_design::settings::TABLE,
+        ),
+    ];
     let mut out = String::new();
     for (k, (heading, table)) in sections.into_iter().enumerate() {
         line(
@@ -183,14 +209,23 @@ fn priors() -> String {
             &format!("{}{heading}:", if k == 0 { "" } else { "\n" }),
         );
         for constant in table {
-            let value = format!("{} {}", constant.value, constant.unit);
-            out.push_str(&hanging(
-                &format!("  {:32} {:14} ", constant.name, value.trim()),
-                constant.meaning.trim(),
-            ));
+            out.push_str(&of_constant(constant));
         }
     }
     out
+}
+
+/// A constant: its name and value in columns, and its meaning. A value that is too long for its column stands above the meaning.
+fn of_constant(constant: &Constant) -> String {
+    let name = format!("  {:NAME_WIDTH$} ", constant.name);
+    let value = format!("{} {}", constant.value, constant.unit);
+    let value = value.trim();
+    let meaning = constant.meaning.trim();
+    if value.len() <= VALUE_WIDTH && constant.name.len() <= NAME_WIDTH {
+        return hanging(&format!("{name}{value:VALUE_WIDTH$} "), meaning);
+    }
+    let blanks = " ".repeat(2 + NAME_WIDTH + 1 + VALUE_WIDTH + 1);
+    hanging(&name, value) + &hanging(&blanks, meaning)
 }
 
 /// Formats a row of a guide table: the term, the contents of each column, and the page with more information.
@@ -212,6 +247,29 @@ fn line(out: &mut String, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn constants_keep_to_the_width() {
+        let text = page("priors").unwrap();
+        for line in text.lines() {
+            assert!(
+                line.chars().count() <= 80 && line.trim_end() == line,
+                "{line}"
+            );
+        }
+        let place = |word: &str| text.find(word).unwrap_or_else(|| panic!("{word}\n{text}"));
+        let words = [
+            "  hardpoint_mm ",
+            "\n\nSizes of tolerances and noise: prior medians:\n",
+            "  HARDPOINT_MEDIAN_MM              0.2 mm ",
+            "\n\nFurther priors of the diagnosis:\n",
+            "[0.06, 0.15, 0.4, 1.0] of range\n",
+            "  HUBER_THRESHOLD_SIGMA ",
+            "  MINOR_MARKS_SIGMA ",
+            "  MAX_LOAD_CASES ",
+        ];
+        assert!(words.map(place).is_sorted(), "{text}");
+    }
 
     #[test]
     fn codes_have_their_page() {

@@ -1,28 +1,15 @@
 //! Candidate measurements.
 
+use crate::settings::{
+    ASSUMED_MARK_MM, ASSUMED_WHEEL_ANGLE_DEG, ASSUMED_WHEEL_POSITION_MM, LOAD_CELL_NOISE,
+    MAX_LOAD_CASES, MAX_LOAD_CELLS, MAX_MARK_POSITIONS, MAX_REPEATED_CASES,
+};
 use serde::Serialize;
 
 use admire_diagnosis::DiagnosisProblem;
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model, PartIx, PartKind};
-
-/// Factor on the largest load deviation of the study, for candidates beyond the range applied.
-pub(super) const BEYOND: f64 = 1.25;
-/// Maximum number of load cases considered.
-const MOST_LOADS: usize = 160;
-/// Maximum number of cases considered for repetition.
-const MOST_REPEATS: usize = 24;
-/// Maximum number of mark positions considered on a part.
-const MOST_PLACES: usize = 6;
-/// Maximum number of elements considered for a load cell.
-const MOST_CELLS: usize = 24;
-/// Assumed standard deviations of wheel readings that the study does not have: angle in degrees, position in mm.
-const USUAL: (f64, f64) = (0.01, 0.05);
-/// Assumed standard deviation of a mark coordinate in mm, where the study has no marks.
-const USUAL_MARK: f64 = 0.05;
-/// Standard deviation of a load cell, as a fraction of the largest force it measures.
-const OF_FULL_SCALE: f64 = 0.005;
 
 /// Kind of measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -109,7 +96,7 @@ impl Candidates {
         let moved: Vec<usize> = (0..usual.len()).filter(|load| far[*load] > 0.0).collect();
         let mut new = Self::default();
         let mut add = |sides: &[(usize, f64)], factor: f64| {
-            if new.list.len() == MOST_LOADS {
+            if new.list.len() == MAX_LOAD_CASES {
                 new.left_out += 1;
                 return;
             }
@@ -164,7 +151,7 @@ impl Candidates {
                 None => seen.push((&case.values, vec![&case.label])),
             }
         }
-        let step = seen.len().div_ceil(MOST_REPEATS).max(1);
+        let step = seen.len().div_ceil(MAX_REPEATED_CASES).max(1);
         for (values, labels) in seen.iter().step_by(step) {
             let what = match labels.len() {
                 1 => format!("case {} again", labels[0]),
@@ -215,7 +202,7 @@ impl Candidates {
                     places.push((marker.header.id, marker.qp));
                 }
             }
-            let step = places.len().div_ceil(MOST_PLACES).max(1);
+            let step = places.len().div_ceil(MAX_MARK_POSITIONS).max(1);
             for (id, place) in places.iter().step_by(step) {
                 let name = if part.header.name.is_empty() {
                     format!("PART/{}", part.header.id)
@@ -247,7 +234,7 @@ impl Candidates {
                 })
         };
         let mm = subject.millimetre();
-        let (angle, place) = (USUAL.0, USUAL.1 * mm);
+        let (angle, place) = (ASSUMED_WHEEL_ANGLE_DEG, ASSUMED_WHEEL_POSITION_MM * mm);
         let mut curves = [
             (4, ["toe", "steer"], "toe of the wheel".to_string(), angle),
             (
@@ -306,7 +293,7 @@ impl Candidates {
         let joints = joints.map(|j| (["JOINT", "JOINT"], &j.header, j.j));
         let all = bushings.chain(joints);
         let active = all.filter(|(_, header, _)| header.active);
-        for ([kind, function], header, frame) in active.take(MOST_CELLS) {
+        for ([kind, function], header, frame) in active.take(MAX_LOAD_CELLS) {
             let first = self.functions.len();
             let frame = model.markers[frame.0].header.id;
             for component in 2..=4 {
@@ -324,7 +311,7 @@ impl Candidates {
 
 /// Returns the standard deviation of a load cell that measures these forces.
 pub(super) fn sigma_of_a_cell(forces: impl Iterator<Item = f64>) -> f64 {
-    OF_FULL_SCALE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
+    LOAD_CELL_NOISE * forces.fold(0.0_f64, |most, force| most.max(force.abs()))
 }
 
 /// Returns the standard deviation of a coordinate of a new mark, in the deck's length unit.
@@ -332,7 +319,7 @@ pub(super) fn sigma_of_a_mark(subject: &DiagnosisProblem<'_>) -> f64 {
     if subject.compares_marks() {
         subject.sigma
     } else {
-        USUAL_MARK * subject.millimetre()
+        ASSUMED_MARK_MM * subject.millimetre()
     }
 }
 
@@ -399,7 +386,8 @@ pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> 
 
 #[cfg(test)]
 mod tests {
-    use super::{BEYOND, Candidates, Kind};
+    use super::{Candidates, Kind};
+    use crate::settings::BEYOND_RANGE_FACTOR;
     use admire_session::backend::{Load, LoadCase, LoadProgramme};
     use admire_syntax::text::Source;
     use admire_syntax::{Address, Dataset};
@@ -434,7 +422,7 @@ mod tests {
     #[test]
     fn loads_go_both_ways_from_where_they_usually_are() {
         let programme = programme(["vertical", "lateral"], &CASES);
-        let found = Candidates::loads(&programme, &[1.0, BEYOND]);
+        let found = Candidates::loads(&programme, &[1.0, BEYOND_RANGE_FACTOR]);
         let values: Vec<&[f64]> = found.list.iter().map(|c| &c.sequence()[0][..]).collect();
         let alone = [
             [7500.0, 0.0],
@@ -470,7 +458,7 @@ mod tests {
     fn angles_are_set_in_degrees() {
         let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);
         let programme = programme(["vertical", "steer_deg"], &radians);
-        let found = Candidates::loads(&programme, &[BEYOND]);
+        let found = Candidates::loads(&programme, &[BEYOND_RANGE_FACTOR]);
         assert_eq!(found.list[2].what, "steer_deg 50 (beyond)");
         let value = super::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
         assert_eq!(value, 50.0);

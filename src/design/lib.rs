@@ -16,6 +16,7 @@ mod next_measurement;
 mod plan;
 mod prospect;
 mod rivals;
+pub mod settings;
 mod wheel_place;
 
 pub use candidate::Kind;

@@ -6,10 +6,8 @@ use super::candidate::{Candidates, in_the_file};
 use super::information::Information;
 use super::prospect::Prospect;
 use super::rivals::separated;
+use crate::settings::SEPARATION_CHI_SQUARE;
 use admire_diagnosis::{DiagnosisProblem, FittedModel, Hypothesis, NextMeasurement, Outcome};
-
-/// Chi-square above which a load case is said to separate two explanations.
-const SEPARATED: f64 = 6.0;
 
 /// Proposes a measurement that separates a finding of the diagnosis from its rival, if there is one.
 pub fn propose(outcome: &mut Outcome<'_>) {
@@ -57,7 +55,7 @@ fn next_measurement(
     let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
     // Among equal candidates the first one wins.
     let (separated, at) = each.reduce(|best, next| if next.0 > best.0 { next } else { best })?;
-    let why = if separated > SEPARATED {
+    let why = if separated > SEPARATION_CHI_SQUARE {
         format!("separates {finding} from {rival} by a chi-square of about {separated:.1}")
     } else {
         format!(

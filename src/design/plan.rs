@@ -9,23 +9,18 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::candidate::{BEYOND, Candidate, Candidates, Kind, in_the_file};
+use super::candidate::{Candidate, Candidates, Kind, in_the_file};
 use super::information::{Information, ln_det};
 use super::prospect::{Prospect, Readings};
 use super::rivals::{Rivals, Separation, separated};
+use crate::settings::{BEYOND_RANGE_FACTOR, MAX_WHEEL_CASES, WORST_COMBINATIONS};
 use admire_diagnosis::{
     CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, as_it_is,
     cause_limits, detection_limits, seek,
 };
+use admire_identify::settings::NAMED_COMPONENT;
 use admire_identify::{IdentifyError, Problem};
 use admire_solver::mechanics::eigen::symmetric_eigen;
-
-/// Number of worst-determined combinations of stiffnesses considered.
-const WORST: usize = 3;
-/// Smallest component of a combination that appears in its name.
-const SHARE: f64 = 0.15;
-/// Maximum number of cases at which the wheel is predicted.
-const MOST_CASES: usize = 40;
 
 /// Purpose of the planned measurement.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -169,7 +164,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
-    let mut candidates = Candidates::loads(programme, &[1.0, BEYOND]);
+    let mut candidates = Candidates::loads(programme, &[1.0, BEYOND_RANGE_FACTOR]);
     candidates.repeats(programme);
     if rivals.as_ref().is_some_and(Rivals::remember) {
         candidates.loops(programme);
@@ -213,7 +208,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
         }),
         detection_limits: of_points,
         cause_limits: of_causes,
-        beyond: BEYOND,
+        beyond: BEYOND_RANGE_FACTOR,
         not_possible,
         left_out: candidates.left_out,
         candidates: ranked.into_iter().map(|(_, found)| found).collect(),
@@ -281,7 +276,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
         let prospect = Prospect::new(subject, fitted, candidates)?;
         let count = subject.problem.unknowns.len();
         let cases: Vec<usize> = (0..subject.problem.measurement.cases.len()).collect();
-        let step = cases.len().div_ceil(MOST_CASES).max(1);
+        let step = cases.len().div_ceil(MAX_WHEEL_CASES).max(1);
         let cases: Vec<usize> = cases.into_iter().step_by(step).collect();
         let wheel = prospect.wheel(&cases);
         let predicted = wheel.as_ref().map_or(0, |(_, rows)| rows.nrows());
@@ -410,12 +405,12 @@ fn combinations(subject: &DiagnosisProblem<'_>, covariance: &DMatrix<f64>) -> Ve
         let named = subject.problem.unknowns.iter().zip(&vector);
         Combination {
             combination: named
-                .filter(|(_, share)| share.abs() >= SHARE)
+                .filter(|(_, share)| share.abs() >= NAMED_COMPONENT)
                 .map(|(unknown, share)| (unknown.address.to_string(), *share))
                 .collect(),
             sd_log: eigen.eigenvalues[k].max(0.0).sqrt(),
             vector,
         }
     };
-    order.into_iter().take(WORST).map(of).collect()
+    order.into_iter().take(WORST_COMBINATIONS).map(of).collect()
 }

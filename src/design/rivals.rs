@@ -7,10 +7,8 @@ use serde::Serialize;
 
 use super::information::Information;
 use super::prospect::Readings;
+use crate::settings::RIVAL_MIN_PROBABILITY;
 use admire_diagnosis::{FittedModel, Found, Hypothesis, Visited};
-
-/// Probability of a second model, given that it or the leading model is true, below which it does not count as a rival.
-const UNDECIDED: f64 = 0.01;
 
 /// Leading model and its most probable rival.
 #[derive(Clone, Debug)]
@@ -53,7 +51,7 @@ impl Rivals {
                 names.join(" and ")
             }
         });
-        (q / (p + q) > UNDECIDED).then_some(Self {
+        (q / (p + q) > RIVAL_MIN_PROBABILITY).then_some(Self {
             fits: [own, other],
             names,
             probability: [p, q],

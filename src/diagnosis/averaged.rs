@@ -5,13 +5,9 @@ use nalgebra::DVector;
 use super::diagnosis::Parameter;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::visited::Visited;
+use crate::settings::{AVERAGED_MIN_PROBABILITY, ONE_SIDED_HALF_WIDTH};
 use admire_identify::Status;
-use admire_identify::global::UNIDENTIFIABLE;
-
-/// Quantile of the standard normal distribution for a two-sided 95 percent interval.
-const Z95: f64 = 1.959_963_985;
-/// Relative half width above which only the upper bound of an interval is stated.
-const WIDE: f64 = 0.8;
+use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 
 /// Returns the mean and variance of each stiffness over the mixture of fitted models. The mean and variance are taken in logarithms. The
 /// interval is symmetric in the stiffness itself, where the posterior of a poorly determined stiffness is closer to a Gaussian.
@@ -33,7 +29,7 @@ pub(super) fn model_averaged_parameters(
         let kept: Vec<usize> = (0..model.x.len())
             .filter(|k| model.is_of_the_model(*k))
             .collect();
-        let without = if probability / sum > 0.01 {
+        let without = if probability / sum > AVERAGED_MIN_PROBABILITY {
             model.posterior.without(&kept)
         } else {
             Vec::new()
@@ -50,8 +46,8 @@ pub(super) fn model_averaged_parameters(
         .map(|(k, unknown)| {
             let sd = (square[k] - mean[k] * mean[k]).max(0.0).sqrt();
             let value: f64 = libm::exp(mean[k]);
-            let half = Z95 * sd;
-            let low = (half < WIDE).then_some(value * (1.0 - half));
+            let half = NORMAL_QUANTILE_975 * sd;
+            let low = (half < ONE_SIDED_HALF_WIDTH).then_some(value * (1.0 - half));
             Parameter {
                 address: unknown.address.to_string(),
                 unit: unknown.unit.clone(),
@@ -64,7 +60,7 @@ pub(super) fn model_averaged_parameters(
                 } else {
                     0.0
                 },
-                status: if sd > UNIDENTIFIABLE {
+                status: if sd > UNIDENTIFIABLE_LN_SD {
                     Status::Unidentifiable
                 } else {
                     Status::Identified

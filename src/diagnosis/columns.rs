@@ -236,7 +236,7 @@ mod tests {
     use crate::causes::{bushing_coupling, dry_friction};
     use crate::diagnosis_problem::{Data, DiagnosisProblem};
     use crate::fit::{FittedModel, fit, with_zero_guesses};
-    use crate::hypothesis::{BY_DIRECTION, Hypothesis};
+    use crate::hypothesis::{Hypothesis, Term};
     use crate::scan::Catalogue;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
@@ -245,8 +245,8 @@ mod tests {
         let at = fitted.effects.len() - 1;
         let own = &fitted.effects[at];
         let survey = Survey::new(subject, fitted);
-        let here = match own.part {
-            BY_DIRECTION => own.clone(),
+        let here = match own.term {
+            Term::Asymmetry => own.clone(),
             _ => bushing_coupling::growth(&survey, own).expect("it is deflected"),
         };
         let columns = survey.columns(&here.numbers.iter().collect::<Vec<_>>());

@@ -22,19 +22,11 @@ use super::jackknife::{Squares, rms_reduction};
 use super::progress::Progress;
 use super::sought::Begun;
 use super::visited::Visited;
+use crate::settings::{
+    AT_REST_TOLERANCE, CV_BLOCKS, CV_MAX_GROUPS, CV_MIN_CASES, UNEVEN_GAIN_RATIO,
+};
 use admire_identify::global::Row;
 use admire_session::backend::LoadCase;
-
-/// Maximum number of groups. The smallest are merged beyond it.
-const MOST: usize = 6;
-/// Number of blocks into which the cases are cut if they form a single group.
-const BLOCKS: usize = 4;
-/// Minimum number of cases for a cross-validation.
-const LEAST: usize = 4;
-/// Distance from the usual value of a load, as a fraction of its range, within which the load counts as usual.
-const USUAL: f64 = 1e-3;
-/// Spread of the gains of groups, relative to the overall gain, above which the gain is said to depend on the cases.
-const APART: f64 = 1.5;
 
 /// Gain in the prediction of one group from the others.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -76,7 +68,7 @@ impl CrossValidation {
         let least = self.groups.iter().min_by(by_gain)?;
         let most = self.groups.iter().max_by(by_gain)?;
         let apart = gain(&most) - gain(&least);
-        (self.gain > 0.0 && apart > APART * self.gain).then_some([least, most])
+        (self.gain > 0.0 && apart > UNEVEN_GAIN_RATIO * self.gain).then_some([least, most])
     }
 }
 
@@ -84,7 +76,7 @@ impl CrossValidation {
 /// application. Cases at the usual loads join the group applied before them. A single group is cut into blocks of neighbours. Empty with too
 /// few cases.
 pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
-    if cases.len() < LEAST {
+    if cases.len() < CV_MIN_CASES {
         return Vec::new();
     }
     let loads = cases.first().map_or(0, |case| case.values.len());
@@ -93,7 +85,10 @@ pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
             let mut values: Vec<f64> = cases.iter().map(|case| case.values[k]).collect();
             values.sort_by(f64::total_cmp);
             let range = values[values.len() - 1] - values[0];
-            (most_frequent(&values, USUAL * range), USUAL * range)
+            (
+                most_frequent(&values, AT_REST_TOLERANCE * range),
+                AT_REST_TOLERANCE * range,
+            )
         })
         .collect();
     let signature = |case: &LoadCase| -> Vec<i8> {
@@ -128,11 +123,11 @@ pub(super) fn groups(cases: &[LoadCase]) -> Vec<Vec<usize>> {
     }
     let mut groups: Vec<Vec<usize>> = found.into_iter().map(|(_, cases)| cases).collect();
     if groups.len() < 2 {
-        let size = cases.len().div_ceil(BLOCKS);
+        let size = cases.len().div_ceil(CV_BLOCKS);
         let all: Vec<usize> = (0..cases.len()).collect();
         return all.chunks(size).map(<[usize]>::to_vec).collect();
     }
-    while groups.len() > MOST {
+    while groups.len() > CV_MAX_GROUPS {
         groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
         let smallest = groups.pop().unwrap_or_default();
         if let Some(next) = groups.last_mut() {

@@ -14,19 +14,17 @@ use super::frame::motions;
 use super::gain_check::GainCheck;
 use super::hold_out::HoldOutSelection;
 use super::hypothesis::Hypothesis;
+use super::lack_of_fit::{is_significant, is_structured, lack_of_fit_tests, least};
 use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
 use super::remainder::{predicted, remainder};
 use super::searched::Searched;
 use super::sought::{Sought, none_of_these};
 use super::stiffness::{CorrectedStiffness, corrected};
-use super::structure::{StructureTest, is_significant, is_structured, least, structure};
+use crate::settings::{HELD_OUT_LEVEL, HOLD_OUT_PERIOD};
 use admire_identify::tolerance::{EffectGroup, NoiseScale};
-use admire_identify::{IdentifyError, Problem};
+use admire_identify::{IdentifyError, LackOfFitTest, Problem};
 use admire_study::{Measurement, Study};
-
-/// P-value of the held-out readings under the extended model below which its causes are not trusted.
-const SURPRISED: f64 = 0.002;
 
 /// Diagnosis with the fits behind it.
 #[derive(Debug)]
@@ -42,7 +40,7 @@ pub struct Outcome<'a> {
     /// Prediction of the extended model as exported, without random effects.
     pub plain: DeckOnlyPrediction,
     /// Tests of structure in the residuals of the original and of the extended model.
-    pub structure: [Vec<StructureTest>; 2],
+    pub structure: [Vec<LackOfFitTest>; 2],
     /// Predictions of the held-out cases by models fitted without them. `None` without such cases or without findings.
     pub unseen: Option<HoldOutSelection>,
     /// Stiffnesses of the original and of the extended model.
@@ -77,7 +75,9 @@ pub struct Rival {
 pub fn held_out(study: &Study, measurement: &Measurement) -> Vec<bool> {
     match study.hold_out {
         Some(_) => measurement.cases.iter().map(|case| case.held_out).collect(),
-        None => (0..measurement.cases.len()).map(|k| k % 4 == 3).collect(),
+        None => (0..measurement.cases.len())
+            .map(|k| k % HOLD_OUT_PERIOD == HOLD_OUT_PERIOD - 1)
+            .collect(),
     }
 }
 
@@ -124,7 +124,7 @@ pub fn diagnose_watched<'a>(
     let before = if Arc::ptr_eq(&none, &leading) {
         tested.clone()
     } else {
-        structure(&subject, &none)
+        lack_of_fit_tests(&subject, &none)
     };
     let structures = [before, tested];
     let test = |fitted: &FittedModel| Blind::new(&subject, fitted)?.test(&subject, fitted);
@@ -356,7 +356,7 @@ pub(super) fn tolerances(
     out
 }
 
-fn unexplained(after: &[StructureTest]) -> Unexplained {
+fn unexplained(after: &[LackOfFitTest]) -> Unexplained {
     let worst = least(after);
     let significant = after
         .iter()
@@ -373,7 +373,7 @@ fn unexplained(after: &[StructureTest]) -> Unexplained {
 
 /// Adds the held-out cases to the unexplained structure if the extended model does not predict them to within their noise.
 fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained) {
-    if test.p_value < SURPRISED {
+    if test.p_value < HELD_OUT_LEVEL {
         unexplained.structured = true;
         unexplained.p_value = unexplained.p_value.min(test.p_value);
         unexplained.places.push(format!(

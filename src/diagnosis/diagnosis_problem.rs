@@ -3,8 +3,12 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::DVector;
 
 use super::progress::Progress;
+use crate::settings::{FAR_MARK_SIGMA, FEW_FAR_MARKS};
 use admire_identify::Problem;
 use admire_identify::global::{NuisanceLayout, Numbers, Observations, Predictor, Prepared, Row};
+use admire_identify::settings::{
+    HEAVY_TAILS_NATS, HUBER_THRESHOLD_SIGMA, POSSIBLE_HEAVY_TAILS_NATS,
+};
 use admire_identify::tolerance::{
     EffectGroup, LayerOf, MarkBlock, MarkNoise, NoiseScale, RandomEffects, Size, Tails,
     VarianceComponents, Whitening, mad_sigma,
@@ -13,13 +17,6 @@ use admire_solver::mechanics::Vec3;
 use admire_study::settings::Loss;
 use admire_study::{Measurement, PriorSetting, ToleranceSettings};
 use admire_syntax::Address;
-
-/// Residual in standard deviations beyond which Huber's loss lowers the precision of a reading.
-const HUBER: f64 = 1.345;
-/// Residual in standard deviations beyond which a mark coordinate counts as far from the fit.
-const FAR: f64 = 4.0;
-/// Fraction of the mark coordinates below which far readings count as few.
-const FEW: f64 = 0.03;
 
 /// Study under diagnosis: readings, their noise model, and the random effects of axle and rig.
 #[derive(Clone, Debug)]
@@ -132,7 +129,7 @@ impl<'a> DiagnosisProblem<'a> {
     /// heavy tails or Huber's loss lower the precision of far readings.
     pub fn set_row_weights(&mut self, misfit: Option<&DVector<f64>>) {
         let least = if self.noise.has_tails() {
-            Tails::BETTER
+            HEAVY_TAILS_NATS
         } else {
             f64::INFINITY
         };
@@ -165,14 +162,22 @@ impl<'a> DiagnosisProblem<'a> {
             }
             if !matches!(row, Row::Mark { .. }) {
                 let r = misfit.map_or(0.0, |misfit| misfit[at].abs());
-                return if huber && r > HUBER { HUBER / r } else { 1.0 };
+                return if huber && r > HUBER_THRESHOLD_SIGMA {
+                    HUBER_THRESHOLD_SIGMA / r
+                } else {
+                    1.0
+                };
             }
             let own = relative * relative;
             match (misfit, self.tails) {
                 (Some(misfit), Some(tails)) => tails.precision(misfit[at]),
                 (Some(misfit), None) if huber => {
                     let r = misfit[at].abs() * relative;
-                    own * if r > HUBER { HUBER / r } else { 1.0 }
+                    own * if r > HUBER_THRESHOLD_SIGMA {
+                        HUBER_THRESHOLD_SIGMA / r
+                    } else {
+                        1.0
+                    }
                 }
                 _ => own,
             }
@@ -209,7 +214,14 @@ impl<'a> DiagnosisProblem<'a> {
             return None;
         }
         let mut tailed = self.clone();
-        tailed.weigh_by(Some(misfit), if far { Tails::HINT } else { Tails::BETTER });
+        tailed.weigh_by(
+            Some(misfit),
+            if far {
+                POSSIBLE_HEAVY_TAILS_NATS
+            } else {
+                HEAVY_TAILS_NATS
+            },
+        );
         tailed.tails.is_some().then_some(tailed)
     }
 
@@ -223,11 +235,11 @@ impl<'a> DiagnosisProblem<'a> {
         let (mut all, mut far) = (0.0, 0.0);
         for (_, r) in used {
             all += 1.0;
-            if r.abs() > FAR * sigma {
+            if r.abs() > FAR_MARK_SIGMA * sigma {
                 far += 1.0;
             }
         }
-        far > 0.0 && far < FEW * all
+        far > 0.0 && far < FEW_FAR_MARKS * all
     }
 
     /// Returns true if the readings reject the declared noise of the marks.

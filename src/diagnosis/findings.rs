@@ -9,22 +9,15 @@ use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::{Estimate, FittedModel};
 use super::folds::{Blind, HeldOutTest, moved};
-use super::hypothesis::{BY_DIRECTION, Hypothesis};
+use super::hypothesis::{Hypothesis, Term};
 use super::remainder::is_at_element_of;
 use super::sought::{NAMED, none_of_these, of_place, probability};
 use super::visited::{Found, Visited};
+use crate::settings::{
+    CV_RANDOM_EFFECT_TOLERANCE_NATS, CV_TOLERANCE_NATS, MINOR_MARKS_SIGMA, MINOR_WHEEL_DEG,
+    RIVAL_WINDOW_TWO_NATS,
+};
 use admire_study::orientation::chi_square_p_value;
-
-/// Rms change of the marks by a finding, in units of their noise, from which the finding matters.
-const MATTERS_MARKS: f64 = 0.2;
-/// Change of the wheel angles by a finding, in degrees, from which the finding matters.
-const MATTERS_WHEEL_DEG: f64 = 0.01;
-/// Loss of cross-validated log predictive density, in nats, above which a cause is not listed. The first value covers the error of the
-/// comparison. The second applies to a freed random effect: without the cause its tolerance group absorbs it, with almost the same
-/// predictions.
-const CV_TOLERANCE_NATS: (f64, f64) = (0.5, 3.0);
-/// Largest deficit of a rival, in twice the log posterior odds.
-const RIVAL: f64 = 6.0;
 
 /// Returns a fitted model with another cause in place of one finding, and that cause.
 pub(super) fn rival_fit(
@@ -74,7 +67,7 @@ pub(super) fn findings(
             let known = rivals
                 .iter()
                 .any(|r| (r.cause, r.address.as_str()) == (rival.cause, rival.address.as_str()));
-            if behind <= RIVAL && !known {
+            if behind <= RIVAL_WINDOW_TWO_NATS && !known {
                 let is_rival = |h: &Hypothesis| is_at(h, rival.cause, &rival.address);
                 rivals.push(Indistinguishable {
                     cause: rival.cause,
@@ -102,15 +95,17 @@ pub(super) fn findings(
         let mut numbers = leading.estimates(k);
         let further = leading.effects.iter().enumerate();
         let mut left = None;
-        for (at, other) in further.filter(|(_, other)| other.part > 0 && other.same_site(h)) {
+        for (at, other) in
+            further.filter(|(_, other)| other.term > Term::Main && other.same_site(h))
+        {
             let own = leading.estimates(at).into_iter();
             if other.is_left_by_law() {
                 left = Some(own.map(|n| n.value * n.value).sum::<f64>().sqrt());
                 continue;
             }
-            let named = |name: String| match other.part {
-                BY_DIRECTION => name,
-                part => format!("{name}_{}", part + 1),
+            let named = |name: String| match other.term {
+                Term::Further(index) => format!("{name}_{}", index + 1),
+                _ => name,
             };
             numbers.extend(own.map(|n| Estimate {
                 name: named(n.name),
@@ -135,7 +130,7 @@ pub(super) fn findings(
                 .map(|n| (n.name.clone(), n.std_error))
                 .collect(),
             minor: moves
-                .is_some_and(|(marks, wheel)| marks < MATTERS_MARKS && wheel < MATTERS_WHEEL_DEG),
+                .is_some_and(|(marks, wheel)| marks < MINOR_MARKS_SIGMA && wheel < MINOR_WHEEL_DEG),
             evidence: Evidence {
                 statistic: "evidence",
                 value: evidence,
@@ -162,7 +157,7 @@ pub(super) fn findings(
     let faults = leading.effects.iter().filter(|h| of_a_case(h)).count();
     let is_told = |k: &usize| {
         let h = &leading.effects[*k];
-        h.part == 0
+        h.term == Term::Main
             && stands_in.is_none_or(|force| {
                 h.is_in_catalogue()
                     && !(faults > 1 && of_a_case(h))
@@ -174,9 +169,9 @@ pub(super) fn findings(
     // A cause that worsens the prediction of other cases is not a finding.
     let predicts = |(finding, k): &(Finding, usize)| {
         let worse = if leading.effects[*k].is_slab() {
-            CV_TOLERANCE_NATS.1
+            CV_RANDOM_EFFECT_TOLERANCE_NATS
         } else {
-            CV_TOLERANCE_NATS.0
+            CV_TOLERANCE_NATS
         };
         let nats = finding.gain.cross_validated_nats;
         finding.group_probability > NAMED && nats.is_none_or(|nats| nats > -worse)

@@ -9,9 +9,10 @@ use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::hypothesis::{Hypothesis, Parametrisation};
+use super::hypothesis::{Hypothesis, Parametrisation, Term};
 use super::settle::{End, Settled, Sweep};
 use super::unknowns::{Known, Unknowns};
+use crate::settings::{CONVERGED_NATS, MAX_FIT_ITERATIONS, WRONG_MINIMUM_RMS_SIGMA};
 use admire_identify::global::{
     FitUnknowns, HysteresisState, NativePredictor, NuisanceLayout, Observations, Predictor,
 };
@@ -20,15 +21,6 @@ use admire_identify::tolerance::{
 };
 use admire_identify::{Problem, tolerance};
 use admire_solver::system::{Parameters, State};
-
-/// Maximum number of Gauss-Newton steps of a fit.
-const STEPS: usize = 16;
-/// Ratio of rms residual to declared noise above which a stiffness-only fit may be in a wrong minimum. Growing variance components would hide
-/// such a minimum.
-const MISSED: f64 = 1.3;
-
-/// Predicted decrease in nats below which a fit counts as converged.
-const SETTLED: f64 = 1.0;
 
 /// Model linearised at the end of its fit, with the posterior there.
 #[derive(Clone, Debug)]
@@ -113,7 +105,7 @@ impl FittedModel {
 
     /// Returns false for a fit that stopped early, far from the optimum of its linear model.
     pub fn is_converged(&self) -> bool {
-        self.posterior.gain < SETTLED
+        self.posterior.gain < CONVERGED_NATS
     }
 
     /// Returns the estimates of all parameters of a chosen effect.
@@ -163,8 +155,8 @@ impl FittedModel {
                 Parametrisation::Compliance(_)
             )
             && self.x[at]
-                < match hypothesis.part {
-                    0 if hypothesis.cause != Cause::FreePlay => {
+                < match hypothesis.term {
+                    Term::Main if hypothesis.cause != Cause::FreePlay => {
                         -2.0 * self.posterior.covariance[(at, at)].max(0.0).sqrt()
                     }
                     _ => 0.0,
@@ -443,7 +435,8 @@ pub(super) fn fit_with_early_stopping(
         };
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
         let is_free = parent.is_some();
-        let end = start.and_then(|start| sweep.settle(start, &first, (STEPS, aim), is_free));
+        let end =
+            start.and_then(|start| sweep.settle(start, &first, (MAX_FIT_ITERATIONS, aim), is_free));
         subject.count_sweeps(sweep.predictor.sweeps());
         (sweep, end)
     } else {
@@ -454,11 +447,16 @@ pub(super) fn fit_with_early_stopping(
             if alone {
                 sweep.stiffnesses_alone(&mut x);
             }
-            let steps = if alone { STEPS } else { 2 * STEPS };
+            let steps = if alone {
+                MAX_FIT_ITERATIONS
+            } else {
+                2 * MAX_FIT_ITERATIONS
+            };
             let start = sweep.at(x);
             let missed = start.as_ref().is_none_or(|start| {
                 let residual = &start.residual;
-                residual.norm_squared() > MISSED * MISSED * residual.len() as f64
+                residual.norm_squared()
+                    > WRONG_MINIMUM_RMS_SIGMA * WRONG_MINIMUM_RMS_SIGMA * residual.len() as f64
             });
             let end = start.and_then(|start| sweep.settle(start, sizes, (steps, aim), alone));
             subject.count_sweeps(sweep.predictor.sweeps());

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::diagnosis_problem::DiagnosisProblem;
+use crate::settings::FRAME_DRIFT_FUNCTIONS;
 use admire_identify::global::gauss_newton::LeastSquares;
 use admire_identify::global::{Observations, Prepared, Row, fit_unknowns, global_problem};
 use admire_identify::tolerance::EffectGroup;
@@ -111,12 +112,12 @@ pub fn motions(subject: &DiagnosisProblem<'_>, further: &[&[f64]]) -> Vec<Motion
             if case < count {
                 drifts(case, count)
             } else {
-                [0.0; DRIFTS]
+                [0.0; FRAME_DRIFT_FUNCTIONS]
             }
         };
-        let all: Vec<[f64; DRIFTS]> = (0..count + further.len()).map(of).collect();
+        let all: Vec<[f64; FRAME_DRIFT_FUNCTIONS]> = (0..count + further.len()).map(of).collect();
         let one = |k: usize| all.iter().map(|of| of[k]).collect();
-        out.extend((0..DRIFTS).map(|k| (EffectGroup::FrameDrifts, one(k))));
+        out.extend((0..FRAME_DRIFT_FUNCTIONS).map(|k| (EffectGroup::FrameDrifts, one(k))));
     }
     if has(EffectGroup::MountYield) {
         for (load, largest) in varying(programme) {
@@ -144,12 +145,9 @@ pub(super) fn varying(programme: &LoadProgramme) -> Vec<(usize, f64)> {
     (0..programme.loads.len()).filter_map(of).collect()
 }
 
-/// Number of Karhunen-Loeve functions that represent a drift of the frame from case to case.
-const DRIFTS: usize = 6;
-
 /// Returns the leading Karhunen-Loeve functions of a random walk with unit step variance over `count` cases, evaluated in case `of`. They are
 /// `sqrt(2 n) sin(w t / n) / w` with `w = (k - 1/2) pi`.
-fn drifts(of: usize, count: usize) -> [f64; DRIFTS] {
+fn drifts(of: usize, count: usize) -> [f64; FRAME_DRIFT_FUNCTIONS] {
     let n = count as f64;
     std::array::from_fn(|k| {
         let w = (k as f64 + 0.5) * PI;

@@ -2,24 +2,14 @@
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2 and 5.
 
+use crate::priors::{GP_FORCE_SIZES, GP_LENGTH_SCALES, GP_MISFIT_LENGTH_SCALES};
+use crate::settings::{GP_FACTOR_TOLERANCE, GP_ROUND_OFF};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
-/// Length scales of a smooth covariance, as fractions of the range of the coordinate.
-const LENGTHS: [f64; 4] = [0.06, 0.15, 0.4, 1.0];
-/// Length scales of the misfit of a law, as fractions of the range of the coordinate. Such a force jumps where the motion reverses. The first
-/// value makes the cases practically independent.
-const SHORT_LENGTHS: [f64; 4] = [1e-3, 0.02, 0.06, 0.15];
-/// Standard deviations of the force, as fractions of the typical force at the site. The typical force is the largest force in the bushing
-/// component, or for a joint the largest in any bushing.
-const SIZES: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 1.0];
 /// Number of combinations of length scale and standard deviation.
-pub(super) const LAWS: usize = LENGTHS.len() * SIZES.len();
-/// Relative eigenvalue of the covariance below which a direction is left out.
-const LEAST: f64 = 1e-6;
-/// Tolerance of the low-rank covariance factor, for a diagonal of ones.
-const NONE_LEFT: f64 = 1e-9;
+pub(super) const GRID_SIZE: usize = GP_LENGTH_SCALES.len() * GP_FORCE_SIZES.len();
 
 /// Range of the correlation of a Gaussian-process force along its coordinate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -65,8 +55,8 @@ impl Law {
         }
         let mut out: Option<Self> = None;
         let lengths = match reach {
-            Reach::Smooth => LENGTHS,
-            Reach::Short => SHORT_LENGTHS,
+            Reach::Smooth => GP_LENGTH_SCALES,
+            Reach::Short => GP_MISFIT_LENGTH_SCALES,
         };
         for length in lengths {
             let alike = |a: usize, b: usize| {
@@ -78,7 +68,7 @@ impl Law {
                 root = off_a_line(coordinate, (low, range), root);
             }
             let eigen = symmetric_eigen(root.transpose() * &root);
-            let least = LEAST * eigen.eigenvalues.max();
+            let least = GP_ROUND_OFF * eigen.eigenvalues.max();
             let kept: Vec<usize> = (0..root.ncols())
                 .filter(|k| eigen.eigenvalues[*k] > least)
                 .collect();
@@ -86,7 +76,7 @@ impl Law {
             let transposed = root.transpose();
             let (M, g) = (&transposed * (information * &root), &transposed * gradient);
             let mut best: Option<(f64, f64, DVector<f64>, Cholesky<f64, Dyn>)> = None;
-            for size in SIZES {
+            for size in GP_FORCE_SIZES {
                 let s = size * force;
                 let Some(factor) =
                     Cholesky::new(&M * (s * s) + DMatrix::identity(kept.len(), kept.len()))
@@ -129,7 +119,7 @@ fn root_of(n: usize, covariance: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
     let mut columns: Vec<DVector<f64>> = Vec::new();
     while columns.len() < n {
         let pivot = (0..n).fold(0, |most, k| if left[k] > left[most] { k } else { most });
-        if left[pivot] <= NONE_LEFT {
+        if left[pivot] <= GP_FACTOR_TOLERANCE {
             break;
         }
         let mut column = DVector::from_fn(n, |row, _| covariance(row, pivot));

@@ -1,6 +1,8 @@
 //! Candidate effect as data: the cause and its site, its first-order effect on the readings, and its parametrisation in a fit.
 
 use super::cause::Cause;
+use crate::priors::PROGRESSIVE_IN_OTHER_AXIS;
+use crate::settings::ABSENT_COMPLIANCE;
 use admire_identify::global::{Evolution, Row};
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::MarkerIx;
@@ -113,24 +115,25 @@ pub struct Hypothesis {
     pub changes: Vec<Change>,
     /// History variable carried from case to case.
     pub memory: Option<MemoryPlan>,
-    /// Index of the term in the law of the cause. Zero is the main term; higher indices are further terms, reported together with the main
-    /// term. [`BY_DIRECTION`] is a friction limit that differs by direction. [`LEFT_BY_LAW`] is the misfit of the law.
-    pub part: usize,
+    /// Term of the law of the cause.
+    pub term: Term,
     /// Further term that enters the model together with the main term. Its parameters and changes are the last in this candidate; a fit
     /// separates the two.
     pub joint_with: Option<Box<Hypothesis>>,
 }
 
-/// Fraction of its prior standard deviation up to which a compliance counts as absent.
-const ABSENT: f64 = 1e-3;
-
-/// Prior probability of a progressive law in one translation of a bushing, given a progressive law in another translation of it.
-const PROGRESSIVE_IN_OTHER_AXIS: f64 = 0.15;
-
-/// Term index of the dependence of a friction limit on the direction.
-pub(super) const BY_DIRECTION: usize = usize::MAX - 1;
-/// Term index of the misfit of a law: a force at its site that differs from case to case.
-pub(super) const LEFT_BY_LAW: usize = usize::MAX;
+/// Term of the law of a cause. Terms other than the main term are reported together with it. Later terms are larger.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Term {
+    /// Main term, a cause of its own.
+    Main,
+    /// Further term of the same law, counted from 1: a further slider of a friction, or the growth of a coupling.
+    Further(usize),
+    /// Dependence of a friction limit on the direction.
+    Asymmetry,
+    /// Misfit of the law: a force at its site that differs from case to case.
+    LawMisfit,
+}
 
 /// History variable of a contact or of flowing rubber, and the function that measures its displacement.
 #[derive(Clone, PartialEq, Debug)]
@@ -171,7 +174,7 @@ impl Hypothesis {
             one_sided: false,
             changes: Vec::new(),
             memory: None,
-            part: 0,
+            term: Term::Main,
             joint_with: None,
         }
     }
@@ -221,17 +224,17 @@ impl Hypothesis {
 
     /// Selects the main terms, which are causes of their own.
     pub fn causes(all: &[Self]) -> impl DoubleEndedIterator<Item = &Self> {
-        all.iter().filter(|h| h.part == 0)
+        all.iter().filter(|h| h.term == Term::Main)
     }
 
     /// Returns true if `all` contains a higher term of the same law.
     pub fn is_refined(&self, all: &[Self]) -> bool {
-        all.iter().any(|h| h.part > self.part && h.same_site(self))
+        all.iter().any(|h| h.term > self.term && h.same_site(self))
     }
 
     /// Returns true if this term is the misfit of a law.
     pub fn is_left_by_law(&self) -> bool {
-        self.part == LEFT_BY_LAW
+        self.term == Term::LawMisfit
     }
 
     /// Returns true if both have the same cause and the same site, in any form.
@@ -263,13 +266,13 @@ impl Hypothesis {
 
     /// Returns true for a force law that is known in kind but not in shape.
     pub fn is_poorly_linearised(&self) -> bool {
-        self.cause.has_rough_law() && self.part != BY_DIRECTION
+        self.cause.has_rough_law() && self.term != Term::Asymmetry
     }
 
     /// Returns true if both are the same term of the same cause at the same site, in any form. Both or neither must include a further term.
     pub fn same_term(&self, other: &Self) -> bool {
         self.same_site(other)
-            && self.part == other.part
+            && self.term == other.term
             && self.joint_with.is_some() == other.joint_with.is_some()
     }
 
@@ -301,7 +304,7 @@ impl Hypothesis {
     pub fn same_form(&self, other: &Self) -> bool {
         self.same_site(other)
             && self.form == other.form
-            && self.part == other.part
+            && self.term == other.term
             && self.numbers.len() == other.numbers.len()
     }
 
@@ -310,7 +313,7 @@ impl Hypothesis {
     pub fn same_law(&self, other: &Self) -> bool {
         let remembers = self.memory.is_some()
             && other.memory.is_some()
-            && self.part == other.part
+            && self.term == other.term
             && self.numbers.len() == other.numbers.len();
         self.same_form(other) || (self.same_site(other) && remembers)
     }
@@ -337,7 +340,7 @@ impl EffectParameter {
     /// friction, keeps its value.
     pub fn absent(&self, x: f64) -> f64 {
         match self.unknown {
-            Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT * self.sd)),
+            Parametrisation::Compliance(_) => x.max(-libm::log(ABSENT_COMPLIANCE * self.sd)),
             Parametrisation::Rate { .. } | Parametrisation::SlipLength { .. } => x,
             _ => self.mean / self.sd,
         }
@@ -383,8 +386,6 @@ pub(super) fn component(axis: usize) -> String {
 pub(super) const SIX: [&str; 6] = ["x", "y", "z", "rx", "ry", "rz"];
 /// Names of the components of a vector force.
 pub(super) const FORCES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
-/// Stiffness of a split part in the directions that do not yield: translational in N/mm, rotational in N mm/rad.
-pub(super) const RIGID: [f64; 2] = [1e7, 1e11];
 
 #[cfg(test)]
 mod tests {

@@ -3,16 +3,12 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::fit::FittedModel;
-use admire_identify::tolerance::{Factor, transposed};
-use admire_solver::mechanics::eigen::symmetric_eigen;
-use admire_study::orientation::chi_square_p_value;
+use admire_identify::ChiSquare;
+use admire_identify::settings::ABSORBED_VARIANCE_SHARE;
+use admire_identify::tolerance::{Factor, covariance_root, transposed};
 
 /// Column of a contrast: rows and their weights.
 pub(super) type Contrast = Vec<(usize, f64)>;
-
-/// Fraction of a contrast's variance below which the fit counts as having absorbed it. There the residual only shows how far the fit stopped
-/// from its minimum.
-const ABSORBED_SHARE: f64 = 0.01;
 
 /// Whitened residuals of a fit with their covariance: `Cov(r) = I - Q Q^T` with `Q = J L`, where `L L^T` is the posterior covariance. Source:
 /// the marginal likelihood of a linear model with Gaussian priors.
@@ -25,22 +21,6 @@ pub(super) struct ResidualCovariance<'a> {
     Q: DMatrix<f64>,
 }
 
-/// Chi-square statistic.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) struct Statistic {
-    /// Value of the statistic.
-    pub value: f64,
-    /// Degrees of freedom.
-    pub dof: usize,
-}
-
-impl Statistic {
-    /// Returns the p-value.
-    pub(super) fn p_value(self) -> f64 {
-        chi_square_p_value(self.value, self.dof)
-    }
-}
-
 impl<'a> ResidualCovariance<'a> {
     /// Computes the residual covariance of a fit. Rows that the fit did not use are excluded.
     pub(super) fn new(fitted: &'a FittedModel) -> Self {
@@ -49,13 +29,13 @@ impl<'a> ResidualCovariance<'a> {
         Self {
             weights: fitted.whitening.weights(&fitted.sizes.ln),
             residual: residual - &J * step,
-            Q: (J * root(&covariance)).transpose(),
+            Q: (J * covariance_root(&covariance)).transpose(),
             fitted,
         }
     }
 
     /// Returns the chi-square of whitened rows under their residual covariance.
-    pub(super) fn test_rows(&self, rows: &[usize]) -> Option<Statistic> {
+    pub(super) fn test_rows(&self, rows: &[usize]) -> Option<ChiSquare> {
         let rows: Vec<usize> = rows
             .iter()
             .copied()
@@ -70,7 +50,7 @@ impl<'a> ResidualCovariance<'a> {
 
     /// Score test of these contrasts, which are patterns of change of the readings. Tests for components of the residuals that noise and
     /// tolerances do not explain.
-    pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<Statistic> {
+    pub(super) fn test(&self, contrasts: &[Contrast]) -> Option<ChiSquare> {
         self.score(contrasts).statistic()
     }
 
@@ -126,7 +106,7 @@ struct Along {
 
 impl Along {
     /// Returns the score test over the contrasts that involve used rows.
-    fn statistic(&self) -> Option<Statistic> {
+    fn statistic(&self) -> Option<ChiSquare> {
         let used: Vec<usize> = (0..self.s.len())
             .filter(|c| self.own[(*c, *c)] > 0.0)
             .collect();
@@ -153,7 +133,7 @@ pub(super) struct ByCase(Vec<Along>);
 
 impl ByCase {
     /// Score test of the sums of the contrasts, weighted by one number per case.
-    pub(super) fn test(&self, weights: &[f64]) -> Option<Statistic> {
+    pub(super) fn test(&self, weights: &[f64]) -> Option<ChiSquare> {
         let first = self.0.first()?;
         let mut sum = Along {
             s: DVector::zeros(first.s.len()),
@@ -178,8 +158,8 @@ impl ByCase {
 
 /// Returns the chi-square `r'(c - Q'Q)^-1 r` of rows with residual covariance `1 - Q'Q`; `c` is slightly larger than one. With more rows than
 /// unknowns, `(c - Q'Q)^-1 = (1 + Q'(c - QQ')^-1 Q)/c` needs only a factor of the smaller matrix.
-fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
-    let c = 1.0 + ABSORBED_SHARE;
+fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<ChiSquare> {
+    let c = 1.0 + ABSORBED_VARIANCE_SHARE;
     let rest = |squares: DMatrix<f64>| {
         let n = squares.nrows();
         Factor::new(DMatrix::identity(n, n) * c - squares)
@@ -196,20 +176,20 @@ fn scatter(Q: &DMatrix<f64>, r: &DVector<f64>) -> Option<Statistic> {
         let solved = c * factor.inverse_trace() - Q.nrows() as f64;
         (value, (count + solved) / c)
     };
-    let dof = (count - ABSORBED_SHARE * trace).round();
-    (dof > 0.0 && value.is_finite()).then_some(Statistic {
+    let dof = (count - ABSORBED_VARIANCE_SHARE * trace).round();
+    (dof > 0.0 && value.is_finite()).then_some(ChiSquare {
         value,
         dof: dof as usize,
     })
 }
 
-/// Returns `s^T A^-1 s` with a ridge of [`ABSORBED_SHARE`], which suppresses directions that the fit has absorbed.
-fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<Statistic> {
+/// Returns `s^T A^-1 s` with a ridge of [`ABSORBED_VARIANCE_SHARE`], which suppresses directions that the fit has absorbed.
+fn statistic(A: DMatrix<f64>, s: &DVector<f64>) -> Option<ChiSquare> {
     let k = s.len();
-    let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_SHARE)?.inverse();
+    let inverse = Cholesky::new(A + DMatrix::identity(k, k) * ABSORBED_VARIANCE_SHARE)?.inverse();
     let value = s.dot(&(&inverse * s));
-    let dof = (k as f64 - ABSORBED_SHARE * inverse.trace()).round();
-    (dof > 0.0 && value.is_finite()).then_some(Statistic {
+    let dof = (k as f64 - ABSORBED_VARIANCE_SHARE * inverse.trace()).round();
+    (dof > 0.0 && value.is_finite()).then_some(ChiSquare {
         value,
         dof: dof as usize,
     })
@@ -236,22 +216,6 @@ fn with_wide_priors(fitted: &FittedModel) -> (DMatrix<f64>, DVector<f64>) {
     (covariance, step)
 }
 
-/// Returns `L` with `L L^T = C`, by Cholesky where `C` is definite.
-fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
-    if let Some(factor) = Cholesky::new(C.clone()) {
-        return factor.l();
-    }
-    if C.is_empty() {
-        return C.clone();
-    }
-    let eigen = symmetric_eigen(C.clone());
-    let mut L = eigen.eigenvectors;
-    for (mut column, lambda) in L.column_iter_mut().zip(eigen.eigenvalues.iter()) {
-        column *= lambda.max(0.0).sqrt();
-    }
-    L
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -267,7 +231,8 @@ mod tests {
             let mut Q = DMatrix::from_fn(unknowns, rows, |_, _| noise.normal());
             let values = singular_values(Q.clone(), false, false).unwrap();
             Q *= 0.99 / values.singular_values.max();
-            let covariance = DMatrix::identity(rows, rows) * (1.0 + ABSORBED_SHARE) - Q.tr_mul(&Q);
+            let covariance =
+                DMatrix::identity(rows, rows) * (1.0 + ABSORBED_VARIANCE_SHARE) - Q.tr_mul(&Q);
             let inverse = covariance.try_inverse().unwrap();
             let found = scatter(&Q, &r).unwrap();
             let value = r.dot(&(&inverse * &r));
@@ -275,7 +240,7 @@ mod tests {
                 (found.value / value - 1.0).abs() < 1e-9,
                 "{found:?} {value}"
             );
-            let dof = rows as f64 - ABSORBED_SHARE * inverse.trace();
+            let dof = rows as f64 - ABSORBED_VARIANCE_SHARE * inverse.trace();
             assert_eq!(found.dof, dof.round() as usize);
         }
     }

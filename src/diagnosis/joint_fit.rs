@@ -8,9 +8,9 @@ use super::diagnose::tolerances;
 use super::diagnosis::{NoiseFound, Parameter, ToleranceFound};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
+use super::lack_of_fit::lack_of_fit_tests;
 use super::settle::ENOUGH;
 use super::sought::as_it_is;
-use super::structure::structure;
 use super::visited::Visited;
 use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
@@ -40,13 +40,7 @@ pub fn fit_with_random_effects(problem: &Problem<'_>) -> Option<JointFit> {
     let cases = problem.measurement.cases.iter();
     let mut subject = DiagnosisProblem::new(problem, cases.map(|case| case.held_out).collect());
     let found = as_it_is(&mut subject, None, Data::Fitted)?;
-    let tests = structure(&subject, &found).into_iter();
-    let structure = tests
-        .map(|test| LackOfFitTest {
-            what: test.what,
-            p_value: test.p_value,
-        })
-        .collect();
+    let structure = lack_of_fit_tests(&subject, &found);
     let posterior = &found.posterior;
     let chi_square = (
         posterior.chi_square * subject.variance_factor(0..subject.rows.len()),

@@ -7,7 +7,7 @@
 //!
 //! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <-
 //! `settle` <- `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <-
-//! `sought`, `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `structure`, `gaussian_process` <- `remainder`, `averaged` <-
+//! `sought`, `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `lack_of_fit`, `gaussian_process` <- `remainder`, `averaged` <-
 //! `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
 #![warn(unreachable_pub)]
 // Documentation of private modules links to private items.
@@ -40,21 +40,23 @@ mod hypothesis;
 mod influence;
 mod jackknife;
 mod joint_fit;
+mod lack_of_fit;
 mod limits;
 mod other_solver;
 mod predictive;
+pub mod priors;
 mod progress;
 mod remainder;
 mod rig_errors;
 mod scan;
 mod search;
 mod searched;
+pub mod settings;
 mod settle;
 mod solver_difference;
 mod sought;
 mod stand_in;
 mod stiffness;
-mod structure;
 pub mod study_fit;
 mod survey;
 mod trend;
@@ -88,7 +90,6 @@ pub use remainder::{Over, Predicted, Remainder, RemainderPoint};
 pub use solver_difference::SolverDifference;
 pub use sought::{as_it_is, seek};
 pub use stiffness::CorrectedStiffness;
-pub use structure::StructureTest;
 pub use trend::Trend;
 pub use unknowns::{Known, Unknowns};
 pub use visited::{Found, Visited};

@@ -4,14 +4,10 @@ use super::cause::Cause;
 use super::diagnosis::{CauseLimit, DetectionLimit};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
+use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Term};
 use super::scan::{Catalogue, first_member};
+use crate::settings::{MAX_CAUSE_LIMIT_SD, MAX_HARDPOINT_LIMIT_MM};
 use admire_identify::tolerance::EffectGroup;
-
-/// Largest detection limit of a hardpoint that is reported, in mm.
-const FAR: f64 = 50.0;
-/// Largest detection limit of other causes that is reported, in prior standard deviations.
-const BEYOND: f64 = 20.0;
 
 /// Returns for each hardpoint and axis the error at which a hardpoint error has a posterior probability of one half. The other hardpoints
 /// have errors of the size of their group.
@@ -38,7 +34,7 @@ pub fn detection_limits(
         let members: Vec<String> = point.markers.iter().map(name).collect();
         let limit = |member: usize| {
             let d = outstanding(fitted, member, (tau, slab), libm::log(odds))? / millimetre;
-            (d < FAR).then_some(d)
+            (d < MAX_HARDPOINT_LIMIT_MM).then_some(d)
         };
         let axes = subject.layer.at(EffectGroup::Hardpoints, &members[0]);
         let mm: Vec<Option<f64>> = axes.map(limit).collect();
@@ -83,7 +79,7 @@ pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec
     let information = catalogue.information(fitted, &fitted.sizes);
     let mut out: Vec<CauseLimit> = Vec::new();
     for (h, information) in catalogue.hypotheses.iter().zip(&information) {
-        let is_part = h.part > 0 || h.joint_with.is_some();
+        let is_part = h.term > Term::Main || h.joint_with.is_some();
         if h.cause == Cause::HardpointError || is_part || h.only_case(&subject.rows).is_some() {
             continue;
         }
@@ -102,7 +98,7 @@ pub fn cause_limits(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec
                 }
                 _ => information.get(k).and_then(|f| alone(*f, h.ln_prior)),
             };
-            let d = d.filter(|d| *d < BEYOND);
+            let d = d.filter(|d| *d < MAX_CAUSE_LIMIT_SD);
             take(&mut out, h, number, d);
         }
     }

@@ -12,6 +12,7 @@ use super::extension::driven;
 use super::fit::{DeckOnlyPrediction, FittedModel};
 use super::hypothesis::Hypothesis;
 use super::stiffness::corrected;
+use crate::settings::{MAX_LN_STIFFNESS_STEP, OTHER_SOLVER_MAX_ROUNDS, OTHER_SOLVER_TOLERANCE_SD};
 use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
 use admire_identify::meet_marks_of_all;
 use admire_session::backend::{
@@ -20,13 +21,6 @@ use admire_session::backend::{
 use admire_solver::mechanics::Pose;
 use admire_solver::system::Scratch;
 use admire_syntax::Address;
-
-/// Maximum number of rounds.
-const ROUNDS: usize = 5;
-/// Largest change of a stiffness or cause parameter, in standard deviations, at which the rounds end.
-const DONE: f64 = 0.02;
-/// Largest change of the logarithm of a stiffness in one round.
-const REACH: f64 = 0.8;
 
 /// Poses of every case; `None` where the case was not solved.
 type Poses = Vec<Option<Vec<Pose>>>;
@@ -113,7 +107,7 @@ fn refitted(
     let whitening = subject.whitening(data);
     let stiffnesses = subject.problem.unknowns.len();
     let mut at = fitted.clone();
-    for _ in 0..ROUNDS {
+    for _ in 0..OTHER_SOLVER_MAX_ROUNDS {
         let Some(plain) = DeckOnlyPrediction::new(subject, &at) else {
             break;
         };
@@ -126,7 +120,7 @@ fn refitted(
         for (k, next) in next.iter_mut().enumerate() {
             let goal = fitted.x[k] + posterior.step[k];
             *next = if k < stiffnesses {
-                at.x[k] + (goal - at.x[k]).clamp(-REACH, REACH)
+                at.x[k] + (goal - at.x[k]).clamp(-MAX_LN_STIFFNESS_STEP, MAX_LN_STIFFNESS_STEP)
             } else {
                 goal
             };
@@ -142,7 +136,7 @@ fn refitted(
         at.posterior = posterior;
         at.posterior.step.fill(0.0);
         at.posterior.gain = 0.0;
-        if most < DONE {
+        if most < OTHER_SOLVER_TOLERANCE_SD {
             break;
         }
     }

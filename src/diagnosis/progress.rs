@@ -1,9 +1,6 @@
+use crate::settings::MAX_SWEEPS;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// Maximum number of sweeps in one search. One sweep solves all load cases once. The limit is checked between rounds only, so that results do
-/// not depend on the machine.
-pub(super) const SWEEPS: usize = 3000;
 
 /// Progress of a diagnosis, readable from another thread.
 #[derive(Clone, Debug)]
@@ -17,7 +14,7 @@ impl Default for Progress {
     fn default() -> Self {
         Self {
             sweeps: Arc::default(),
-            budget: Arc::new(AtomicUsize::new(SWEEPS)),
+            budget: Arc::new(AtomicUsize::new(MAX_SWEEPS)),
             stage: Arc::default(),
         }
     }
@@ -67,7 +64,7 @@ impl Progress {
 
     /// Grants a search a new full budget, unless the diagnosis was stopped.
     pub(super) fn renew(&self) {
-        let further = self.sweeps() + SWEEPS;
+        let further = self.sweeps() + MAX_SWEEPS;
         let grant = |budget: usize| (budget > 0).then_some(further);
         let order = Ordering::Relaxed;
         let _ = self.budget.fetch_update(order, order, grant);
@@ -75,7 +72,7 @@ impl Progress {
 
     /// Grants a further search its budget. Returns false where the first search was stopped or has spent its own.
     pub(super) fn extend(&self) -> bool {
-        let further = self.sweeps() + SWEEPS;
+        let further = self.sweeps() + MAX_SWEEPS;
         let grant = |budget: usize| (budget > self.sweeps()).then_some(further);
         let order = Ordering::Relaxed;
         self.budget.fetch_update(order, order, grant).is_ok()

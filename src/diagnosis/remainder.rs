@@ -15,19 +15,18 @@ use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
 use super::folds::{compared, unseen};
-use super::gaussian_process::{LAWS, Law, Reach};
-use super::hypothesis::{EffectParameter, Hypothesis, LEFT_BY_LAW, Sensitivity, component};
+use super::gaussian_process::{GRID_SIZE, Law, Reach};
+use super::hypothesis::{EffectParameter, Hypothesis, Sensitivity, Term, component};
 use super::predictive::PredictiveDistribution;
 use super::survey::Survey;
+use crate::priors::FORCE_LEVER_MM;
+use crate::settings::{GP_SITE_NATS, MAX_LN_STIFFNESS_STEP};
+use admire_identify::settings::NORMAL_QUANTILE_975;
 use admire_identify::tolerance::{Posterior, VarianceComponents, transposed};
 use admire_solver::mechanics::Vec6;
 use admire_solver::model::{Header, JointKind, MarkerIx, Model};
 use admire_study::orientation::chi_square_p_value;
 
-/// Largest change of the logarithm of a stiffness in a first guess.
-const FAR: f64 = 0.8;
-/// Gain in log evidence from which a site stands out, in nats, after subtracting the log of the number of sites and coordinates tried.
-const STANDS_OUT: f64 = 5.0;
 /// Coordinate of which the force is a function.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -205,7 +204,8 @@ pub(super) fn predicted(
     let n = turned.len();
     let foreseen = PredictiveDistribution::new(J, &found.posterior.covariance);
     let foreseen = foreseen.with(&R, &found.process.law.covariance);
-    let within = (0..n).filter(|k| r[*k].abs() < 1.96 * foreseen.variance(*k).sqrt());
+    let within =
+        (0..n).filter(|k| r[*k].abs() < NORMAL_QUANTILE_975 * foreseen.variance(*k).sqrt());
     let within95 = within.count() as f64 / n as f64;
     let chi_square = foreseen.chi_square(&r)?;
     Some(Predicted {
@@ -277,7 +277,7 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
         let mut left = as_hypothesis(subject, fitted, best);
         left.hypothesis.cause = h.cause;
         left.hypothesis.side = h.side;
-        left.hypothesis.part = LEFT_BY_LAW;
+        left.hypothesis.term = Term::LawMisfit;
         left.hypothesis.ln_prior += libm::log(priors.law_misfit / priors.class_probability);
         Some(left)
     };
@@ -336,12 +336,12 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
         form,
         numbers(&found.effect, &root),
     );
-    let laws = found.tried * LAWS;
+    let laws = found.tried * GRID_SIZE;
     hypothesis.ln_prior = libm::log(subject.problem.priors.class_probability / laws as f64);
     let step = &found.posterior.step - &found.taken_up * mean;
     let x = fitted.x.iter().zip(step.iter()).zip(&fitted.priors);
     let moved = x.map(|((x, step), prior)| match prior.group {
-        None => x + step.clamp(-FAR, FAR),
+        None => x + step.clamp(-MAX_LN_STIFFNESS_STEP, MAX_LN_STIFFNESS_STEP),
         Some(_) => x + step,
     });
     Unnamed {
@@ -413,7 +413,7 @@ fn most_spoken_for(
     let by_nats =
         |a: &(usize, Process), b: &(usize, Process)| b.1.law.nats.total_cmp(&a.1.law.nats);
     found.sort_by(by_nats);
-    if found.first()?.1.law.nats < STANDS_OUT + libm::log(tried as f64) {
+    if found.first()?.1.law.nats < GP_SITE_NATS + libm::log(tried as f64) {
         return None;
     }
     let (at, process) = found.swap_remove(0);
@@ -474,7 +474,7 @@ fn places(survey: &Survey<'_>) -> Vec<Place> {
             put(address, (bushing.i, bushing.j), axis, u, force);
         }
     }
-    let lever = 100.0 * survey.millimetre();
+    let lever = FORCE_LEVER_MM * survey.millimetre();
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         let axes: &[usize] = match joint.kind {
             JointKind::Translational | JointKind::Cylindrical => &[2],

@@ -9,7 +9,7 @@ use super::cause::Cause;
 use super::causes;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::hypothesis::{BY_DIRECTION, EffectParameter, Hypothesis, Sensitivity};
+use super::hypothesis::{EffectParameter, Hypothesis, Sensitivity, Term};
 use super::survey::Survey;
 use super::visited::distinct;
 use admire_identify::tolerance::{
@@ -54,9 +54,11 @@ impl Catalogue {
         let mut hypotheses = causes::all(&survey);
         hypotheses.retain_mut(|h| {
             let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
-            let count = there().filter(|chosen| chosen.part != BY_DIRECTION).count();
+            let count = there()
+                .filter(|chosen| chosen.term != Term::Asymmetry)
+                .count();
             let is_closed = there().any(Hypothesis::is_left_by_law);
-            if (1..causes::dry_friction::SLIDERS).contains(&count)
+            if (1..crate::settings::MAX_SLIDERS).contains(&count)
                 && h.cause == Cause::DryFriction
                 && !is_closed
             {

@@ -7,7 +7,7 @@ use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, Term};
 use super::rig_errors::{GaveWay, Promises, RigErrors};
 use super::scan::{Catalogue, FORMS, Weighed, by_promise};
 use super::stand_in::{StandIns, left_by_friction, loosened};
@@ -387,9 +387,9 @@ impl<'a, 'b> Search<'a, 'b> {
                 .as_ref()
                 .map_or(least, |w| w.ln_posterior().max(least));
             // Of a further slider the linear model knows well what it promises; with a further part it promises too much.
-            let least = match (h.part, &h.joint_with) {
-                (0, None) => f64::NEG_INFINITY,
-                (0, Some(_)) => leads,
+            let least = match (h.term, &h.joint_with) {
+                (Term::Main, None) => f64::NEG_INFINITY,
+                (Term::Main, Some(_)) => leads,
                 _ => leads - LINEAR,
             };
             if weighed.ln_posterior < least {

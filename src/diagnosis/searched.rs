@@ -9,11 +9,12 @@ use super::fit::FittedModel;
 use super::frame;
 use super::hold_out::HoldOutSelection;
 use super::hypothesis::Hypothesis;
+use super::lack_of_fit::{is_structured, lack_of_fit_tests};
 use super::progress::Progress;
 use super::rig_errors::{ASKED, GaveWay, RigErrors, SHORT};
 use super::search::Search;
 use super::sought::{Begun, Sought, as_it_is};
-use super::structure::{StructureTest, is_structured, structure};
+use admire_identify::LackOfFitTest;
 use admire_identify::tolerance::Size;
 
 /// A search with errors of the rig that was made and rejected, and the study with them.
@@ -26,7 +27,7 @@ pub(super) struct Searched<'a> {
     /// What the search of all cases ended with.
     pub sought: Sought,
     /// Tests of structure in what its leading model leaves.
-    pub tested: Vec<StructureTest>,
+    pub tested: Vec<LackOfFitTest>,
     /// What the other one chose and predicts.
     pub unseen: Option<HoldOutSelection>,
 }
@@ -147,7 +148,7 @@ impl<'a> Searched<'a> {
         });
         let gave_way = sought.found.gave_way.map(|gave_way| gave_way.errors);
         progress.begin("testing what was found");
-        let mut tested = structure(&subject, &sought.leading);
+        let mut tested = lack_of_fit_tests(&subject, &sought.leading);
         let is_unsure = match gave_way {
             Some(_) => is_blind,
             None => is_structured(&tested) || (is_blind && !sought.leading.effects.is_empty()),
@@ -166,10 +167,10 @@ impl<'a> Searched<'a> {
                 && let Some(unseen) = &unseen
                 && sought.resume(&subject, unseen.models(), Data::All)
             {
-                tested = structure(&subject, &sought.leading);
+                tested = lack_of_fit_tests(&subject, &sought.leading);
             }
             if is_structured(&tested) && sought.with_tails(&mut subject) {
-                tested = structure(&subject, &sought.leading);
+                tested = lack_of_fit_tests(&subject, &sought.leading);
             }
         }
         Some(Self {
@@ -275,7 +276,7 @@ impl<'a> Searched<'a> {
         let search = Search::new(&subject, Arc::new(none), Data::All);
         let sought = Sought::new(search.ended());
         Some(Self {
-            tested: structure(&subject, &sought.leading),
+            tested: lack_of_fit_tests(&subject, &sought.leading),
             subject,
             sought,
             unseen: None,

@@ -1,9 +1,7 @@
 //! Difference between two solvers on the same deck with the same numbers. The solvers must agree before the model is judged.
 
+use crate::settings::NEGLIGIBLE_DIFFERENCE_SIGMA;
 use serde::Serialize;
-
-/// Fraction of the mark noise below which the difference of the solvers is negligible.
-const NONE: f64 = 0.1;
 
 /// Difference between the solver of a study and the built-in solver.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -31,6 +29,6 @@ pub struct SolverDifference {
 impl SolverDifference {
     /// Returns true if the difference is small against the noise of a mark.
     pub fn is_negligible(&self, sigma: f64) -> bool {
-        self.unsolved.is_empty() && self.rms <= NONE * sigma
+        self.unsolved.is_empty() && self.rms <= NEGLIGIBLE_DIFFERENCE_SIGMA * sigma
     }
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{FittedModel, fit, refit};
 use super::hypothesis::Hypothesis;
+use super::lack_of_fit::{is_of_far_readings, is_structured, lack_of_fit_tests};
 use super::progress::Progress;
 use super::search::{Search, resume};
-use super::structure::{is_of_far_readings, is_structured, structure};
 use super::visited::Found;
 
 /// A place is named from this probability on.
@@ -91,7 +91,7 @@ fn explained_by_tails<'a>(
 ) -> Option<(DiagnosisProblem<'a>, FittedModel)> {
     let tailed = tailed(subject, fitted)?;
     let again = refit(&tailed, fitted, data)?;
-    (!is_structured(&structure(&tailed, &again))).then_some((tailed, again))
+    (!is_structured(&lack_of_fit_tests(&tailed, &again))).then_some((tailed, again))
 }
 
 /// The readings weighed by tails, where that may explain what a fit leaves.
@@ -102,7 +102,7 @@ fn tailed<'a>(
     if subject.tails.is_some() || !subject.has_few_far(&fitted.residual) {
         return None;
     }
-    let left = structure(subject, fitted);
+    let left = lack_of_fit_tests(subject, fitted);
     if !is_structured(&left) {
         return None;
     }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::fit::{EarlyStopping, FitOutcome, FittedModel, with_zero_guesses};
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, Term};
 use super::remainder::{Unnamed, left_by_laws, unnamed};
 use super::tried::{BETTER, Tried};
 use super::visited::same_set;
@@ -32,7 +32,7 @@ impl StandIns {
     ) -> Option<Arc<FittedModel>> {
         let subject = tried.subject;
         let named = || current.effects.iter().filter(|h| h.is_in_catalogue());
-        let many = named().filter(|h| h.part == 0).count();
+        let many = named().filter(|h| h.term == Term::Main).count();
         if many < MANY || subject.budget_exhausted() {
             return None;
         }

@@ -1,6 +1,6 @@
 use super::fit::FittedModel;
 use admire_identify::Problem;
-use admire_identify::global::UNIDENTIFIABLE;
+use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 
 /// Stiffness as estimated by the original model and by the extended model.
 #[derive(Clone, PartialEq, Debug)]
@@ -18,7 +18,7 @@ impl CorrectedStiffness {
     pub fn is_identified(&self) -> bool {
         [self.before, self.after]
             .iter()
-            .all(|(value, error)| *error <= UNIDENTIFIABLE * value)
+            .all(|(value, error)| *error <= UNIDENTIFIABLE_LN_SD * value)
     }
 
     /// Returns the relative bias of the original model's estimate against the corrected value.

@@ -327,7 +327,8 @@ impl<'a> Survey<'a> {
                 ],
             )
         };
-        let rigid = super::hypothesis::RIGID[1] * self.newton() * self.millimetre();
+        let rigid =
+            crate::settings::RIGID_STIFFNESS_NMM_PER_RAD * self.newton() * self.millimetre();
         let law = statement(
             "BUSHING",
             bushing,

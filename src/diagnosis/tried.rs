@@ -8,7 +8,7 @@ use super::ends::{Ends, Start};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation};
+use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Term};
 use super::scan::Weighed;
 use super::visited::{Visited, same_laws, same_set};
 use admire_identify::tolerance::VarianceComponents;
@@ -408,7 +408,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     ) -> Option<Arc<FittedModel>> {
         let dropped = &fitted.effects[at];
         let is_dropped = |(k, h): &(usize, &Hypothesis)| {
-            *k == at || (dropped.part == 0 && h.part > 0 && h.same_site(dropped))
+            *k == at || (dropped.term == Term::Main && h.term > Term::Main && h.same_site(dropped))
         };
         let kept = fitted
             .effects
@@ -430,7 +430,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         none: &Arc<FittedModel>,
     ) -> Option<Arc<FittedModel>> {
         let own = &fitted.effects[at];
-        if own.part > 0 {
+        if own.term > Term::Main {
             return None;
         }
         let others = fitted.effects.iter().filter(|h| !h.same_site(own));
@@ -516,7 +516,7 @@ fn halved(base: &FittedModel, h: &Hypothesis) -> Option<Halved> {
     let first = base
         .effects
         .iter()
-        .position(|c| c.part == 0 && h.part > 0 && c.same_site(h))?;
+        .position(|c| c.term == Term::Main && h.term > Term::Main && c.same_site(h))?;
     let [force, length, anchor] = base.parameter_index[first][..] else {
         return None;
     };

@@ -4,6 +4,8 @@
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{centroid, motions};
 use super::hypothesis::{Hypothesis, Parametrisation, Sensitivity};
+use crate::priors::COMPLIANCE_LN_SD;
+use crate::settings::ABSENT_COMPLIANCE;
 use admire_identify::global::{
     Component, FitUnknown, FitUnknowns, FrameMotions, HysteresisState, NuisanceLayout, Prepared,
     Target, fit_unknowns,
@@ -34,6 +36,15 @@ pub enum RowColumn {
     /// Gain error: a factor of 1 plus unknown times the first field on the prediction. Each pair holds a row index and the reading in units
     /// of its noise.
     Gain(f64, Vec<(usize, f64)>),
+}
+
+/// Index of an unknown while the unknowns are collected. Effects that act on rows directly are the last unknowns.
+#[derive(Clone, Copy)]
+enum Place {
+    /// Index among all unknowns.
+    Deck(usize),
+    /// Index among the effects that act on rows directly.
+    Row(usize),
 }
 
 /// Unknowns of a fit.
@@ -146,18 +157,18 @@ impl Unknowns {
                         if before.is_none() && guesses[k] != 0.0 {
                             start[at] = guesses[k] * number.sd;
                         }
-                        place.push(at);
+                        place.push(Place::Deck(at));
                         continue;
                     }
                     (Parametrisation::Linear, Sensitivity::Rows(column)) => {
                         let column = column.iter().map(|(at, v)| (*at, v * number.sd));
-                        place.push(usize::MAX - rows.len());
+                        place.push(Place::Row(rows.len()));
                         rows.push(RowColumn::Fixed(column.collect()));
                         row_starts.push(guess);
                         continue;
                     }
                     (Parametrisation::Gain(readings), _) => {
-                        place.push(usize::MAX - rows.len());
+                        place.push(Place::Row(rows.len()));
                         rows.push(RowColumn::Gain(number.sd, readings.clone()));
                         row_starts.push(guess);
                         continue;
@@ -179,9 +190,9 @@ impl Unknowns {
                     }
                     (Parametrisation::Compliance(addresses), _) => {
                         if before.is_none() {
-                            guess = -libm::log(guess.max(1e-3) * number.sd);
+                            guess = -libm::log(guess.max(ABSENT_COMPLIANCE) * number.sd);
                         }
-                        (mean, sd) = (-libm::log(number.sd), 2.0);
+                        (mean, sd) = (-libm::log(number.sd), COMPLIANCE_LN_SD);
                         Target::Stiffness(components(addresses, &slot)?)
                     }
                     (Parametrisation::Rate { address, usual }, _) => {
@@ -216,7 +227,7 @@ impl Unknowns {
                         Target::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                 };
-                place.push(list.len());
+                place.push(Place::Deck(list.len()));
                 start.push(guess);
                 priors.push(own(mean, sd));
                 list.push(FitUnknown {
@@ -238,13 +249,14 @@ impl Unknowns {
         );
         priors.extend(groups.into_iter().map(tolerance::Coefficient::member));
         let first_row = first_mark + layout.sd.len();
-        for at in places
-            .iter_mut()
-            .flatten()
-            .filter(|at| **at > usize::MAX / 2)
-        {
-            *at = first_row + (usize::MAX - *at);
-        }
+        let index = |place: Place| match place {
+            Place::Deck(at) => at,
+            Place::Row(row) => first_row + row,
+        };
+        let places = places
+            .into_iter()
+            .map(|place: Vec<Place>| place.into_iter().map(index).collect())
+            .collect();
         start.extend(row_starts);
         priors.extend(rows.iter().map(|_| own(0.0, 1.0)));
         Some(Self {

@@ -1,12 +1,9 @@
 //! Readings of wheel and sensors while one load goes up and down: the hysteresis loops of a K&C rig.
 
 use super::diagnose::Outcome;
+use crate::settings::{RUN_MAX_CHANNELS, RUN_MIN_CASES};
 use admire_identify::global::Row;
 
-/// Minimum number of successive cases in a run.
-const LEAST: usize = 4;
-/// Maximum number of channels for which curves are drawn.
-const MOST: usize = 8;
 /// Angles of the wheel and their row components.
 const ANGLES: [(&str, usize); 2] = [("steer", 4), ("camber", 3)];
 
@@ -55,7 +52,7 @@ impl Outcome<'_> {
         }
         let channels = measurement.channels.iter().enumerate();
         let by_case = channels.filter(|(_, channel)| channel.is_read_by_case());
-        reads.extend(by_case.take(MOST).map(|(k, channel)| {
+        reads.extend(by_case.take(RUN_MAX_CHANNELS).map(|(k, channel)| {
             let unit = channel.unit.clone();
             (channel.name.clone(), unit, Read::Channel(k))
         }));
@@ -73,7 +70,7 @@ impl Outcome<'_> {
                 let moves = run.clone().any(|case| {
                     programme.cases[case].values[load] != programme.cases[run.start].values[load]
                 });
-                (run.len() >= LEAST && moves).then_some((run, hidden))
+                (run.len() >= RUN_MIN_CASES && moves).then_some((run, hidden))
             });
             let Some((run, hidden)) = run else { continue };
             for (what, unit, read) in &reads {
@@ -96,7 +93,7 @@ impl Outcome<'_> {
                         Some([by(0.0), by(fits[0][row]), by(fits[1][row])])
                     })
                     .collect();
-                if points.len() < LEAST {
+                if points.len() < RUN_MIN_CASES {
                     continue;
                 }
                 let [read, before, after] =

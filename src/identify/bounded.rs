@@ -1,5 +1,6 @@
 //! Bound-constrained least squares from normal equations.
 
+use crate::settings::{MAX_ACTIVE_SET_ROUNDS, MAX_BLOCK_EXCHANGES};
 use nalgebra::{DMatrix, DVector};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -33,9 +34,6 @@ pub(super) fn solve(
     (inside, fixed.iter().map(Option::is_some).collect())
 }
 
-/// Maximum number of rounds of the block exchange and of the active-set method.
-const ROUNDS: (usize, usize) = (12, 400);
-
 struct Problem<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DVector<f64>,
@@ -49,7 +47,7 @@ impl Problem<'_> {
     fn exchanged(&self) -> Option<(DVector<f64>, Vec<Option<f64>>)> {
         let (lower, upper) = self.bounds;
         let mut fixed: Vec<Option<f64>> = vec![None; self.b.len()];
-        for _ in 0..ROUNDS.0 {
+        for _ in 0..MAX_BLOCK_EXCHANGES {
             let x = free_solution(self.a, self.b, &fixed, &self.scale);
             let gradient = self.a * &x - self.b;
             let mut done = true;
@@ -94,7 +92,7 @@ impl Problem<'_> {
         let mut best = value(&x);
         let mut fixed = vec![None; count];
         let mut one_at_a_time = false;
-        for _ in 0..ROUNDS.1 {
+        for _ in 0..MAX_ACTIVE_SET_ROUNDS {
             let gradient = self.a * &x - self.b;
             let wrong: Vec<usize> = (0..count)
                 .filter(|&k| x[k] <= lower[k] || x[k] >= upper[k])

@@ -3,8 +3,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::goodness::FitTest;
+use super::lack_of_fit::LackOfFitTest;
 use super::repeated::{BootstrapMade, PosteriorMade, Repeated};
-use super::structure::LackOfFitTest;
 use admire_solver::statics::Balance;
 
 /// Remark on a fit that ended before its minimum.

@@ -1,6 +1,7 @@
 //! Placement of the solutions of any solver along free (zero-stiffness) motions, at the best fit of the readings.
 
-use super::global::{CaseChanges, Observed, STEPS, SeenMark, step};
+use super::global::{CaseChanges, Observed, SeenMark, step};
+use crate::settings::FREE_MAX_STEPS;
 use admire_session::backend::{FreeMotions, Sweep, Twist};
 use admire_solver::mechanics::Pose;
 use admire_study::Measurement;
@@ -10,7 +11,7 @@ pub fn meet_marks(free: &FreeMotions, poses: &mut [Pose], observed: &Observed, m
     if free.is_empty() {
         return;
     }
-    for _ in 0..STEPS {
+    for _ in 0..FREE_MAX_STEPS {
         let each = free.twists().iter().map(|motion| {
             let parts = observed.parts.iter();
             parts

@@ -1,12 +1,10 @@
 //! Chi-square test of the residuals of a fit: whether they exceed the noise.
 
+use crate::settings::LACK_OF_FIT_LEVEL;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use admire_study::Measurement;
-
-/// Significance level of the tests of a fit: probability of a false rejection.
-pub(crate) const LEVEL: f64 = 1e-3;
 
 /// Verdict of the chi-square test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
@@ -59,9 +57,9 @@ impl FitTest {
             chi2,
             dof,
             p_value: above,
-            verdict: if above < LEVEL {
+            verdict: if above < LACK_OF_FIT_LEVEL {
                 Verdict::Misfit
-            } else if below < LEVEL {
+            } else if below < LACK_OF_FIT_LEVEL {
                 Verdict::NoiseOverstated
             } else {
                 Verdict::Noise

@@ -16,13 +16,15 @@ mod fit;
 mod free_motions;
 pub mod global;
 mod goodness;
+pub mod lack_of_fit;
 mod loaded;
 mod noise;
+pub mod priors;
 mod problem;
 pub mod regression;
 mod repeated;
+pub mod settings;
 pub mod slips;
-pub mod structure;
 pub mod tolerance;
 mod unknowns;
 
@@ -35,10 +37,10 @@ pub use fit::{
 pub use free_motions::meet_marks;
 pub use free_motions::meet_marks_of_all;
 pub use goodness::{FitTest, ReadingsLeft, Verdict};
+pub use lack_of_fit::{ChiSquare, LackOfFitAspect, LackOfFitTest};
 pub use loaded::LoadedStudy;
 pub use noise::estimate_noise;
 pub use problem::IdentifyError;
 pub use problem::{Problem, Progress};
 pub use repeated::{BootstrapMade, PosteriorMade, Repeated};
-pub use structure::LackOfFitTest;
 pub use unknowns::{Place, Unknown, unknowns};

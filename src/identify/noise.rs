@@ -3,12 +3,8 @@
 use super::LoadedStudy;
 use super::global::{GlobalFit, Observations, Options, Prepared, Row, effective_dof, fit_study};
 use crate::IdentifyError;
+use crate::settings::{CHANNEL_NOISE_MAX_FITS, CHANNEL_NOISE_TOLERANCE};
 use admire_session::backend::Backend;
-
-/// Relative change of the noise below which the estimate has converged.
-const SETTLED: f64 = 0.01;
-/// Maximum number of fits.
-const ROUNDS: usize = 5;
 
 /// Estimates the noise of every channel without a stated one from its squared residuals over their degrees of freedom, and repeats the fit
 /// until the estimates converge.
@@ -30,7 +26,7 @@ pub fn estimate_noise(
     if loaded.unknowns.is_empty() || stated {
         return Ok(());
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..CHANNEL_NOISE_MAX_FITS {
         let sizes = {
             let problem = loaded.problem();
             let prepared = match backend {
@@ -51,7 +47,7 @@ pub fn estimate_noise(
                 channel.sigma *= size;
             }
         }
-        if moved < SETTLED {
+        if moved < CHANNEL_NOISE_TOLERANCE {
             break;
         }
     }

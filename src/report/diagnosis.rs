@@ -1,8 +1,7 @@
 use admire_diagnosis::{
-    ChannelMiss, CrossValidation, FittedModel, HoldOut, Outcome, Over, Remainder, StructureTest,
-    Verdict,
+    ChannelMiss, CrossValidation, FittedModel, HoldOut, Outcome, Over, Remainder, Verdict,
 };
-use admire_identify::global::{Row, UNIDENTIFIABLE};
+use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
@@ -17,8 +16,8 @@ use super::{
     Align, Chart, DrawingError, Figure, HeatMap, Page, Scene, Series, SeriesStyle, Table, number,
     short_unit,
 };
-use admire_identify::LoadedStudy;
-use admire_identify::global::confidence::NORMAL_975;
+use admire_identify::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
+use admire_identify::{LackOfFitTest, LoadedStudy};
 use admire_results::Timestamp;
 
 /// Largest number of cases for which a map is readable.
@@ -353,8 +352,9 @@ impl DiagnosisReport<'_> {
 
     fn stiffnesses(&self, scene: &Scene) -> Table {
         let all = &self.outcome.stiffnesses;
-        let sides =
-            |after: (f64, f64)| [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_975 * after.1 / after.0);
+        let sides = |after: (f64, f64)| {
+            [-1.0, 1.0].map(|side| 1.0 + side * NORMAL_QUANTILE_975 * after.1 / after.0)
+        };
         let widest = all
             .iter()
             .filter(|found| found.is_identified())
@@ -375,7 +375,7 @@ impl DiagnosisReport<'_> {
         for stiffness in all {
             let (before, after) = (stiffness.before, stiffness.after);
             let shown = |(value, error): (f64, f64)| {
-                if error > UNIDENTIFIABLE * value {
+                if error > UNIDENTIFIABLE_LN_SD * value {
                     return unbroken("not determined");
                 }
                 format!(
@@ -539,14 +539,15 @@ impl DiagnosisReport<'_> {
         for test in before.iter().take(16) {
             // The worst of many tests may be a different test afterwards.
             let later = after.iter().find(|other| other.what == test.what);
-            let shown = |f: fn(&StructureTest) -> String| later.map_or_else(String::new, f);
+            let value = |test: &LackOfFitTest| test.statistic.map(|s| format!("{:.1}", s.value));
+            let dof = test.statistic.map(|statistic| statistic.dof.to_string());
             table.row([
                 test.what.clone(),
-                format!("{:.1}", test.value),
-                test.dof.to_string(),
+                value(test).unwrap_or_default(),
+                dof.unwrap_or_default(),
                 probability(test.p_value),
-                shown(|test| format!("{:.1}", test.value)),
-                shown(|test| probability(test.p_value)),
+                later.and_then(value).unwrap_or_default(),
+                later.map_or_else(String::new, |test| probability(test.p_value)),
             ]);
         }
         table

@@ -8,7 +8,7 @@ use super::repeats::repeats;
 use super::short_unit;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
-use admire_identify::structure::{is_structured, worst};
+use admire_identify::lack_of_fit::{is_structured, worst};
 use admire_identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
 use admire_results::Timestamp;
 use admire_syntax::text::Decimals;

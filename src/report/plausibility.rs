@@ -9,9 +9,8 @@ use super::load_table::odd_loads;
 use super::mark_scatter::{repeats, rigidity};
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
-use admire_identify::global::{
-    Observations, Prepared, UNIDENTIFIABLE, fit_unknowns, global_problem,
-};
+use admire_identify::global::{Observations, Prepared, fit_unknowns, global_problem};
+use admire_identify::settings::UNIDENTIFIABLE_LN_SD;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::PartKind;
 use admire_solver::model::lint::implausible_units;
@@ -454,7 +453,7 @@ impl Plausibility {
         let open: Vec<String> = sd
             .iter()
             .zip(&loaded.unknowns)
-            .filter(|(sd, _)| **sd > UNIDENTIFIABLE)
+            .filter(|(sd, _)| **sd > UNIDENTIFIABLE_LN_SD)
             .map(|(_, unknown)| unknown.address.to_string())
             .collect();
         let mut found = format!(

@@ -2,7 +2,8 @@
 
 use super::diagnosis_text::Text;
 use admire_identify::ToleranceFound;
-use admire_identify::tolerance::{EffectGroup, Misplaced, Size};
+use admire_identify::priors::HARDPOINT_MEDIAN_MM;
+use admire_identify::tolerance::{EffectGroup, Misplaced};
 use admire_solver::mechanics::Vec3;
 
 /// Least change of the logarithm of a size that gets a sentence.
@@ -13,7 +14,7 @@ impl Text<'_> {
     pub(super) fn tolerances_in_words(&self) -> Vec<String> {
         let mut out = Vec::new();
         // Where the readings are insensitive to hardpoints, their tolerance keeps its median.
-        let usual = Size::HARDPOINTS;
+        let usual = HARDPOINT_MEDIAN_MM;
         let seen = |size: &&ToleranceFound| libm::log(size.sd / size.usual).abs() > SEEN_LN;
         if let Some(points) = self
             .outcome

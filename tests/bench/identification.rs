@@ -11,9 +11,10 @@ use std::time::Instant;
 use admire_identify::global::confidence::covariance;
 use admire_identify::global::gauss_newton::{Tolerances, minimise};
 use admire_identify::global::{
-    Observations, Options, POOR_NORMAL, Prepared, Start, StartValues, fit_study, fit_unknowns,
-    global_problem, profile_interval,
+    Observations, Options, Prepared, Start, StartValues, fit_study, fit_unknowns, global_problem,
+    profile_interval,
 };
+use admire_identify::settings::POOR_NORMAL_LN_SD;
 use admire_identify::{LoadedStudy, regression};
 use admire_session::backend::{Backend, NativeBackend, Sweep, SweepRequest};
 use admire_solver::mechanics::Pose;
@@ -268,7 +269,7 @@ fn trial(setting: Setting, seed: u64, bounds: &[f64], start: Start, beside: bool
     let mut covered = Vec::new();
     for (k, parameter) in found.fit.parameters.iter().enumerate() {
         // Intervals use the profile likelihood wherever the command would use it.
-        let interval = if bounds[k] < KNOWN && sds[k] > POOR_NORMAL {
+        let interval = if bounds[k] < KNOWN && sds[k] > POOR_NORMAL_LN_SD {
             let of = (k, &found.covariance);
             profile_interval(
                 &mut found.problem,

@@ -2,7 +2,7 @@
 
 use admire_diagnosis::fit_with_random_effects;
 use admire_identify::global::{Options, Prepared, fit_study};
-use admire_identify::{Fit, NOT_CONVERGED, Problem, Verdict, structure};
+use admire_identify::{Fit, NOT_CONVERGED, Problem, Verdict, lack_of_fit};
 use admire_report::lead;
 
 use crate::options::with_sensors;
@@ -31,7 +31,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
         let fit = fitted(&loaded);
         assert_eq!(verdict(&fit), Verdict::Noise, "{:?}", fit.fit_test);
         assert!(
-            !structure::is_structured(&fit.structure),
+            !lack_of_fit::is_structured(&fit.structure),
             "{:?}",
             fit.structure
         );
@@ -64,12 +64,12 @@ fn structure_shows_where_the_sum_of_squares_does_not() {
     }
     let fit = fitted(&loaded);
     assert!(
-        structure::is_structured(&fit.structure),
+        lack_of_fit::is_structured(&fit.structure),
         "{:?}",
         fit.structure
     );
     let name = &loaded.measurement.parts[0].name;
-    let first = structure::worst(&fit.structure).unwrap();
+    let first = lack_of_fit::worst(&fit.structure).unwrap();
     assert!(first.what.starts_with(name.as_str()), "{first:?}");
     assert!(lead(&fit).contains("has structure"), "{}", lead(&fit));
 }

@@ -6,8 +6,11 @@ use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
 use super::super::cause::Cause;
-use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
+use super::super::hypothesis::{
+    EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
+};
 use super::super::survey::Survey;
+use crate::settings::SPLIT_STIFFNESS_N_PER_MM;
 
 /// Form of an attachment that holds a link, which is a part with two ends. Along the link it is indistinguishable from compliance of the
 /// link.
@@ -44,7 +47,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 .collect();
             let place = (model.markers[marker.0].qp, [0.0; 3]);
             let ground = model.parts[ground.0].header.id;
-            let (bushing, _, changes) = survey.split(ground, id, place, [1e6 * per_length; 3]);
+            let (bushing, _, changes) = survey.split(
+                ground,
+                id,
+                place,
+                [SPLIT_STIFFNESS_N_PER_MM * per_length; 3],
+            );
             let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
             out.push(Hypothesis {
                 cause: Cause::BodyCompliance,
@@ -68,7 +76,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 one_sided: true,
                 changes,
                 memory: None,
-                part: 0,
+                term: Term::Main,
                 joint_with: None,
             });
         };

@@ -5,7 +5,7 @@ use admire_syntax::{Expression, NewStatement};
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, FORCES, Hypothesis, Parametrisation, Sensitivity, number,
+    Change, EffectParameter, FORCES, Hypothesis, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::survey::Survey;
 
@@ -93,7 +93,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 one_sided: false,
                 changes: vec![Change::Add(statement)],
                 memory: None,
-                part: 0,
+                term: Term::Main,
                 joint_with: None,
             });
         }
@@ -171,7 +171,7 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
         numbers.collect(),
     );
     growth.changes = changes.into_iter().map(Change::Add).collect();
-    growth.part = 1;
+    growth.term = Term::Further(1);
     growth.ln_prior = libm::log(survey.priors().growing_coupling);
     Some(growth)
 }

@@ -5,14 +5,14 @@ use admire_solver::mechanics::Vec6;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity,
+    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity, Term,
     component, number,
 };
 use super::super::survey::{Survey, statement};
+use crate::settings::START_CREEP_RATES;
 
-/// Fractions of the distance that flow in one case, as first guesses. They stay well below one, because faster flow has ended before the
-/// reading. With a fraction near one, the force would depend on the last load step only, which looks like friction if the steps are equal.
-const RATES: [(f64, &str); 3] = [(0.1, "slow"), (0.3, "middle"), (0.5, "fast")];
+/// Names of the first guesses of the rate.
+const FORMS: [&str; 3] = ["slow", "middle", "fast"];
 
 /// Adds creep of every component of every bushing.
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
@@ -26,7 +26,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             let law = format!("0.0*VARVAL({place})");
             let (force, added) = survey.vector_force(pair, &[(axis, &law)]);
             let literal = |id| number("VARIABLE", id, "FUNCTION", Some(1));
-            for (rate, form) in RATES {
+            for (rate, form) in START_CREEP_RATES.into_iter().zip(FORMS) {
                 let mut flown = 0.0;
                 let forces = deflections.iter().map(|deflection| {
                     let force = flown;
@@ -68,7 +68,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         .chain(added.clone())
                         .map(Change::Add)
                         .collect(),
-                    part: 0,
+                    term: Term::Main,
                     joint_with: None,
                     memory: Some(MemoryPlan {
                         anchor: literal(place),

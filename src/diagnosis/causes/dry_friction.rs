@@ -8,33 +8,32 @@ use admire_solver::model::{JointKind, MarkerIx};
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    BY_DIRECTION, Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation,
-    Sensitivity, component, number,
+    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity, Term,
+    component, number,
 };
 use super::super::survey::Survey;
+use crate::priors::FORCE_LEVER_MM;
+use crate::settings::{START_FRICTION_FORCES, START_SLIP_LENGTHS};
 
 use super::super::survey::statement;
 
-/// First guesses: slip length as a fraction of the displacement range, and force in the first case as a fraction of the limit.
-const FORMS: [(f64, f64, &str); 9] = [
-    (0.01, 0.0, "short, free at first"),
-    (0.01, 1.0, "short, pushed at first"),
-    (0.01, -1.0, "short, pulled at first"),
-    (0.08, 0.0, "middle, free at first"),
-    (0.08, 1.0, "middle, pushed at first"),
-    (0.08, -1.0, "middle, pulled at first"),
-    (0.3, 0.0, "long, free at first"),
-    (0.3, 1.0, "long, pushed at first"),
-    (0.3, -1.0, "long, pulled at first"),
+/// First guesses, each with its name: indices of the slip length and of the force in the first case.
+const FORMS: [(usize, usize, &str); 9] = [
+    (0, 0, "short, free at first"),
+    (0, 1, "short, pushed at first"),
+    (0, 2, "short, pulled at first"),
+    (1, 0, "middle, free at first"),
+    (1, 1, "middle, pushed at first"),
+    (1, 2, "middle, pulled at first"),
+    (2, 0, "long, free at first"),
+    (2, 1, "long, pushed at first"),
+    (2, 2, "long, pulled at first"),
 ];
 
-/// Maximum number of sliders of one friction.
-pub(crate) const SLIDERS: usize = 3;
-
-/// Turns a slider into a further term of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
+/// Turns a slider into the further term `index` of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
 /// limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, part: usize) {
-    h.part = part;
+pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, index: usize) {
+    h.term = Term::Further(index);
     h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
 
@@ -43,8 +42,8 @@ pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, part: usiz
 pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
     let chosen = &survey.fitted.effects;
     let of = |(at, h): (usize, &Hypothesis)| {
-        let differs = |other: &Hypothesis| other.part == BY_DIRECTION && other.same_site(h);
-        if h.cause != Cause::DryFriction || h.part > 0 || chosen.iter().any(differs) {
+        let differs = |other: &Hypothesis| other.term == Term::Asymmetry && other.same_site(h);
+        if h.cause != Cause::DryFriction || h.term > Term::Main || chosen.iter().any(differs) {
             return None;
         }
         let force = survey.fitted.estimates(at).first()?.value.abs();
@@ -69,7 +68,7 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
         }];
         let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
         out.changes = changes.into_iter().map(Change::Add).collect();
-        out.part = BY_DIRECTION;
+        out.term = Term::Asymmetry;
         out.ln_prior = libm::log(survey.priors().friction_asymmetry);
         (force > 0.0).then_some(out)
     };
@@ -146,7 +145,7 @@ fn put(
     let lever = if axis < 3 {
         1.0
     } else {
-        100.0 * survey.millimetre()
+        FORCE_LEVER_MM * survey.millimetre()
     };
     let measure = survey.deflection_function(pair, axis);
     let anchor = survey.free_id("VARIABLE");
@@ -162,6 +161,7 @@ fn put(
     let last = admire_syntax::Expression::parse_str(&law).map_or(0, |law| law.literals.len());
     let at_start = number("VARIABLE", anchor, "FUNCTION", Some(1));
     for (share, first, form) in FORMS {
+        let (share, first) = (START_SLIP_LENGTHS[share], START_FRICTION_FORCES[first]);
         let length = share * range;
         // The force on I opposes the stretch.
         let start = u[0] - first * length;
@@ -209,7 +209,7 @@ fn put(
             ln_prior: 0.0,
             one_sided: true,
             changes: changes.clone(),
-            part: 0,
+            term: Term::Main,
             joint_with: None,
             memory: Some(MemoryPlan {
                 anchor: at_start.clone(),

@@ -4,7 +4,7 @@
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, number,
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::survey::Survey;
 use super::link_compliance::link_ends;
@@ -65,7 +65,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             one_sided: true,
             changes,
             memory: None,
-            part: 0,
+            term: Term::Main,
             joint_with: None,
         });
     }

@@ -8,9 +8,10 @@ use admire_syntax::Address;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, RIGID, Sensitivity, number,
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::survey::Survey;
+use crate::settings::{RIGID_STIFFNESS_N_PER_MM, SPLIT_STIFFNESS_N_PER_MM};
 
 /// End of a movable part with exactly two attachments.
 pub(super) struct LinkEnd {
@@ -92,7 +93,7 @@ impl LinkEnd {
         };
         let y = axis.cross(&x).normalize();
         let R = Mat3::from_columns(&[y.cross(&axis), y, axis]);
-        let rigid = RIGID[0] * survey.newton() / survey.millimetre();
+        let rigid = RIGID_STIFFNESS_N_PER_MM * survey.newton() / survey.millimetre();
         let place = (self.place, psi_theta_phi(&R));
         survey.split(self.part, self.marker, place, [rigid, rigid, stiffness])
     }
@@ -102,7 +103,7 @@ impl LinkEnd {
 pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     let per_length = survey.newton() / survey.millimetre();
     for end in link_ends(survey) {
-        let (bushing, _, changes) = end.split(survey, 1e6 * per_length);
+        let (bushing, _, changes) = end.split(survey, SPLIT_STIFFNESS_N_PER_MM * per_length);
         out.push(Hypothesis {
             cause: Cause::LinkCompliance,
             address: format!("PART/{}", end.part),
@@ -121,7 +122,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             one_sided: true,
             changes,
             memory: None,
-            part: 0,
+            term: Term::Main,
             joint_with: None,
         });
     }

@@ -4,7 +4,7 @@ use admire_solver::mechanics::Vec6;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, component, number,
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, component, number,
 };
 use super::super::survey::Survey;
 
@@ -80,7 +80,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     one_sided: powers.len() == 1,
                     changes: changes.into_iter().map(Change::Add).collect(),
                     memory: None,
-                    part: 0,
+                    term: Term::Main,
                     joint_with: None,
                 });
             }

@@ -6,16 +6,17 @@ use admire_syntax::NewStatement;
 
 use super::super::cause::Cause;
 use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, number,
+    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
 };
 use super::super::survey::Survey;
+use crate::settings::START_CLEARANCES;
 
-/// First guesses of the clearance, as fractions of the displacement range. The fit then moves it.
-const GRID: [(f64, &str, &str); 4] = [
-    (0.25, "above 0.25", "below 0.25"),
-    (0.5, "above 0.50", "below 0.50"),
-    (0.7, "above 0.70", "below 0.70"),
-    (0.85, "above 0.85", "below 0.85"),
+/// Names of the first guesses of the clearance, from the lower and from the upper end of the displacement range.
+const FORMS: [(&str, &str); 4] = [
+    ("above 0.25", "below 0.25"),
+    ("above 0.50", "below 0.50"),
+    ("above 0.70", "below 0.70"),
+    ("above 0.85", "below 0.85"),
 ];
 
 /// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
@@ -149,7 +150,8 @@ fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
             (last(1, 0), "in the lowest case", false),
         ]
     });
-    let grid = GRID.into_iter().flat_map(|(share, above, below)| {
+    let shares = START_CLEARANCES.into_iter().zip(FORMS);
+    let grid = shares.flat_map(|(share, (above, below))| {
         [
             (low + share * range, above, true),
             (high - share * range, below, false),
@@ -227,7 +229,7 @@ fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
             one_sided: true,
             changes: added.into_iter().map(Change::Add).collect(),
             memory: None,
-            part: 0,
+            term: Term::Main,
             joint_with: None,
         });
     }

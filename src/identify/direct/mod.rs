@@ -19,32 +19,18 @@ use nalgebra::{DMatrix, DVector};
 use self::equations::{CaseState, Linearised};
 use super::unknowns::stiffness;
 use super::{IdentifyError, Problem, Progress, bounded};
+use crate::settings::{
+    DIRECT_ACCEPTED_P_VALUE, DIRECT_DAMPING, DIRECT_DAMPING_DECREASE, DIRECT_DAMPING_INCREASE,
+    DIRECT_LN_TOLERANCE, DIRECT_MAX_DAMPING, DIRECT_MAX_LN_DISTANCE, DIRECT_MAX_LN_STEP,
+    DIRECT_MEASURED_POSE_ROUNDS, DIRECT_MIN_MARK_SIGMA, DIRECT_POSE_CORRECTIONS,
+    DIRECT_SD_TOLERANCE,
+};
 use admire_session::backend::{compile, slot};
 use admire_solver::mechanics::eigen::pseudo_inverse;
 use admire_solver::system::{NoValue, Scratch, Slot, System};
 use admire_study::orientation::chi_square_p_value;
 use admire_study::settings::Method;
 use admire_syntax::Address;
-
-/// Noise assigned to exact readings, whose weights would otherwise be infinite.
-const EXACT: f64 = 1e-6;
-/// Largest change of ln K in one round.
-const STEP: f64 = 1.5;
-/// Number of pose corrections for one set of values.
-const CORRECTIONS: usize = 3;
-/// Initial damping, its factor after a rejected step, and its divisor after an accepted one.
-const DAMPING: (f64, f64, f64) = (1e-3, 8.0, 5.0);
-/// Damping beyond which no descent is possible.
-const STUCK: f64 = 1e6;
-/// Largest distance of the values from their start, in e-folds.
-const WIDTH: f64 = 9.0;
-/// Change of ln K that counts as converged: an absolute part, plus a part relative to the standard deviation.
-const SETTLED: (f64, f64) = (1e-7, 0.05);
-/// Number of rounds with the poses as measured before they are corrected, one entry per attempt. Few rounds keep poorly determined
-/// stiffnesses from collapsing; many rounds bring well-determined ones close to the solution.
-const ATTEMPTS: [usize; 2] = [2, 12];
-/// P-value of the misfit above which an attempt is accepted.
-const BELIEVABLE: f64 = 1e-3;
 
 /// Settings of the direct solution.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -173,7 +159,7 @@ impl<'a> Direct<'a> {
         let loads = loads
             .map(|load| slot(system, &load.target))
             .collect::<Result<_, _>>()?;
-        let sigma = problem.measurement.sigma.max(EXACT);
+        let sigma = problem.measurement.sigma.max(DIRECT_MIN_MARK_SIGMA);
         let cases = problem.measurement.fitted_cases().filter_map(|case| {
             CaseState::new(system, problem.model, problem.measurement, case, sigma)
         });
@@ -211,11 +197,11 @@ impl<'a> Direct<'a> {
         let start = self.x.clone();
         let mut best: Option<Attempt> = None;
         let mut rounds = 0;
-        for weighting in ATTEMPTS {
+        for weighting in DIRECT_MEASURED_POSE_ROUNDS {
             self.x.clone_from(&start);
             let attempt = self.attempt(weighting, settings, &mut rounds, progress)?;
-            let done =
-                attempt.stopped || chi_square_p_value(attempt.chi_square, attempt.dof) > BELIEVABLE;
+            let done = attempt.stopped
+                || chi_square_p_value(attempt.chi_square, attempt.dof) > DIRECT_ACCEPTED_P_VALUE;
             if best
                 .as_ref()
                 .is_none_or(|best| attempt.chi_square < best.chi_square)
@@ -244,7 +230,7 @@ impl<'a> Direct<'a> {
         self.x = x;
         let at_bound = (0..count).map(|k| {
             let initial = libm::log(self.problem.unknowns[k].initial);
-            (self.x[k] - initial).abs() >= WIDTH - 1e-9
+            (self.x[k] - initial).abs() >= DIRECT_MAX_LN_DISTANCE - 1e-9
         });
         let offsets = self.offsets.iter().enumerate();
         Ok(DirectSolution {
@@ -280,7 +266,7 @@ impl<'a> Direct<'a> {
             *rounds += 1;
         }
         let (mut linear, mut chi_square) = self.corrected()?;
-        let (mut damping, mut settled, mut stopped) = (DAMPING.0, false, false);
+        let (mut damping, mut settled, mut stopped) = (DIRECT_DAMPING, false, false);
         for _ in 0..settings.rounds {
             let (normal, right) = self.normal_equations(&linear);
             let mut damped = normal.clone();
@@ -296,23 +282,25 @@ impl<'a> Direct<'a> {
             self.x += &step;
             let trial = self.corrected();
             let variance = inverse(&normal).diagonal();
-            let small = (0..count)
-                .all(|k| step[k].abs() < SETTLED.0 + SETTLED.1 * variance[k].max(0.0).sqrt());
+            let small = (0..count).all(|k| {
+                step[k].abs()
+                    < DIRECT_LN_TOLERANCE + DIRECT_SD_TOLERANCE * variance[k].max(0.0).sqrt()
+            });
             match trial {
                 Ok((next, value)) if value <= chi_square => {
                     (linear, chi_square) = (next, value);
-                    damping /= DAMPING.2;
+                    damping /= DIRECT_DAMPING_DECREASE;
                     settled = (small || unnoticed) && damping < 1.0;
                 }
                 _ => {
                     (self.x, self.cases) = before;
-                    damping *= DAMPING.1;
+                    damping *= DIRECT_DAMPING_INCREASE;
                     settled = (small || unnoticed) && damping < 1.0;
                 }
             }
             let change = step.rows(0, count).amax();
             stopped = progress(*rounds, &self.values(), change) == ControlFlow::Break(());
-            if settled || stopped || damping > STUCK {
+            if settled || stopped || damping > DIRECT_MAX_DAMPING {
                 break;
             }
         }
@@ -331,7 +319,7 @@ impl<'a> Direct<'a> {
     /// Moves the poses onto the equations of the current values; returns the equations there and the misfit.
     fn corrected(&mut self) -> Result<(Vec<Linearised>, f64), IdentifyError> {
         let nothing = DVector::zeros(self.x.len());
-        for _ in 0..CORRECTIONS {
+        for _ in 0..DIRECT_POSE_CORRECTIONS {
             let linear = self.linearise()?;
             self.correct(&linear, &nothing);
         }
@@ -463,8 +451,8 @@ impl<'a> Direct<'a> {
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
         for (k, unknown) in self.problem.unknowns.iter().enumerate() {
             let moved = self.x[k] - libm::log(unknown.initial);
-            lower.push((-STEP).max(-WIDTH - moved));
-            upper.push(STEP.min(WIDTH - moved));
+            lower.push((-DIRECT_MAX_LN_STEP).max(-DIRECT_MAX_LN_DISTANCE - moved));
+            upper.push(DIRECT_MAX_LN_STEP.min(DIRECT_MAX_LN_DISTANCE - moved));
         }
         lower.resize(self.slots.len(), f64::NEG_INFINITY);
         upper.resize(self.slots.len(), f64::INFINITY);

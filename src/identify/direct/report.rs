@@ -6,16 +6,12 @@ use std::f64::consts::LN_10;
 use super::{DirectSettings, DirectSolution, solve};
 use crate::evaluation::fill;
 use crate::global::confidence::open_directions;
+use crate::settings::{NORMAL_QUANTILE_975, UNIDENTIFIABLE_LN_SD};
 use crate::{
     Fit, IdentifyError, OffsetFit, ParameterFit, Problem, Progress, Status, UnidentifiableDirection,
 };
 use admire_session::backend::Backend;
 use admire_study::settings::Method;
-
-/// Standard deviation of ln K above which a number counts as unidentifiable.
-const UNIDENTIFIABLE: f64 = 0.5;
-/// 97.5 percent point of the standard normal distribution, for two-sided 95 percent intervals.
-const NORMAL95: f64 = 1.959_963_984_540_054;
 
 /// Identifies by the direct solution. The backend only evaluates it, in one sweep with the initial and one with the identified values.
 ///
@@ -77,7 +73,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
     };
     let one = |(k, unknown): (usize, &crate::Unknown)| {
         let (value, sd) = (solution.values[k], sd_log(solution, k));
-        let reach = NORMAL95 * sd;
+        let reach = NORMAL_QUANTILE_975 * sd;
         // A bound three decades away is not stated.
         let side = |factor: f64| (reach < 3.0 * LN_10).then_some(value * factor);
         ParameterFit {
@@ -95,7 +91,7 @@ fn parameters(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<Parameter
             posterior: None,
             status: if solution.at_bound[k] {
                 Status::Bound
-            } else if sd > UNIDENTIFIABLE {
+            } else if sd > UNIDENTIFIABLE_LN_SD {
                 Status::Unidentifiable
             } else {
                 Status::Identified
@@ -125,7 +121,11 @@ fn offsets(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<OffsetFit> {
 }
 
 fn directions(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<UnidentifiableDirection> {
-    let open = open_directions(&solution.covariance, problem.unknowns.len(), UNIDENTIFIABLE);
+    let open = open_directions(
+        &solution.covariance,
+        problem.unknowns.len(),
+        UNIDENTIFIABLE_LN_SD,
+    );
     open.into_iter()
         .map(|direction| {
             let shares = direction
@@ -146,7 +146,8 @@ fn remarks(problem: &Problem<'_>, solution: &DirectSolution) -> Vec<String> {
     let mut worst: Option<(usize, f64)> = None;
     for (k, plain) in solution.uncorrected.iter().enumerate() {
         let bias = libm::log(plain / solution.values[k]);
-        if sd_log(solution, k) <= UNIDENTIFIABLE && worst.is_none_or(|(_, b)| bias.abs() > b.abs())
+        if sd_log(solution, k) <= UNIDENTIFIABLE_LN_SD
+            && worst.is_none_or(|(_, b)| bias.abs() > b.abs())
         {
             worst = Some((k, bias));
         }

@@ -6,9 +6,7 @@ use admire_solver::system::{NoValue, Parameters, Scratch, State, System};
 use admire_study::Channels;
 
 use super::unknown::Direction;
-
-/// Central-difference step for the explicit dependence of a channel on theta, with all parts fixed, in units of the unknown.
-const STEP: f64 = 1e-5;
+use crate::settings::CHANNEL_DIFFERENCE_STEP;
 
 /// Computes the changes of all channels along each direction, one column per direction. `responses` holds the changes of the system's
 /// unknowns along each direction.
@@ -55,9 +53,9 @@ pub fn channel_changes(
             }
             channels.values(system, &near, state, scratch)
         };
-        let (up, down) = (at(STEP)?, at(-STEP)?);
+        let (up, down) = (at(CHANNEL_DIFFERENCE_STEP)?, at(-CHANNEL_DIFFERENCE_STEP)?);
         for (change, (up, down)) in changes.iter_mut().zip(up.iter().zip(&down)) {
-            *change += (up - down) / (2.0 * STEP);
+            *change += (up - down) / (2.0 * CHANNEL_DIFFERENCE_STEP);
         }
     }
     Ok(out)

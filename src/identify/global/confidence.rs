@@ -3,12 +3,8 @@
 use nalgebra::DMatrix;
 
 use super::gauss_newton::Minimum;
+use crate::settings::NAMED_COMPONENT;
 use admire_solver::mechanics::eigen::symmetric_eigen;
-
-/// Half the 95 percent point of chi-square with one degree of freedom: 3.841 / 2.
-pub(super) const HALF_CHI2_95: f64 = 1.920_729;
-/// 97.5 percent point of the standard normal distribution.
-pub const NORMAL_975: f64 = 1.959_964;
 
 /// Computes the posterior covariance of all unknowns, the inverse of data plus prior information. Held unknowns get zero variance.
 pub fn covariance(minimum: &Minimum, held: &[bool]) -> DMatrix<f64> {
@@ -79,7 +75,7 @@ pub(crate) fn open_directions(
                 .iter()
                 .copied()
                 .enumerate()
-                .filter(|(_, w)| w.abs() > 0.15)
+                .filter(|(_, w)| w.abs() > NAMED_COMPONENT)
                 .collect();
             weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
             if weights.first().is_some_and(|(_, w)| *w < 0.0) {

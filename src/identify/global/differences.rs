@@ -5,16 +5,13 @@ use super::prepared::Prepared;
 use super::unknown::{Direction, Numbers};
 use crate::Problem;
 use crate::free_motions::{changes_along, meet_marks};
+use crate::settings::DIFFERENCE_STEP;
 use admire_session::backend::{Backend, BackendError, Load, LoadProgramme, SweepRequest, slot};
 use admire_solver::mechanics::{Pose, log};
 use admire_solver::statics::Balance;
 use admire_solver::system::{Parameters, Scratch, System};
 use admire_study::Channels;
 use admire_syntax::Address;
-
-/// Central-difference step in units of an unknown; for ln K this is a relative change of 0.001. At this size, truncation error and the ten
-/// digits of a results file contribute about equally.
-const STEP: f64 = 1e-3;
 
 /// Predictor for a backend that returns poses only; channels are evaluated from the poses.
 pub(crate) struct DifferencePredictor<'a> {
@@ -201,7 +198,9 @@ impl Predictor for DifferencePredictor<'_> {
         let directions = directions.unwrap_or_default();
         let mut all = vec![numbers.clone()];
         for direction in directions {
-            all.extend([STEP, -STEP].map(|step| moved(numbers, direction, step)));
+            all.extend(
+                [DIFFERENCE_STEP, -DIFFERENCE_STEP].map(|step| moved(numbers, direction, step)),
+            );
         }
         let mut swept = self.sweep(&all).into_iter();
         let mut next = || swept.next().expect("an answer for each request");
@@ -228,13 +227,14 @@ impl Predictor for DifferencePredictor<'_> {
                     };
                     let (up, down) = (&up.poses[part.0], &down.poses[part.0]);
                     let (dp, dr) = (up.p - down.p, log(&(up.R * down.R.transpose())));
-                    [dp.x, dp.y, dp.z, dr.x, dr.y, dr.z].map(|value| value / (2.0 * STEP))
+                    [dp.x, dp.y, dp.z, dr.x, dr.y, dr.z]
+                        .map(|value| value / (2.0 * DIFFERENCE_STEP))
                 };
                 if let Some(prediction) = prediction {
                     let parts = self.observed.parts.iter().map(change);
                     let channel = |k: usize| match (up, down) {
                         (Some(up), Some(down)) => {
-                            (up.channels[k] - down.channels[k]) / (2.0 * STEP)
+                            (up.channels[k] - down.channels[k]) / (2.0 * DIFFERENCE_STEP)
                         }
                         _ => f64::NAN,
                     };

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::confidence::{NORMAL_975, covariance, open_directions};
-use super::gauss_newton::{Ending, LOUD, Minimum, Tolerances, homotopy_start, minimise};
+use super::confidence::{covariance, open_directions};
+use super::gauss_newton::{Ending, Minimum, Tolerances, homotopy_start, minimise};
 use super::held_curves::held_curves;
 use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
@@ -15,7 +15,11 @@ use super::profile::profile_interval;
 use super::unknown::{Component, FitUnknown, FitUnknowns, Target};
 use crate::evaluation::fill;
 use crate::goodness::{FitTest, Kind, Tally};
-use crate::structure::{Residuals, structure};
+use crate::lack_of_fit::{Residuals, lack_of_fit_tests};
+use crate::settings::{
+    BOUND_LN_DISTANCE, FAR_FIT_RMS_SIGMA, NORMAL_QUANTILE_975, OUTLIER_FALSE_ALARM,
+    POOR_NORMAL_LN_SD, UNIDENTIFIABLE_LN_SD,
+};
 use crate::unknowns::{Place, bushing_number};
 use crate::{
     Fit, IdentifyError, Marks, NOT_CONVERGED, OffsetFit, ParameterFit, Problem, Status,
@@ -24,15 +28,6 @@ use crate::{
 use admire_session::backend::{CaseFailure, Sweep};
 use admire_solver::system::{Equilibrium, System};
 use admire_study::settings::{Loss, Method};
-
-/// Standard deviation of ln K above which a number counts as unidentifiable (guide/study.md).
-pub const UNIDENTIFIABLE: f64 = 0.5;
-/// Standard deviation of ln K above which a profile-likelihood interval replaces the normal interval.
-pub const POOR_NORMAL: f64 = 0.3;
-/// Probability that pure noise produces an outlier somewhere in a study.
-const OUTLIER: f64 = 1e-3;
-/// Distance of ln K from its prior mean at which a number counts as being at a bound.
-const REACH: f64 = 14.0;
 
 /// Starting values of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -246,7 +241,7 @@ pub fn identify<'a>(
     fit.fit_test = tested(global, &minimum, &covariance, &mut fit.remarks);
     if fit.fit_test.is_some() {
         let left = Residuals::new(&global.observations.rows, &minimum, &covariance);
-        fit.structure = structure(problem, &left);
+        fit.structure = lack_of_fit_tests(problem, &left);
     }
     fit.remarks.extend(left_out.iter().map(|case| {
         let label = &problem.measurement.cases[*case].label;
@@ -286,7 +281,8 @@ fn attempt(global: &mut GlobalProblem<'_>, starts: &[Vec<f64>]) -> Option<Minimu
     }
     let missed = best.as_ref().is_some_and(|found| {
         let rows = found.evaluation.residual.len() as f64;
-        2.0 * found.objective > LOUD * LOUD * rows && found.ending != Ending::Stopped
+        2.0 * found.objective > FAR_FIT_RMS_SIGMA * FAR_FIT_RMS_SIGMA * rows
+            && found.ending != Ending::Stopped
     });
     if let (true, Some(last)) = (missed, starts.last()) {
         let (scale, held) = (global.scale(), global.held());
@@ -365,10 +361,10 @@ fn answer(
         let (x, sd) = (minimum.x[k], covariance[(k, k)].max(0.0).sqrt());
         let value = libm::exp(x);
         let normal = [
-            Some(libm::exp(x - NORMAL_975 * sd)),
-            Some(libm::exp(x + NORMAL_975 * sd)),
+            Some(libm::exp(x - NORMAL_QUANTILE_975 * sd)),
+            Some(libm::exp(x + NORMAL_QUANTILE_975 * sd)),
         ];
-        let poor = profile && sd > POOR_NORMAL;
+        let poor = profile && sd > POOR_NORMAL_LN_SD;
         let refined = (poor && global.goes_on(minimum))
             .then(|| profile_interval(global, minimum, (k, covariance), &priors, &scale, &held))
             .filter(|_| global.goes_on(minimum));
@@ -394,16 +390,16 @@ fn answer(
             profile95: None,
             bootstrap: None,
             posterior: None,
-            status: if (x - priors[k].mean).abs() >= REACH {
+            status: if (x - priors[k].mean).abs() >= BOUND_LN_DISTANCE {
                 Status::Bound
-            } else if sd > UNIDENTIFIABLE {
+            } else if sd > UNIDENTIFIABLE_LN_SD {
                 Status::Unidentifiable
             } else {
                 Status::Identified
             },
         });
     }
-    let unidentifiable_directions = open_directions(covariance, count, UNIDENTIFIABLE)
+    let unidentifiable_directions = open_directions(covariance, count, UNIDENTIFIABLE_LN_SD)
         .into_iter()
         .map(|open| UnidentifiableDirection {
             combination: open
@@ -518,7 +514,7 @@ fn tested(
     let r = &minimum.evaluation.residual;
     let beyond = |count: f64| {
         let far = ChiSquared::new(count).map_or(f64::INFINITY, |chi2| {
-            chi2.inverse_cdf(1.0 - OUTLIER / r.len() as f64)
+            chi2.inverse_cdf(1.0 - OUTLIER_FALSE_ALARM / r.len() as f64)
         });
         if global.loss == Loss::Huber {
             far

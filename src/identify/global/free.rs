@@ -7,23 +7,13 @@
 //! `J - F F+ J` with `F+ = (F'WF)^-1 F'W`. This is variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413) with
 //! Kaufman's derivative.
 
+use crate::settings::{
+    FREE_MAX_PASSES, FREE_MAX_STEP, FREE_OUTLIER_RATIO, FREE_PLACED_STEP, FREE_ROUND_OFF,
+};
 use nalgebra::{DMatrix, DVector};
 
 use admire_solver::mechanics::eigen::symmetric_eigen;
 use admire_solver::mechanics::{Pose, Vec3};
-
-/// Residual beyond which a reading is downweighted, as a multiple of the median of its case. A single wrong mark must not rotate a part.
-const WILD: f64 = 3.0;
-/// Maximum number of passes to determine the weights.
-const PASSES: usize = 4;
-/// Relative eigenvalue of a free motion below which it counts as round-off.
-const ROUND_OFF: f64 = 1e-12;
-/// Step along a free motion, in radians or model lengths, below which a prediction counts as placed.
-const CLOSE: f64 = 1e-4;
-/// Maximum number of steps to place a prediction along its free motions.
-pub(crate) const STEPS: usize = 20;
-/// Longest step along a free motion, in radians or model lengths.
-const LONGEST: f64 = 0.5;
 
 /// A mark on an observed part and its measured position.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -62,14 +52,14 @@ impl FreeRows {
     pub(super) fn projection(&self, residual: &DVector<f64>) -> Projection<'_> {
         let mut weights = DVector::from_element(residual.len(), 1.0);
         let mut out = Projection::new(&self.F, &weights);
-        for _ in 0..PASSES {
+        for _ in 0..FREE_MAX_PASSES {
             let left = residual - &self.F * out.amounts(residual);
             let size = |(first, count): (usize, usize)| {
                 left.rows(first, count).norm() / (count as f64).sqrt()
             };
             let mut sizes: Vec<f64> = self.readings.iter().map(|own| size(*own)).collect();
             sizes.sort_by(f64::total_cmp);
-            let limit = WILD * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+            let limit = FREE_OUTLIER_RATIO * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
             let before = weights.clone();
             for own in &self.readings {
                 let size = size(*own);
@@ -89,7 +79,7 @@ impl FreeRows {
         let eigen = symmetric_eigen(self.F.tr_mul(&self.F));
         let largest = eigen.eigenvalues.max();
         let held: Vec<usize> = (0..eigen.eigenvalues.len())
-            .filter(|k| eigen.eigenvalues[*k] > ROUND_OFF * largest)
+            .filter(|k| eigen.eigenvalues[*k] > FREE_ROUND_OFF * largest)
             .collect();
         let mut basis = &self.F * eigen.eigenvectors.select_columns(&held);
         for (mut column, k) in basis.column_iter_mut().zip(&held) {
@@ -106,7 +96,7 @@ impl<'a> Projection<'a> {
             row *= *weight;
         }
         let eigen = symmetric_eigen(F.tr_mul(&weighed));
-        let least = ROUND_OFF * eigen.eigenvalues.max();
+        let least = FREE_ROUND_OFF * eigen.eigenvalues.max();
         let inverse = eigen
             .eigenvalues
             .map(|value| if value > least { 1.0 / value } else { 0.0 });
@@ -162,6 +152,7 @@ pub(crate) fn step(
     }
     let rows = FreeRows::new(F, readings);
     let amounts = rows.projection(&residual).amounts(&residual);
-    let shorter = (LONGEST / amounts.amax()).min(1.0);
-    (amounts.amax() > CLOSE).then(|| amounts.iter().map(|amount| amount * shorter).collect())
+    let shorter = (FREE_MAX_STEP / amounts.amax()).min(1.0);
+    (amounts.amax() > FREE_PLACED_STEP)
+        .then(|| amounts.iter().map(|amount| amount * shorter).collect())
 }

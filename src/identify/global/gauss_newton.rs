@@ -6,6 +6,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::observation::Evaluation;
 use crate::bounded;
+use crate::settings::{
+    CONVERGED_DECREMENT_NATS, CONVERGED_STEP, CURVATURE_RATIO_HIGH, CURVATURE_RATIO_LOW,
+    FAR_FIT_RMS_SIGMA, HOMOTOPY_DECREMENT_NATS, HOMOTOPY_MAX_STAGES, HOMOTOPY_MAX_STEPS,
+    HOMOTOPY_STALL_RATIO, HOMOTOPY_STEP, LATE_STEP_NATS, LATE_STEP_REMAINDER, MAX_LATE_RETRIES,
+    MAX_STEPS_AFTER_UPHILL, MAX_TRIAL_STEPS, MAX_TRUST_REGION, MIN_TRUST_REGION,
+    TRUST_REGION_SHRINKAGE,
+};
 
 /// A least-squares problem: minimise `1/2 |r(x)|^2 + 1/2 sum ((x - mean)/sd)^2`.
 pub trait LeastSquares {
@@ -97,11 +104,9 @@ pub struct Tolerances {
 impl Default for Tolerances {
     fn default() -> Self {
         Self {
-            // The next step would move no unknown by more than about a hundredth of its standard deviation.
-            decrement: 1e-4,
-            // Convergence is nearly quadratic: after a step of 1e-6, a further sweep gains nothing.
-            step: 1e-6,
-            max_iterations: 100,
+            decrement: CONVERGED_DECREMENT_NATS,
+            step: CONVERGED_STEP,
+            max_iterations: MAX_TRIAL_STEPS,
         }
     }
 }
@@ -142,33 +147,12 @@ pub struct Minimum {
     pub ending: Ending,
 }
 
-/// Largest trust-region size in natural units: 1.5 e-folds of a stiffness.
-const REACH: f64 = 1.5;
-/// Factor on the trust-region size after rejected steps.
-const SHRINK: f64 = 0.3;
-/// Trust-region size below which round-off hides any progress.
-const LEAST_REACH: f64 = 1e-9;
-/// Maximum number of steps that follow an uphill step before all of them are rejected.
-const CHANCES: usize = 3;
-
-/// Predicted decrease below which a step counts as late. The objective is half a chi-square, so that all unknowns together then move by at
-/// most two standard deviations.
-const LATE: f64 = 2.0;
-/// Fraction of the objective that must remain after a step for it to count as late. Where the residuals nearly vanish, their curvature has
-/// no effect.
-const REMAINS: f64 = 0.9;
-/// Maximum number of late steps retried with the updated curvature before the trust region shrinks.
-const RETRIES: usize = 6;
-
 /// Secant estimate of the second-order term `sum r_i H_i` of the Hessian, which Gauss-Newton neglects.
 ///
 /// Along poorly determined directions, this term can be as large as the information. Gauss-Newton steps then overshoot and oscillate. The
 /// observed change of the objective along a step reveals the missing curvature, which is attributed to the unknowns that moved most in
 /// natural units. Source: secant updates of NL2SOL (Dennis, Gay and Welsch, 1981), reduced to a positive semidefinite correction.
 struct SecantCorrection(DMatrix<f64>);
-
-/// Ratio of observed to predicted curvature below which the correction is halved, and above which it is increased.
-const MISJUDGED: (f64, f64) = (0.7, 1.1);
 
 impl SecantCorrection {
     /// Updates the correction from a step: its slope and curvature in the model, and the observed rise of the objective.
@@ -177,11 +161,11 @@ impl SecantCorrection {
         if !(seen / bend).is_finite() {
             return;
         }
-        if seen > MISJUDGED.1 * bend {
+        if seen > CURVATURE_RATIO_HIGH * bend {
             let blame = DVector::from_fn(step.len(), |k, _| step[k] / (scale[k] * scale[k]));
             let size = blame.dot(step);
             self.0 += &blame * blame.transpose() * ((seen - bend) / (size * size));
-        } else if seen < MISJUDGED.0 * bend {
+        } else if seen < CURVATURE_RATIO_LOW * bend {
             self.0 *= 0.5;
         }
     }
@@ -301,14 +285,14 @@ pub fn minimise(
     let evaluation = problem.evaluate(start, true)?;
     problem.checkpoint();
     let mut best = point(problem, start.to_vec(), evaluation);
-    let mut reach = REACH;
+    let mut reach = MAX_TRUST_REGION;
     let mut missing = SecantCorrection(DMatrix::zeros(start.len(), start.len()));
     let mut retries = 0;
     let (mut iterations, mut tries, mut ending) = (0, 0, Ending::MaxIterations);
     'steps: while tries < tolerances.max_iterations {
         let mut uphill: Option<Point> = None;
         let (mut first, mut promised) = (reach, 0.0);
-        for chance in 0..=CHANCES {
+        for chance in 0..=MAX_STEPS_AFTER_UPHILL {
             let at = uphill.as_ref().unwrap_or(&best);
             let learnt = (chance == 0).then_some(&missing);
             let (step, gain) = at.step(learnt, &problem.limits(scale, reach), held);
@@ -330,8 +314,8 @@ pub fn minimise(
             if !gained.is_finite() {
                 break;
             }
-            let remains = best.value - promised > REMAINS * best.value;
-            let late = chance == 0 && promised < LATE && remains;
+            let remains = best.value - promised > LATE_STEP_REMAINDER * best.value;
+            let late = chance == 0 && promised < LATE_STEP_NATS && remains;
             if late {
                 let slope = best.gradient.dot(&step);
                 let model = (slope, -2.0 * (promised + slope));
@@ -339,7 +323,7 @@ pub fn minimise(
             } else if chance == 0 {
                 missing.0.fill(0.0);
             }
-            if late && gained <= 0.0 && retries < RETRIES {
+            if late && gained <= 0.0 && retries < MAX_LATE_RETRIES {
                 retries += 1;
                 problem.rollback();
                 continue 'steps;
@@ -350,7 +334,7 @@ pub fn minimise(
             }
             let kept = gained / promised;
             if chance == 0 && kept > 0.5 {
-                reach = reach.max(2.0 * first).min(REACH);
+                reach = reach.max(2.0 * first).min(MAX_TRUST_REGION);
             } else if kept < 0.1 {
                 reach = 0.5 * first;
             }
@@ -365,10 +349,14 @@ pub fn minimise(
             continue 'steps;
         }
         problem.rollback();
-        reach = SHRINK * reach.min(first);
-        if reach < LEAST_REACH {
+        reach = TRUST_REGION_SHRINKAGE * reach.min(first);
+        if reach < MIN_TRUST_REGION {
             // Round-off hides any further decrease; at a minimum this counts as convergence.
-            let (_, left) = best.step(Some(&missing), &problem.limits(scale, REACH), held);
+            let (_, left) = best.step(
+                Some(&missing),
+                &problem.limits(scale, MAX_TRUST_REGION),
+                held,
+            );
             ending = if left <= 1e-3 {
                 Ending::Converged
             } else {
@@ -377,7 +365,11 @@ pub fn minimise(
             break;
         }
     }
-    let (_, decrement) = best.step(Some(&missing), &problem.limits(scale, REACH), held);
+    let (_, decrement) = best.step(
+        Some(&missing),
+        &problem.limits(scale, MAX_TRUST_REGION),
+        held,
+    );
     Some(Minimum {
         x: best.x,
         objective: best.value,
@@ -389,15 +381,6 @@ pub fn minimise(
         ending,
     })
 }
-
-/// Maximum number of steps in a stage of [`homotopy_start`].
-const STEPS_OF_A_STAGE: usize = 8;
-/// Maximum number of stages of [`homotopy_start`].
-const STAGES: usize = 12;
-/// Ratio of successive misfits above which the stages end.
-const STALLED: f64 = 0.8;
-/// Rms of the whitened residuals above which a fit counts as far from its solution.
-pub(crate) const LOUD: f64 = 3.0;
 
 /// Returns a good starting point for a fit that initially misses the readings by much more than their noise.
 ///
@@ -421,12 +404,12 @@ pub fn homotopy_start(
         .collect();
     let mut x = start.to_vec();
     let mut before = f64::INFINITY;
-    for _ in 0..STAGES {
+    for _ in 0..HOMOTOPY_MAX_STAGES {
         let Some(here) = problem.evaluate(&x, false) else {
             return x;
         };
         let misfit = (here.residual.norm_squared() / here.residual.len().max(1) as f64).sqrt();
-        if !(misfit > LOUD && misfit < STALLED * before) {
+        if !(misfit > FAR_FIT_RMS_SIGMA && misfit < HOMOTOPY_STALL_RATIO * before) {
             return x;
         }
         before = misfit;
@@ -435,9 +418,9 @@ pub fn homotopy_start(
             noise: misfit,
         };
         let tolerances = Tolerances {
-            decrement: 0.1,
-            step: 1e-2,
-            max_iterations: STEPS_OF_A_STAGE,
+            decrement: HOMOTOPY_DECREMENT_NATS,
+            step: HOMOTOPY_STEP,
+            max_iterations: HOMOTOPY_MAX_STEPS,
         };
         let Some(found) = minimise(&mut louder, &x, &priors, scale, held, tolerances) else {
             return x;

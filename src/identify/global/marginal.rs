@@ -17,6 +17,7 @@ use super::observation::{Evaluation, NuisanceLayout, Observations};
 use super::predictor::Predictor;
 use super::prepared::Prepared;
 use super::unknown::FitUnknowns;
+use crate::settings::FLAT_PRIOR_SD;
 use crate::tolerance::Whitening;
 use crate::{IdentifyError, Problem};
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -76,7 +77,7 @@ impl Marginal {
         let mut columns = joint.jacobian.select_columns(&small);
         for (mut column, k) in columns.column_iter_mut().zip(&small) {
             // An unknown without a prior gets a very wide one.
-            column *= joint.priors[*k].sd.min(WIDE);
+            column *= joint.priors[*k].sd.min(FLAT_PRIOR_SD);
         }
         let columns = picked(&joint, &used, &columns);
         let eigen = symmetric_eigen(columns.tr_mul(&columns));
@@ -96,7 +97,7 @@ impl Marginal {
             small.len(),
             small
                 .iter()
-                .map(|k| joint.x[*k] / joint.priors[*k].sd.min(WIDE)),
+                .map(|k| joint.x[*k] / joint.priors[*k].sd.min(FLAT_PRIOR_SD)),
         );
         Self {
             found: &columns * values,
@@ -201,9 +202,6 @@ impl Marginal {
         rows + &self.small * along
     }
 }
-
-/// Prior standard deviation of an unknown that has no prior, in the unknown's own unit.
-const WIDE: f64 = 1e6;
 
 /// Returns the used rows after whitening and weighting.
 fn picked(joint: &Joint, used: &[(usize, f64)], rows: &DMatrix<f64>) -> DMatrix<f64> {

@@ -22,11 +22,10 @@ mod study;
 mod unknown;
 
 pub use channel::channel_changes;
-pub use fit::UNIDENTIFIABLE;
 pub(crate) use fit::effective_dof;
-pub use fit::{Found, GlobalFit, POOR_NORMAL, StartValues, fit_unknowns, global_problem, identify};
+pub use fit::{Found, GlobalFit, StartValues, fit_unknowns, global_problem, identify};
 pub use free::SeenMark;
-pub(crate) use free::{STEPS, step};
+pub(crate) use free::step;
 pub use marginal::Joint;
 pub use marginal::Marginal;
 pub use marginal::MarginalProblem;

@@ -7,10 +7,11 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::free::{STEPS, step};
+use super::free::step;
 use super::memory::{Carried, HysteresisState};
 use super::predictor::{CaseChanges, CasePrediction, Observed, Prediction, Predictor};
 use super::unknown::{Component, Direction, Numbers};
+use crate::settings::{FREE_MAX_STEPS, MAX_EXTRAPOLATED_STEP};
 use admire_session::backend::{CaseSweeper, FreeMotions, HeldWeight, Loads};
 use admire_solver::model::PartIx;
 use admire_solver::statics::{Balance, StaticSettings, Tangent, displace, twist};
@@ -143,7 +144,7 @@ impl<'a> NativePredictor<'a> {
         state: &mut State,
     ) -> (DMatrix<f64>, Option<Tangent>) {
         let (mut motions, mut last) = (Vec::new(), None);
-        for taken in 0..=STEPS {
+        for taken in 0..=FREE_MAX_STEPS {
             // The last Newton factorisation precedes the equilibrium and may miss a free motion, so that the deck's own flag is checked as
             // well.
             if !(self.has_free_motions || self.sweeper.solver().has_free_motions()) {
@@ -161,7 +162,7 @@ impl<'a> NativePredictor<'a> {
                 .map(|motion| observed.clone().map(|part| twist(motion, part)).collect())
                 .collect();
             let pose = |part: usize| state.poses[self.observed.parts[part].0];
-            let amounts = step(marks, &pose, &twists).filter(|_| taken < STEPS);
+            let amounts = step(marks, &pose, &twists).filter(|_| taken < FREE_MAX_STEPS);
             let Some(amounts) = amounts else {
                 last = Some(tangent);
                 break;
@@ -364,7 +365,7 @@ fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
     for (unknown, response) in unknowns.iter().zip(responses.column_iter()) {
         let step = x[*unknown] - answer.x[*unknown];
         // After a long step, the old solution is a better start than an extrapolation.
-        if !step.is_finite() || step.abs() > 0.5 {
+        if !step.is_finite() || step.abs() > MAX_EXTRAPOLATED_STEP {
             return None;
         }
         for (c, r) in correction.iter_mut().zip(response.iter()) {

@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, Dyn, U1};
 
 use super::free::FreeRows;
 use super::predictor::{CaseChange, CasePrediction, Observed};
+use crate::settings::{FREE_UNAFFECTED_SIGMA, MIN_RELATIVE_MARK_SIGMA};
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::Model;
 use admire_study::wheel::{camber_deg, steer_deg};
@@ -149,12 +150,6 @@ pub struct Observations<'a> {
     pub sigma: f64,
 }
 
-/// Change of a reading per unit free motion (one radian or one model length), over its noise, below which the reading counts as unaffected.
-const UNMOVED: f64 = 1e-3;
-
-/// Smallest noise of a mark coordinate, relative to the largest coordinate, for readings that are declared free of noise.
-const EXACT: f64 = 1e-12;
-
 impl<'a> Observations<'a> {
     /// Collects all readings of these cases.
     pub fn new(measurement: &'a Measurement, model: &Model, cases: &[usize]) -> Self {
@@ -190,7 +185,9 @@ impl<'a> Observations<'a> {
                 }
             }
         }
-        let sigma = measurement.sigma.max(EXACT * size.max(1.0));
+        let sigma = measurement
+            .sigma
+            .max(MIN_RELATIVE_MARK_SIGMA * size.max(1.0));
         Self {
             measurement,
             rows,
@@ -385,7 +382,7 @@ impl<'a> Observations<'a> {
                 }
             }
         }
-        let moves = |at: usize, count: usize| F.rows(at, count).amax() > UNMOVED;
+        let moves = |at: usize, count: usize| F.rows(at, count).amax() > FREE_UNAFFECTED_SIGMA;
         let mut readings = Vec::new();
         let mut moved = Vec::new();
         for (at, row) in rows.iter().enumerate() {

@@ -6,11 +6,9 @@ use super::gauss_newton::{LeastSquares, Minimum, Prior};
 use super::observation::{Evaluation, NuisanceLayout, Observations, Row};
 use super::predictor::Predictor;
 use super::unknown::FitUnknowns;
+use crate::settings::HUBER_THRESHOLD_SIGMA;
 use admire_solver::system::Parameters;
 use admire_study::settings::Loss;
-
-/// Huber's constant, in standard deviations: 95 percent efficiency under Gaussian noise.
-const HUBER: f64 = 1.345;
 
 /// Callback that observes a fit and returns `false` to stop it. Arguments: accepted steps, sweeps over all load cases so far, objective.
 pub type Watch<'a> = dyn FnMut(usize, usize, f64) -> bool + 'a;
@@ -121,7 +119,11 @@ impl LeastSquares for GlobalProblem<'_> {
                 Row::Mark { .. } => continue,
                 Row::Wheel { .. } | Row::Channel { .. } => (residual[at].abs(), 1),
             };
-            let weight = if size <= HUBER { 1.0 } else { HUBER / size };
+            let weight = if size <= HUBER_THRESHOLD_SIGMA {
+                1.0
+            } else {
+                HUBER_THRESHOLD_SIGMA / size
+            };
             weights.rows_mut(at, count).fill(weight);
         }
         weights

@@ -9,24 +9,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::confidence::{HALF_CHI2_95, NORMAL_975};
 use super::gauss_newton::{LeastSquares, Minimum, Prior, Tolerances, minimise, objective};
 use crate::bounded;
-
-/// Distance from the estimate, in e-folds, beyond which a side of an interval counts as unbounded.
-const UNBOUNDED: f64 = 7.0;
-/// Largest displacement of the other unknowns along the path, in natural units.
-const OTHERS: f64 = 3.0;
-/// Largest difference of a rise from 1.92 at which the end is interpolated. The square root of the rise is taken as linear between points.
-const NEAR: f64 = 0.4;
-/// Maximum number of profile points on one side.
-const POINTS: usize = 10;
-/// Maximum number of evaluations per point before a fit with derivatives follows.
-const ROUNDS: usize = 6;
-/// Number of evaluations per point above which the quadratic approximation counts as poor. Several local minima are then possible.
-const FEW: usize = 2;
-/// Predicted decrease by a constrained step below which a point is accepted.
-const SETTLED: f64 = 0.05;
+use crate::settings::{
+    HALF_CHI_SQUARE_95, NORMAL_QUANTILE_975, PROFILE_DECREMENT_NATS, PROFILE_DIFFERENCE_STEP,
+    PROFILE_FEW_EVALUATIONS, PROFILE_INTERPOLATION_NATS, PROFILE_MAX_EVALUATIONS,
+    PROFILE_MAX_LN_DISTANCE, PROFILE_MAX_OTHER_STEP, PROFILE_MAX_POINTS, PROFILE_MAX_TRIAL_STEPS,
+    PROFILE_STEP,
+};
 
 /// Computes the 95 percent interval of unknown `k` around a minimum with this posterior covariance.
 ///
@@ -164,23 +154,24 @@ impl Profile<'_> {
     /// Returns the step of `k` at the end of one side; `None` if that side is unbounded.
     fn side(&mut self, direction: f64, sd: f64) -> Option<f64> {
         let k = self.k;
-        let (lower, upper) = self.problem.limits(self.scale, UNBOUNDED);
+        let (lower, upper) = self.problem.limits(self.scale, PROFILE_MAX_LN_DISTANCE);
         let farthest = if direction > 0.0 { upper[k] } else { -lower[k] };
-        let target = HALF_CHI2_95.sqrt();
+        let target = HALF_CHI_SQUARE_95.sqrt();
         let mut learnt = Learnt::new(self.minimum);
         // Step size and square root of the rise: the last point inside and the first point outside.
         let (mut inner, mut outer) = ((0.0, 0.0), None::<(f64, f64)>);
         let mut from = self.alone(0.0);
-        let mut reach = (NORMAL_975 * sd).min(farthest);
-        for _ in 0..POINTS {
+        let mut reach = (NORMAL_QUANTILE_975 * sd).min(farthest);
+        for _ in 0..PROFILE_MAX_POINTS {
             let start = &from + &self.along * (direction * (reach - inner.0));
             let mut found = self.point(direction * reach, start, &mut learnt);
             let rise = |value: f64, base: f64| (value - base).max(0.0);
-            let near_end = |point: &Point, base: f64| rise(point.value, base) > HALF_CHI2_95 - NEAR;
-            if found
-                .as_ref()
-                .is_none_or(|point| point.rounds > FEW && near_end(point, self.base))
-            {
+            let near_end = |point: &Point, base: f64| {
+                rise(point.value, base) > HALF_CHI_SQUARE_95 - PROFILE_INTERPOLATION_NATS
+            };
+            if found.as_ref().is_none_or(|point| {
+                point.rounds > PROFILE_FEW_EVALUATIONS && near_end(point, self.base)
+            }) {
                 // A search from the estimate may find a lower objective than the continuation of the path.
                 let other = self.point(
                     direction * reach,
@@ -211,7 +202,9 @@ impl Profile<'_> {
                 // Where the model has no solution, the interval has certainly ended.
                 (None, _) => outer = Some((reach, 3.0 * target)),
             }
-            let near = height.is_some_and(|height| (height * height - HALF_CHI2_95).abs() < NEAR);
+            let near = height.is_some_and(|height| {
+                (height * height - HALF_CHI_SQUARE_95).abs() < PROFILE_INTERPOLATION_NATS
+            });
             reach = match outer {
                 // Close to the end, the straight line through the minimum and this point is accurate enough.
                 None if near => {
@@ -242,7 +235,7 @@ impl Profile<'_> {
         learnt: &mut Learnt<'_>,
     ) -> Option<Point> {
         let k = self.k;
-        let (lower, upper) = self.problem.limits(self.scale, OTHERS);
+        let (lower, upper) = self.problem.limits(self.scale, PROFILE_MAX_OTHER_STEP);
         for j in 0..start.len() {
             start[j] = start[j].clamp(lower[j], upper[j]);
         }
@@ -251,7 +244,7 @@ impl Profile<'_> {
         let mut best: Option<(DVector<f64>, DVector<f64>, f64)> = None;
         let mut step = start;
         let mut shorter = 1.0;
-        for round in 1..=ROUNDS {
+        for round in 1..=PROFILE_MAX_EVALUATIONS {
             let x = self.place(&step);
             let evaluation = self.problem.evaluate(&x, false)?;
             let weights = self.problem.weights(&evaluation.residual);
@@ -273,7 +266,7 @@ impl Profile<'_> {
             };
             let bounds = (room(&lower, f64::NEG_INFINITY), room(&upper, f64::INFINITY));
             let (next, gain) = self.constrained(at, weighted, &bounds, learnt);
-            if gain < SETTLED {
+            if gain < PROFILE_DECREMENT_NATS {
                 let value = least - gain;
                 return Some(Point {
                     step: at.clone(),
@@ -295,11 +288,11 @@ impl Profile<'_> {
         (lower, upper): &(Vec<f64>, Vec<f64>),
         learnt: &Learnt<'_>,
     ) -> (DVector<f64>, f64) {
-        const H: f64 = 1e-6;
         let mut right = -learnt.transposed(weighted);
-        let [x, up, down] = [0.0, H, -H].map(|h| self.place(&at.add_scalar(h)));
+        let [x, up, down] = [0.0, PROFILE_DIFFERENCE_STEP, -PROFILE_DIFFERENCE_STEP]
+            .map(|h| self.place(&at.add_scalar(h)));
         for (j, prior) in self.priors.iter().enumerate() {
-            right[j] -= prior.pull(x[j]) * (up[j] - down[j]) / (2.0 * H);
+            right[j] -= prior.pull(x[j]) * (up[j] - down[j]) / (2.0 * PROFILE_DIFFERENCE_STEP);
         }
         let mut information = learnt.information.clone();
         for (j, held) in self.held.iter().enumerate() {
@@ -318,9 +311,9 @@ impl Profile<'_> {
     /// Minimises over the other unknowns by a fit with derivatives.
     fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<Point> {
         let tolerances = Tolerances {
-            decrement: SETTLED,
-            step: 1e-4,
-            max_iterations: 25,
+            decrement: PROFILE_DECREMENT_NATS,
+            step: PROFILE_STEP,
+            max_iterations: PROFILE_MAX_TRIAL_STEPS,
         };
         let start = self.place(from);
         let found = minimise(
@@ -334,7 +327,7 @@ impl Profile<'_> {
         Some(Point {
             step: self.problem.step_to(&self.minimum.x, &found.x),
             value: (found.objective - found.decrement).min(least),
-            rounds: ROUNDS + found.iterations,
+            rounds: PROFILE_MAX_EVALUATIONS + found.iterations,
         })
     }
 }

@@ -3,19 +3,15 @@
 use std::ops::ControlFlow;
 
 use super::differences::DifferencePredictor;
-use super::fit::{
-    Found, GlobalFit, POOR_NORMAL, StartValues, fit_unknowns, global_problem, identify,
-};
+use super::fit::{Found, GlobalFit, StartValues, fit_unknowns, global_problem, identify};
 use super::gauss_newton::Ending;
 use super::observation::Observations;
 use super::prepared::Prepared;
 use super::problem::{GlobalProblem, Watch};
 use crate::direct::{self, DirectSettings, DirectSolution};
+use crate::settings::{CONTRADICTION_SD, POOR_NORMAL_LN_SD};
 use crate::{Fit, IdentifyError, Problem};
 use admire_session::backend::Backend;
-
-/// Distance between direct solution and fit that leads to a remark, in standard deviations of the direct solution.
-const CONTRADICTION: f64 = 6.0;
 
 /// Starting point of a fit.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -166,7 +162,7 @@ fn sanity(problem: &Problem<'_>, fit: &mut Fit, solution: &DirectSolution) {
     for (k, parameter) in fit.parameters.iter().enumerate() {
         let sd = solution.covariance[(k, k)].max(0.0).sqrt();
         let apart = libm::log(solution.values[k] / parameter.value);
-        if sd < POOR_NORMAL && apart.abs() > CONTRADICTION * sd.max(1e-3) {
+        if sd < POOR_NORMAL_LN_SD && apart.abs() > CONTRADICTION_SD * sd.max(1e-3) {
             fit.remarks.push(format!(
                 "The direct solution of the measured poses puts {} at {:.2} of the value given here, {:.0} of its standard \
                  deviations away: the model may lack something.",

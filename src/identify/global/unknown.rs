@@ -2,6 +2,7 @@
 //!
 //! Independent of solvers and measurements.
 
+use crate::settings::MIN_LOAD_SHARE;
 use nalgebra::DVector;
 
 use admire_solver::mechanics::Vec3;
@@ -97,9 +98,6 @@ fn step_of(s: f64, change: f64) -> f64 {
     libm::expm1(change) / (1.0 + s * libm::expm1(change))
 }
 
-/// Smallest load share; smaller values are round-off.
-const LEAST_SHARE: f64 = 1e-4;
-
 impl FitUnknowns {
     /// Creates the list of unknowns.
     pub fn new(list: Vec<FitUnknown>) -> Self {
@@ -143,7 +141,7 @@ impl FitUnknowns {
         }
         let mut left = shares.iter().map(|share| {
             if share.is_finite() {
-                share.clamp(LEAST_SHARE, 1.0)
+                share.clamp(MIN_LOAD_SHARE, 1.0)
             } else {
                 1.0
             }

@@ -1,16 +1,10 @@
 //! Bushings and joints whose two markers are displaced or rotated against each other although the element constrains them.
 
+use crate::settings::{ASSEMBLY_ANGLE_DEG, ASSEMBLY_DISTANCE_MM, REPORTED_BUSHING_ANGLE_DEG};
 use crate::{LoadedStudy, Place};
 use admire_solver::mechanics::{Mat3, Vec3, log};
 use admire_solver::model::lint::apart;
 use admire_solver::model::{MarkerIx, Model};
-
-/// Largest distance in mm and largest rotation in degrees between two markers, along the constrained directions, that assembly tolerances
-/// allow.
-const ASSEMBLED: (f64, f64) = (2.0, 2.0);
-/// Rotation between a bushing's markers above which it is reported even without a known correction, in degrees. Smaller rotations may be
-/// intended.
-const TURNED: f64 = 10.0;
 
 /// Two markers of an element that do not coincide at design.
 #[derive(Clone, PartialEq, Debug)]
@@ -48,11 +42,15 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
                 let unit = study.model.units.length.word;
                 let text = format!("lie {:.1} {unit} apart", gap.size);
                 let is_bushing = gap.name.starts_with("BUSHING/");
-                (ASSEMBLED.0 * millimetre, text, is_bushing)
+                (ASSEMBLY_DISTANCE_MM * millimetre, text, is_bushing)
             }
             Kind::Angle => {
                 let text = format!("are turned by {:.1} degrees", gap.size);
-                (ASSEMBLED.1, text, gap.size > TURNED)
+                (
+                    ASSEMBLY_ANGLE_DEG,
+                    text,
+                    gap.size > REPORTED_BUSHING_ANGLE_DEG,
+                )
             }
         };
         if gap.size <= most {

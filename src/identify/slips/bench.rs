@@ -11,6 +11,7 @@ use crate::global::{
     Component, FitUnknown, FitUnknowns, GlobalProblem, Observations, Prepared, Target,
     fit_unknowns, global_problem,
 };
+use crate::settings::{FLAT_PRIOR_SD, SLIP_DECREMENT_NATS, SLIP_MIN_SIGMA};
 use crate::tolerance::{Effect, LayerOf, RandomEffects, VarianceComponents};
 use crate::unknowns::bushing_number;
 use crate::{LoadedStudy, Problem};
@@ -65,11 +66,6 @@ const fn unknown(meaning: Target, sd: f64) -> FitUnknown {
         sd,
     }
 }
-
-/// Noise assigned to readings that are stated to be exact.
-const TINY: f64 = 1e-12;
-/// Prior standard deviation of an unknown without a prior, in the unknown's own unit.
-const WIDE: f64 = 1e6;
 
 impl Bench {
     /// Compiles a study; returns `None` if the built-in solver cannot solve it.
@@ -151,7 +147,7 @@ impl Bench {
                 let (priors, scale, held) = (global.priors(), global.scale(), global.held());
                 let tolerances = Tolerances {
                     max_iterations: steps,
-                    decrement: 1e-2,
+                    decrement: SLIP_DECREMENT_NATS,
                     ..Tolerances::default()
                 };
                 let found = minimise(global, &start, &priors, &scale, &held, tolerances)?;
@@ -233,7 +229,11 @@ impl Bench {
             let mut columns = found.jacobian;
             let further = columns.select_columns(&apart);
             for (mut column, prior) in columns.column_iter_mut().zip(&priors) {
-                column *= if prior.sd.is_finite() { prior.sd } else { WIDE };
+                column *= if prior.sd.is_finite() {
+                    prior.sd
+                } else {
+                    FLAT_PRIOR_SD
+                };
             }
             Some(Rows {
                 residual: found.residual,
@@ -249,7 +249,7 @@ impl Bench {
         let mut series: BTreeMap<[usize; 3], Vec<f64>> = BTreeMap::new();
         let mut add = |key: [usize; 3], value: f64, sigma: f64| {
             let values = series.entry(key).or_default();
-            values.push(value / sigma.max(TINY));
+            values.push(value / sigma.max(SLIP_MIN_SIGMA));
         };
         for case in to.fitted_cases().map(|case| &to.cases[case]) {
             for mark in &case.marks {

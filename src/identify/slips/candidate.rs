@@ -2,6 +2,7 @@
 
 use super::unit_pairs::{UnitPair, angles, forces, lengths, stiffnesses, torsional};
 use crate::LoadedStudy;
+use crate::settings::LOAD_SIDE_MM;
 use crate::tolerance::{Effect, acts_at};
 use admire_session::backend::LoadProgramme;
 use admire_solver::mechanics::Vec3;
@@ -81,9 +82,6 @@ pub(super) struct Family {
     /// True for stiffnesses of a bushing, of which a deck may have many.
     pub is_of_a_bushing: bool,
 }
-
-/// Distance of a load's point from a coordinate plane below which the point is on neither side, mm.
-const ON_A_SIDE: f64 = 20.0;
 
 /// Returns all slips that are searched for.
 pub(super) fn families(study: &LoadedStudy) -> Vec<Family> {
@@ -301,7 +299,7 @@ fn load_points(study: &LoadedStudy) -> Vec<Family> {
         let marker = acts_at(model, &load.target);
         seen.extend(marker.filter(|marker| !seen.contains(marker)));
     }
-    let near = ON_A_SIDE * 1e-3 / model.units.length.si;
+    let near = LOAD_SIDE_MM * 1e-3 / model.units.length.si;
     let of = |marker: MarkerIx| {
         let own = &model.markers[marker.0];
         let pose = &model.parts[own.part.0].pose;

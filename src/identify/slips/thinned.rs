@@ -1,12 +1,10 @@
 //! Reduction of a study to a few load cases that span the loads.
 
 use crate::LoadedStudy;
+use crate::settings::SLIP_MAX_CASES;
 use admire_study::Reference;
 
-/// Number of cases sufficient to detect a slip: the ends and middles of the usual three loads.
-const ENOUGH: usize = 12;
-
-/// Returns the study with at most [`ENOUGH`] of its fitted cases. A study with readings relative to the previous case, or with summaries
+/// Returns the study with at most [`SLIP_MAX_CASES`] of its fitted cases. A study with readings relative to the previous case, or with summaries
 /// over cases, keeps all of them.
 pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
     let mut study = of.clone();
@@ -16,7 +14,7 @@ pub(super) fn thinned(of: &LoadedStudy) -> LoadedStudy {
         .iter()
         .any(|c| c.summary.is_some() || c.relative_to == Some(Reference::Previous));
     let fitted: Vec<usize> = to.fitted_cases().collect();
-    if over_cases || fitted.len() <= ENOUGH {
+    if over_cases || fitted.len() <= SLIP_MAX_CASES {
         return study;
     }
     let mut kept = spread(of, &fitted);
@@ -57,7 +55,7 @@ fn spread(study: &LoadedStudy, cases: &[usize]) -> Vec<usize> {
     };
     let mut nearest: Vec<f64> = cases.iter().map(|case| distance(*case, None)).collect();
     let mut kept = Vec::new();
-    while kept.len() < ENOUGH {
+    while kept.len() < SLIP_MAX_CASES {
         let far = nearest.iter().enumerate();
         let Some((at, _)) = far.max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0))) else {
             break;

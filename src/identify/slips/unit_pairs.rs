@@ -1,5 +1,6 @@
 //! Conversion factors for numbers whose unit was mistaken.
 
+use crate::settings::EQUAL_UNIT_FACTOR_LN;
 use std::f64::consts::PI;
 
 use admire_syntax::units::{FORCE_UNITS, LENGTH_UNITS, Unit, Units};
@@ -17,8 +18,6 @@ pub(super) struct UnitPair {
 const FORCES: [&str; 4] = ["NEWTON", "KNEWTON", "POUND_FORCE", "KILOGRAM_FORCE"];
 /// Units of length that are commonly confused.
 const LENGTHS: [&str; 5] = ["MILLIMETER", "CENTIMETER", "METER", "INCH", "FOOT"];
-/// Largest log-ratio of two factors that count as equal.
-const SAME: f64 = 0.03;
 
 fn named(units: &'static [Unit], names: &'static [&str]) -> impl Iterator<Item = &'static Unit> {
     units.iter().filter(|unit| names.contains(&unit.keyword))
@@ -28,7 +27,7 @@ fn named(units: &'static [Unit], names: &'static [&str]) -> impl Iterator<Item =
 fn pairs(all: impl IntoIterator<Item = (f64, String)>) -> Vec<UnitPair> {
     let mut out: Vec<UnitPair> = Vec::new();
     let mut add = |factor: f64, unit: String| {
-        let is_new = |known: f64| libm::log(known / factor).abs() > SAME;
+        let is_new = |known: f64| libm::log(known / factor).abs() > EQUAL_UNIT_FACTOR_LN;
         if is_new(1.0) && out.iter().all(|pair| is_new(pair.factor)) {
             out.push(UnitPair { factor, unit });
         }

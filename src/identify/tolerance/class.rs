@@ -1,11 +1,9 @@
 //! Variance classes of rows, and blocks of rows that whitening transforms together.
 
+use crate::settings::EQUAL_VARIANCE_RATIO;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
-
-/// Largest ratio of two variance coefficients that count as equal.
-const ALIKE: f64 = 1.05;
 
 /// Class of rows with equal variance: a weighted sum of the squared standard deviations of reading noise and of rigid-motion noise of marks.
 #[derive(Clone, PartialEq, Debug)]
@@ -44,9 +42,9 @@ impl VarianceClass {
             .collect()
     }
 
-    /// Returns a key shared by classes whose coefficients agree to about a factor of [`ALIKE`].
+    /// Returns a key shared by classes whose coefficients agree to about a factor of [`EQUAL_VARIANCE_RATIO`].
     pub(super) fn key(&self) -> (u64, Vec<(usize, i64)>) {
-        let bin = |mu: f64| (libm::log(mu) / libm::log(ALIKE)).round() as i64;
+        let bin = |mu: f64| (libm::log(mu) / libm::log(EQUAL_VARIANCE_RATIO)).round() as i64;
         let terms = self.terms.iter().map(|(at, mu)| (*at, bin(*mu)));
         (self.known.to_bits(), terms.collect())
     }

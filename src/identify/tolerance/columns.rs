@@ -3,10 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::whitening::Whitening;
-
-/// A column counts as zero in a class if its entries there stay below this fraction of its largest entry. Rigid motion of a part leaves
-/// round-off in the rows that describe relative motion of its marks.
-const NOTHING: f64 = 1e-12;
+use crate::settings::ZERO_COLUMN_SHARE;
 
 /// A matrix of whitened rows (see [`Whitening::apply`]), split by variance class.
 #[derive(Clone, Debug)]
@@ -37,7 +34,10 @@ impl RowsByVarianceClass {
         let height = turned.nrows();
         let column = |k: usize| &turned.as_slice()[k * height..(k + 1) * height];
         let all: Vec<&[f64]> = (0..turned.ncols()).map(column).collect();
-        let nothing: Vec<f64> = all.iter().map(|column| NOTHING * largest(column)).collect();
+        let nothing: Vec<f64> = all
+            .iter()
+            .map(|column| ZERO_COLUMN_SHARE * largest(column))
+            .collect();
         let classes = rows_of.iter();
         Self {
             count: all.len(),

@@ -13,12 +13,8 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::class::{Turned, VarianceClass};
+use crate::settings::{FREE_DIRECTION_ROUND_OFF, VARIANCE_TERM_ROUND_OFF};
 use admire_solver::mechanics::eigen::symmetric_eigen;
-
-/// Relative eigenvalue below which a direction counts as round-off.
-const ROUND_OFF: f64 = 1e-9;
-/// Relative contribution to a variance, at the prior medians, below which a term counts as round-off.
-const NOTHING: f64 = 1e-6;
 
 /// Removes the directions `free`. All blocks and single rows that a direction involves are merged into one block.
 pub(super) fn without(
@@ -141,7 +137,7 @@ fn turned<'a>(
         .collect();
     let free = DMatrix::from_columns(&columns);
     let eigen = symmetric_eigen(&free * free.transpose());
-    let least = ROUND_OFF * eigen.eigenvalues.max();
+    let least = FREE_DIRECTION_ROUND_OFF * eigen.eigenvalues.max();
     let (left_out, rest): (Vec<usize>, Vec<usize>) =
         (0..block.rigid).partition(|k| eigen.eigenvalues[*k] > least);
     let (left_out, rest) = (
@@ -196,11 +192,17 @@ fn mixed(parts: &[(f64, &VarianceClass)], usual: &[f64]) -> VarianceClass {
     }
     let size = |at: usize| libm::exp(2.0 * usual[at]);
     let whole = known + terms.iter().map(|(at, mu)| mu * size(*at)).sum::<f64>();
-    terms.retain(|at, mu| *mu * size(*at) > NOTHING * whole);
+    terms.retain(|at, mu| *mu * size(*at) > VARIANCE_TERM_ROUND_OFF * whole);
     // Weights of one noise that add up to nearly one are rounded to one.
-    let settled = |x: f64| if (x - 1.0).abs() < NOTHING { 1.0 } else { x };
+    let settled = |x: f64| {
+        if (x - 1.0).abs() < VARIANCE_TERM_ROUND_OFF {
+            1.0
+        } else {
+            x
+        }
+    };
     VarianceClass {
-        known: if known > NOTHING * whole {
+        known: if known > VARIANCE_TERM_ROUND_OFF * whole {
             settled(known)
         } else {
             0.0

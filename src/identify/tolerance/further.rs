@@ -9,9 +9,7 @@ use super::columns::{Columns, RowsByVarianceClass};
 use super::product::{dot, transposed};
 use super::share::Block;
 use super::whitening::Whitening;
-
-/// Number of columns processed together, small enough for the processor's cache.
-const TOGETHER: usize = 64;
+use crate::settings::COLUMN_BLOCK;
 
 /// Products of further columns `E`, grouped in sets, with the columns `A` and the residual `z` of a linear model.
 pub struct CrossProducts {
@@ -71,7 +69,7 @@ impl CrossProducts {
         let z: Vec<DVector<f64>> = rows.map(|rows| residual.select_rows(rows)).collect();
         let mut rest = sets;
         while let Some(first) = rest.first() {
-            let fits = |set: &&Range<usize>| set.end <= first.start + TOGETHER;
+            let fits = |set: &&Range<usize>| set.end <= first.start + COLUMN_BLOCK;
             let count = rest.iter().take_while(fits).count().max(1);
             let (here, after) = rest.split_at(count);
             rest = after;

@@ -1,5 +1,17 @@
 //! Groups of random effects, the lognormal priors of their standard deviations, and the bounds of these.
 
+use crate::priors::{
+    ALIGNMENT_MAX_MM, ALIGNMENT_MEDIAN_MM, AXIS_MEDIAN_DEG, DECLARED_NOISE_LN_SD,
+    FRAME_SHIFT_MAX_MM, FRAME_SHIFT_MEDIAN_MM, FRAME_SHIFT_NEGLIGIBLE_MM, FRAME_TURN_MAX_RAD,
+    FRAME_TURN_MEDIAN_RAD, FRAME_TURN_NEGLIGIBLE_RAD, GUESSED_NOISE_LN_SD, HARDPOINT_MEDIAN_MM,
+    IDLE_LOAD_RATIO, KNOWN_STIFFNESS_MAX, KNOWN_STIFFNESS_MEDIAN, LOAD_DIRECTION_MEDIAN,
+    LOAD_GAIN_MAX, LOAD_GAIN_MEDIAN, LOAD_POINT_MEDIAN_MM, LOAD_REPEATABILITY_MAX,
+    LOAD_REPEATABILITY_MEDIAN, LOWER_BOUND_LN_SD, MARK_MEDIAN_MM, MOUNT_YIELD_MEDIAN_MM,
+    NARROW_LN_SD, OFFSET_MEDIAN_MM, OFFSET_PER_HARDPOINT, POSE_ARM_MM, POSE_LN_SD,
+    POSE_SHIFT_MEDIAN_MM, POSE_TURN_MEDIAN_RAD, PRELOAD_MAX, PRELOAD_MEDIAN, SPRING_RATE_MAX,
+    SPRING_RATE_MEDIAN, STATED_LN_SD, UPPER_BOUND_LN_SD, USUAL_LN_SD, WIDE_LN_SD,
+};
+use crate::settings::{STRAINED_BOUND_LN, STRAINED_LN_SD};
 use admire_study::{PriorSetting, ToleranceSettings};
 
 /// A group of random effects with a common standard deviation, because they are manufactured or measured in the same way.
@@ -58,11 +70,6 @@ pub enum NoiseScale {
     Channel(usize),
 }
 
-/// Number of prior standard deviations above the median, in the logarithm, beyond which a size counts as strained (implausibly large).
-const STRAINED: f64 = 2.5;
-/// Distance of the logarithm to its upper bound at which a size counts as strained (implausibly large).
-const NEAR_BOUND: f64 = 0.01;
-
 /// Prior of a standard deviation ("size"): a lognormal distribution with bounds.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Size {
@@ -74,41 +81,16 @@ pub struct Size {
     pub bounds: (f64, f64),
 }
 
-/// Standard deviation of the logarithm of a size that the user states.
-const STATED: f64 = 0.25;
-/// Median error of a load in a single case, relative to the largest value of the load.
-const REPEATED: f64 = 0.001;
-/// Upper bound of the error of a load in a single case, relative to the largest value of the load.
-const MOST: f64 = 0.01;
-/// Median error of a load that is zero in a case, relative to the median error of a load that acts.
-const IDLE: f64 = 0.3;
-/// Median misalignment of a measuring frame that was aligned with the axle, mm.
-const ALIGNED: f64 = 0.05;
-/// Upper bound of the misalignment of a measuring frame that differs from the deck's frame, mm.
-const MOST_OFF: f64 = 20.0;
-/// Median translation of the measuring frame in a case, mm.
-const SHIFTED: f64 = 0.005;
-/// Upper bound of the translation of the measuring frame in a case, mm.
-const MOST_SHIFTED: f64 = 0.2;
-/// Median rotation of the measuring frame in a case, radians.
-const TURNED: f64 = 1e-5;
-/// Upper bound of the rotation of the measuring frame in a case, radians.
-const MOST_TURNED: f64 = 5e-4;
-/// Median displacement of an axle's mount at the largest value of a load, mm.
-const YIELDED: f64 = 0.02;
-/// Standard deviation of the logarithm of a size that varies widely between rigs.
-const LOOSE: f64 = 1.0;
-
 impl Size {
-    /// Median position error of the hardpoints of a production axle, mm.
-    pub const HARDPOINTS: f64 = 0.2;
-
     fn new(usual: f64, ln_sd: f64) -> Self {
         let middle = libm::log(usual);
         Self {
             median: usual,
             ln_sd,
-            bounds: (middle - 4.0 * ln_sd, middle + 2.5 * ln_sd),
+            bounds: (
+                middle - LOWER_BOUND_LN_SD * ln_sd,
+                middle + UPPER_BOUND_LN_SD * ln_sd,
+            ),
         }
     }
 
@@ -117,7 +99,7 @@ impl Size {
     fn of(stated: PriorSetting, unit: f64, usual: Self) -> Option<Self> {
         match stated {
             PriorSetting::Estimate => Some(usual),
-            PriorSetting::Size(size) if size > 0.0 => Some(Self::new(size * unit, STATED)),
+            PriorSetting::Size(size) if size > 0.0 => Some(Self::new(size * unit, STATED_LN_SD)),
             PriorSetting::Size(_) => None,
         }
     }
@@ -125,14 +107,14 @@ impl Size {
     /// Returns the prior for the misalignment of a measuring frame that was aligned with the axle. `millimetre` is one millimetre in the
     /// deck's unit.
     pub fn of_alignment(stated: PriorSetting, millimetre: f64) -> Option<(EffectGroup, Self)> {
-        let usual = Self::new(ALIGNED * millimetre, 0.7);
+        let usual = Self::new(ALIGNMENT_MEDIAN_MM * millimetre, USUAL_LN_SD);
         Self::of(stated, millimetre, usual).map(|size| (EffectGroup::FrameAlignment, size))
     }
 
     /// Returns the prior for the misalignment of a measuring frame that evidently differs from the deck's frame: its upper bound is 20 mm.
     pub fn of_another_frame(millimetre: f64) -> (EffectGroup, Self) {
-        let mut size = Self::new(ALIGNED * millimetre, 0.7);
-        size.bounds.1 = libm::log(MOST_OFF * millimetre);
+        let mut size = Self::new(ALIGNMENT_MEDIAN_MM * millimetre, USUAL_LN_SD);
+        size.bounds.1 = libm::log(ALIGNMENT_MAX_MM * millimetre);
         (EffectGroup::FrameAlignment, size)
     }
 
@@ -142,11 +124,12 @@ impl Size {
         [
             (
                 EffectGroup::LoadRepeatability,
-                Self::new(REPEATED, LOOSE).at_most(MOST),
+                Self::new(LOAD_REPEATABILITY_MEDIAN, WIDE_LN_SD).at_most(LOAD_REPEATABILITY_MAX),
             ),
             (
                 EffectGroup::IdleLoads,
-                Self::new(IDLE * REPEATED, LOOSE).at_most(MOST),
+                Self::new(IDLE_LOAD_RATIO * LOAD_REPEATABILITY_MEDIAN, WIDE_LN_SD)
+                    .at_most(LOAD_REPEATABILITY_MAX),
             ),
         ]
     }
@@ -154,12 +137,13 @@ impl Size {
     /// Returns the priors for frame errors that vary between cases: translation, rotation and random walk. `millimetre` is one millimetre in
     /// the deck's unit.
     pub fn of_frames(millimetre: f64) -> [(EffectGroup, Self); 3] {
-        let shift = Self::new(SHIFTED * millimetre, LOOSE).at_most(MOST_SHIFTED * millimetre);
+        let shift = Self::new(FRAME_SHIFT_MEDIAN_MM * millimetre, WIDE_LN_SD)
+            .at_most(FRAME_SHIFT_MAX_MM * millimetre);
         [
             (EffectGroup::FrameShifts, shift),
             (
                 EffectGroup::FrameTurns,
-                Self::new(TURNED, LOOSE).at_most(MOST_TURNED),
+                Self::new(FRAME_TURN_MEDIAN_RAD, WIDE_LN_SD).at_most(FRAME_TURN_MAX_RAD),
             ),
             (EffectGroup::FrameDrifts, shift),
         ]
@@ -170,20 +154,20 @@ impl Size {
     pub fn of_a_mount(millimetre: f64) -> [(EffectGroup, Self); 1] {
         [(
             EffectGroup::MountYield,
-            Self::new(YIELDED * millimetre, LOOSE),
+            Self::new(MOUNT_YIELD_MEDIAN_MM * millimetre, WIDE_LN_SD),
         )]
     }
 
     /// Returns the ratio of the median rotation to the median translation of a measuring frame, in radians per unit length of the deck.
     pub const fn turn_by_shift(millimetre: f64) -> f64 {
-        TURNED / (SHIFTED * millimetre)
+        FRAME_TURN_MEDIAN_RAD / (FRAME_SHIFT_MEDIAN_MM * millimetre)
     }
 
     /// Returns true if a size is implausibly large under its prior or at its upper bound. The group may then have absorbed an effect that
     /// the model lacks.
     pub fn is_strained(&self, ln: f64) -> bool {
         let above = ln - libm::log(self.median);
-        above > STRAINED * self.ln_sd || ln > self.bounds.1 - NEAR_BOUND
+        above > STRAINED_LN_SD * self.ln_sd || ln > self.bounds.1 - STRAINED_BOUND_LN
     }
 
     fn at_most(mut self, most: f64) -> Self {
@@ -223,9 +207,9 @@ impl VarianceComponents {
         let mm = millimetre;
         let of = Size::of;
         let marks = if sigma_on_parts > 0.0 {
-            Size::new(sigma_on_parts, STATED)
+            Size::new(sigma_on_parts, STATED_LN_SD)
         } else {
-            Size::new(0.01 * mm, 0.7)
+            Size::new(MARK_MEDIAN_MM * mm, USUAL_LN_SD)
         };
         let s = settings;
         let known_to_be = |stated: PriorSetting| match stated {
@@ -233,66 +217,99 @@ impl VarianceComponents {
             _ => None,
         };
         let stated = known_to_be(s.load_repeatability);
-        let mount = known_to_be(s.mount).map(|size| Size::new(size * mm, STATED));
+        let mount = known_to_be(s.mount).map(|size| Size::new(size * mm, STATED_LN_SD));
         // If only one of translation and rotation of the frame is stated, the other one gets a negligible size.
         let has_frames = frames.iter().any(|size| *size > 0.0);
-        let known = |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED));
+        let known =
+            |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED_LN_SD));
         let groups = [
             (
                 EffectGroup::Hardpoints,
-                of(s.hardpoints, mm, Size::new(Size::HARDPOINTS * mm, 0.7)),
+                of(
+                    s.hardpoints,
+                    mm,
+                    Size::new(HARDPOINT_MEDIAN_MM * mm, USUAL_LN_SD),
+                ),
             ),
-            (EffectGroup::LoadPoints, Some(Size::new(0.5 * mm, 0.7))),
+            (
+                EffectGroup::LoadPoints,
+                Some(Size::new(LOAD_POINT_MEDIAN_MM * mm, USUAL_LN_SD)),
+            ),
             (
                 EffectGroup::Offsets,
-                of(s.hardpoints, 0.25 * mm, Size::new(0.05 * mm, 0.7)),
+                of(
+                    s.hardpoints,
+                    OFFSET_PER_HARDPOINT * mm,
+                    Size::new(OFFSET_MEDIAN_MM * mm, USUAL_LN_SD),
+                ),
             ),
-            (EffectGroup::Axes, Some(Size::new(0.1 * degree, 0.7))),
+            (
+                EffectGroup::Axes,
+                Some(Size::new(AXIS_MEDIAN_DEG * degree, USUAL_LN_SD)),
+            ),
             (
                 EffectGroup::LoadGains,
-                of(s.load_gain, 1.0, Size::new(0.003, 0.5).at_most(0.01)),
+                of(
+                    s.load_gain,
+                    1.0,
+                    Size::new(LOAD_GAIN_MEDIAN, NARROW_LN_SD).at_most(LOAD_GAIN_MAX),
+                ),
             ),
             (
                 EffectGroup::LoadRepeatability,
-                stated.map(|size| Size::new(size, STATED)),
+                stated.map(|size| Size::new(size, STATED_LN_SD)),
             ),
             (
                 EffectGroup::IdleLoads,
-                stated.map(|size| Size::new(IDLE * size, LOOSE)),
+                stated.map(|size| Size::new(IDLE_LOAD_RATIO * size, WIDE_LN_SD)),
             ),
             (
                 EffectGroup::LoadDirections,
-                of(s.load_direction_deg, degree, Size::new(0.001, 0.7)),
+                of(
+                    s.load_direction_deg,
+                    degree,
+                    Size::new(LOAD_DIRECTION_MEDIAN, USUAL_LN_SD),
+                ),
             ),
             (EffectGroup::Marks, of(s.marks_on_parts, mm, marks)),
-            (EffectGroup::FrameShifts, known(frames[0], 1e-6 * mm)),
-            (EffectGroup::FrameTurns, known(frames[1], 1e-9)),
+            (
+                EffectGroup::FrameShifts,
+                known(frames[0], FRAME_SHIFT_NEGLIGIBLE_MM * mm),
+            ),
+            (
+                EffectGroup::FrameTurns,
+                known(frames[1], FRAME_TURN_NEGLIGIBLE_RAD),
+            ),
             (EffectGroup::MountYield, mount),
             (
                 EffectGroup::Preloads,
-                Some(Size::new(0.003, 0.5).at_most(0.01)),
+                Some(Size::new(PRELOAD_MEDIAN, NARROW_LN_SD).at_most(PRELOAD_MAX)),
             ),
             (
                 EffectGroup::SpringRates,
-                Some(Size::new(0.015, 0.5).at_most(0.025)),
+                Some(Size::new(SPRING_RATE_MEDIAN, NARROW_LN_SD).at_most(SPRING_RATE_MAX)),
             ),
             (
                 EffectGroup::KnownStiffnesses,
-                Some(Size::new(0.03, 0.5).at_most(0.1)),
+                Some(Size::new(KNOWN_STIFFNESS_MEDIAN, NARROW_LN_SD).at_most(KNOWN_STIFFNESS_MAX)),
             ),
         ];
         let groups = groups
             .into_iter()
             .filter_map(|(group, size)| Some((group, size?)));
-        let arm = 100.0 * mm;
+        let arm = POSE_ARM_MM * mm;
         let pose = [
             (
                 NoiseScale::PoseShift,
-                of(s.pose, mm, Size::new(0.003 * mm, 1.5)),
+                of(s.pose, mm, Size::new(POSE_SHIFT_MEDIAN_MM * mm, POSE_LN_SD)),
             ),
             (
                 NoiseScale::PoseTurn,
-                of(s.pose, mm / arm, Size::new(3e-5, 1.5)),
+                of(
+                    s.pose,
+                    mm / arm,
+                    Size::new(POSE_TURN_MEDIAN_RAD, POSE_LN_SD),
+                ),
             ),
         ];
         let scales = pose
@@ -310,7 +327,12 @@ impl VarianceComponents {
     /// Adds a noise scale with median 1, a factor on the declared noise. If no noise is declared, it is a factor on a guess and has a wide
     /// prior.
     pub fn add_scale(&mut self, scale: NoiseScale, declared: bool) {
-        let size = Size::new(1.0, if declared { 0.5 } else { 3.0 });
+        let ln_sd = if declared {
+            DECLARED_NOISE_LN_SD
+        } else {
+            GUESSED_NOISE_LN_SD
+        };
+        let size = Size::new(1.0, ln_sd);
         self.scales.push((scale, size));
         self.ln.push(libm::log(size.median));
     }

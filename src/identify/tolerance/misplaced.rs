@@ -3,18 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::part_marks::{
-    Mark, OUTLIER, PartMarks, RigidityVerdict, centres, deformation_coordinates,
-    find_single_outlier, part_marks, pose_of_others, residuals,
+    Mark, PartMarks, RigidityVerdict, centres, deformation_coordinates, find_single_outlier,
+    part_marks, pose_of_others, residuals,
 };
 use super::sorted::{RigidityScreen, mad_sigma};
+use crate::settings::{LOOSE_MARK_READINGS, LOOSE_MARK_SPREAD, OUTLIER_MARK_SIGMA};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
 use nalgebra::DVector;
-
-/// Minimum number of wrong readings of a mark that came loose.
-const LOOSE: usize = 3;
-/// Largest distance of single errors from their mean, relative to the mean, at which the readings of a mark count as consistently displaced.
-const ALIKE: f64 = 0.5;
 
 /// A mark whose position on its part differs from the listed position.
 #[derive(Clone, PartialEq, Debug)]
@@ -55,8 +51,8 @@ pub(super) fn misplaced(measurement: &Measurement, sorted: &RigidityScreen) -> B
     }
     for (mark, errors) in wrong {
         let mean = errors.iter().sum::<Vec3>() / errors.len() as f64;
-        let is_alike = |e: &Vec3| (e - mean).norm() < ALIKE * mean.norm();
-        if errors.len() >= LOOSE && errors.iter().all(is_alike) {
+        let is_alike = |e: &Vec3| (e - mean).norm() < LOOSE_MARK_SPREAD * mean.norm();
+        if errors.len() >= LOOSE_MARK_READINGS && errors.iter().all(is_alike) {
             out.insert(mark);
         }
     }
@@ -148,7 +144,7 @@ pub(super) fn misplaced_marks(
         if read == 0 {
             continue;
         }
-        let far = OUTLIER * sorted.sigma;
+        let far = OUTLIER_MARK_SIGMA * sorted.sigma;
         let mut off = errors.clone();
         off.retain(|(_, error)| error.amax() > far);
         if off.is_empty() {

@@ -17,6 +17,7 @@
 
 mod class;
 mod columns;
+mod covariance_root;
 mod factor;
 mod free;
 mod further;
@@ -36,6 +37,7 @@ mod tails;
 mod whitening;
 
 pub use columns::RowsByVarianceClass;
+pub use covariance_root::covariance_root;
 pub use factor::Factor;
 pub use further::CrossProducts;
 pub use group::EffectGroup;

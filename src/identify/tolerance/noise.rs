@@ -6,24 +6,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::misplaced::{Misplaced, misplaced, misplaced_marks};
-use super::part_marks::{Mark, OUTLIER, centres, coordinates, part_marks, residuals};
+use super::part_marks::{Mark, centres, coordinates, part_marks, residuals};
 use super::sorted::{MarkOutlier, RigidityScreen};
 use super::tails::Tails;
+use crate::settings::{
+    HEAVY_TAILS_LN_ALLOWANCE, HEAVY_TAILS_NATS, LONE_MARK_CASE_DIVISOR, LONE_MARK_CASES,
+    LONE_MARK_SHARE, NOISE_REJECTION_SD, OUTLIER_MARK_SIGMA, POSSIBLE_HEAVY_TAILS_NATS,
+    WRONG_MARK_SHARE,
+};
 use admire_solver::mechanics::Vec3;
 use admire_study::{MarkReading, Measurement};
-
-/// Minimum model residual of a wrong mark, relative to the largest residual of its part in the case.
-const APART: f64 = 0.4;
-/// A single one of three marks stands out if the residuals of the others are below this fraction of its own.
-const ALONE: f64 = 0.25;
-/// Number of cases in which a mark may always stand out and still be suspected.
-const FEW: usize = 2;
-/// Reciprocal of the largest fraction of cases in which a suspected mark may stand out; if it does more often, the model is at fault.
-const OFTEN: usize = 10;
-/// Number of standard deviations of the log noise estimate beyond which the declared noise is rejected.
-const CONTRADICTED: f64 = 4.0;
-/// Additional tolerance of the log noise estimate where tails are heavy.
-const TAILED: f64 = 0.3;
 
 /// Noise of mark coordinates, with outliers and misplaced marks.
 #[derive(Clone, PartialEq, Debug)]
@@ -116,7 +108,7 @@ impl MarkNoise {
                 .filter_map(|(reading, _)| Some((reading, misfit(case, reading)?)))
                 .collect();
             let largest = errors.iter().map(|(_, e)| e.norm()).fold(0.0, f64::max);
-            let least = (OUTLIER * sigma).max(APART * largest);
+            let least = (OUTLIER_MARK_SIGMA * sigma).max(WRONG_MARK_SHARE * largest);
             let wrong = errors.into_iter().filter(|(_, e)| e.norm() > least);
             self.outliers
                 .extend(wrong.map(|(reading, error)| MarkOutlier {
@@ -161,8 +153,12 @@ impl MarkNoise {
         match (self.declared, self.estimated) {
             (Some(declared), Some(estimated)) if declared > 0.0 => {
                 // With heavy tails, a standard deviation says little.
-                let loose = if tailed { TAILED } else { 0.0 };
-                libm::log(estimated / declared).abs() > CONTRADICTED * self.ln_sd + loose
+                let loose = if tailed {
+                    HEAVY_TAILS_LN_ALLOWANCE
+                } else {
+                    0.0
+                };
+                libm::log(estimated / declared).abs() > NOISE_REJECTION_SD * self.ln_sd + loose
             }
             _ => false,
         }
@@ -170,12 +166,12 @@ impl MarkNoise {
 
     /// Returns true if the residuals have clearly heavier tails than a Gaussian.
     pub fn has_tails(&self) -> bool {
-        self.tails > Tails::BETTER
+        self.tails > HEAVY_TAILS_NATS
     }
 
     /// Returns true if the residuals may have heavier tails than a Gaussian; few readings cannot prove it.
     pub fn may_have_tails(&self) -> bool {
-        self.tails > Tails::HINT
+        self.tails > POSSIBLE_HEAVY_TAILS_NATS
     }
 
     /// Puts blocks with three usable marks under suspicion where a model contradicts them; returns true if there are any.
@@ -189,7 +185,7 @@ impl MarkNoise {
         misfit: &dyn Fn(usize, usize) -> Option<Vec3>,
         usual: f64,
     ) -> bool {
-        let least = OUTLIER * usual.max(self.sigma().unwrap_or(0.0));
+        let least = OUTLIER_MARK_SIGMA * usual.max(self.sigma().unwrap_or(0.0));
         let marks = self.misplaced.iter().map(|of| (of.part, of.mark));
         let blocks = part_marks(measurement, &marks.collect());
         let mut sure = Vec::new();
@@ -217,14 +213,14 @@ impl MarkNoise {
             }
             if lost > 0 {
                 sure.push((case, part));
-            } else if next < ALONE * largest {
+            } else if next < LONE_MARK_SHARE * largest {
                 let mark = measurement.cases[case].marks[reading].mark;
                 alone.entry((part, mark)).or_default().push(case);
             }
         }
         for ((part, _), cases) in alone {
             let read = blocks.iter().filter(|block| block.part == part).count();
-            if cases.len() <= FEW.max(read / OFTEN) {
+            if cases.len() <= LONE_MARK_CASES.max(read / LONE_MARK_CASE_DIVISOR) {
                 sure.extend(cases.into_iter().map(|case| (case, part)));
             }
         }

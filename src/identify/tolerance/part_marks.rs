@@ -1,5 +1,8 @@
 //! Marks of a rigid part in one case, checked against each other.
 
+use crate::settings::{
+    AGREEING_MARKS_CHI_SQUARE, CLEAR_OUTLIER_CHI_SQUARE, OUTLIER_MARK_SIGMA, SUSPECT_MARK_SIGMA,
+};
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::DVector;
@@ -7,16 +10,6 @@ use nalgebra::DVector;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_study::Measurement;
 use admire_study::orientation::absolute_orientation;
-
-/// Residual from which a mark is examined as a possible outlier, in standard deviations.
-const SUSPECT: f64 = 6.0;
-/// Residual from which a mark is an outlier if the other marks of its part agree, in standard deviations.
-pub(super) const OUTLIER: f64 = 8.0;
-/// Sum of squared residuals per degree of freedom, over the variance, below which the marks of a part agree.
-const AGREE: f64 = 12.0;
-/// Minimum difference in the sum of squared residuals, over the variance, between the best and the second-best exclusion of a mark. Below
-/// it, the wrong mark is ambiguous.
-const CLEAR: f64 = 25.0;
 
 /// Index of a part and of a mark on it.
 pub(super) type Mark = (usize, usize);
@@ -231,13 +224,13 @@ pub(super) fn find_single_outlier(
     let usual = sigma * (1.0 - 6.0 / (3.0 * count as f64)).sqrt();
     if count == 3 {
         // Three marks reveal an error in their plane, but not which of them is wrong.
-        return if largest > 2.0 * SUSPECT * usual {
+        return if largest > 2.0 * SUSPECT_MARK_SIGMA * usual {
             RigidityVerdict::Mixed
         } else {
             RigidityVerdict::Fine
         };
     }
-    if largest < SUSPECT * usual {
+    if largest < SUSPECT_MARK_SIGMA * usual {
         return RigidityVerdict::Fine;
     }
     let mut without: Vec<(f64, usize, Vec3)> = (0..count)
@@ -252,17 +245,19 @@ pub(super) fn find_single_outlier(
     };
     let variance = sigma * sigma;
     let freedom = (3 * (count - 1) - 6) as f64;
-    let agree = rest < AGREE * freedom * variance;
+    let agree = rest < AGREEING_MARKS_CHI_SQUARE * freedom * variance;
     // For an error across the plane of four marks, any of them may be the wrong one.
     let is_clear = without
         .get(1)
-        .is_none_or(|next| next.0 - rest > CLEAR * variance);
-    let is_far = error.amax() > OUTLIER * sigma;
+        .is_none_or(|next| next.0 - rest > CLEAR_OUTLIER_CHI_SQUARE * variance);
+    let is_far = error.amax() > OUTLIER_MARK_SIGMA * sigma;
     match (agree && is_far, is_clear) {
         (true, true) => RigidityVerdict::Wrong(at, error),
         (true, false) => RigidityVerdict::Mixed,
         // Heavy-tailed noise produces such blocks as well, so that only large residuals are excluded from the fit.
-        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT * sigma => RigidityVerdict::Mixed,
+        _ if !(agree && is_clear) && largest > 2.0 * SUSPECT_MARK_SIGMA * sigma => {
+            RigidityVerdict::Mixed
+        }
         _ => RigidityVerdict::Fine,
     }
 }

@@ -1,10 +1,8 @@
 //! Hardpoints: the points at which parts are connected.
 
+use crate::settings::SHARED_HARDPOINT_MM;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
-
-/// Distance at design below which two markers share a hardpoint, mm.
-const TOGETHER: f64 = 1e-3;
 
 /// A hardpoint: a connection point of the axle with all markers that coincide there at design.
 #[derive(Clone, PartialEq, Debug)]
@@ -45,7 +43,7 @@ pub(crate) fn points(model: &Model) -> Vec<Point> {
         .collect();
     ends.sort_by_key(|marker| marker.0);
     ends.dedup();
-    let near = TOGETHER * 1e-3 / model.units.length.si;
+    let near = SHARED_HARDPOINT_MM * 1e-3 / model.units.length.si;
     let mut out: Vec<Point> = Vec::new();
     for marker in ends {
         let of = &model.markers[marker.0];

@@ -3,13 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::group::VarianceComponents;
-
-/// Maximum number of evidence evaluations.
-const MOST: usize = 30;
-/// Convergence threshold in nats: iteration ends when the predicted or the achieved gain of a step is below it.
-const ENOUGH: f64 = 0.02;
-/// Largest change of any log standard deviation in one step.
-const LONGEST: f64 = 1.5;
+use crate::settings::{EVIDENCE_MAX_EVALUATIONS, EVIDENCE_MAX_LN_STEP, EVIDENCE_TOLERANCE_NATS};
 
 /// Maximises the evidence, starting from the standard deviations in `start`.
 ///
@@ -42,7 +36,7 @@ pub(crate) fn climb(
     let mut inverse = first();
     let mut evaluations = 1;
     let mut stuck = false;
-    while evaluations < MOST {
+    while evaluations < EVIDENCE_MAX_EVALUATIONS {
         let free: Vec<bool> = (0..n)
             .map(|k| {
                 let low = here.ln[k] <= bounds[k].0 && gradient[k] < 0.0;
@@ -63,16 +57,16 @@ pub(crate) fn climb(
             step = &inverse * &uphill;
         }
         let longest = step.amax();
-        if longest > LONGEST {
-            step *= LONGEST / longest;
+        if longest > EVIDENCE_MAX_LN_STEP {
+            step *= EVIDENCE_MAX_LN_STEP / longest;
         }
         let promised = step.dot(&uphill);
-        if promised < ENOUGH {
+        if promised < EVIDENCE_TOLERANCE_NATS {
             break;
         }
         let mut scale = 1.0;
         let mut next = None;
-        while evaluations < MOST && scale > 1e-3 {
+        while evaluations < EVIDENCE_MAX_EVALUATIONS && scale > 1e-3 {
             let mut ln: Vec<f64> = here
                 .ln
                 .iter()
@@ -110,7 +104,7 @@ pub(crate) fn climb(
         }
         let gained = better - value;
         (here, value, gradient) = (there, better, slope);
-        if gained < ENOUGH {
+        if gained < EVIDENCE_TOLERANCE_NATS {
             break;
         }
     }

@@ -5,13 +5,9 @@ use std::collections::BTreeMap;
 use super::part_marks::{
     Mark, PartMarks, RigidityVerdict, centres, coordinates, find_single_outlier, residuals,
 };
+use crate::settings::{MARK_SCREENING_PASSES, SD_PER_MEDIAN_ABSOLUTE};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;
-
-/// Maximum number of screening passes.
-const PASSES: usize = 4;
-/// Ratio of the standard deviation to the median absolute value of a Gaussian.
-const MAD: f64 = 1.4826;
 
 /// A single wrong reading of one mark.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -46,7 +42,7 @@ impl RigidityScreen {
             blocks: all.to_vec(),
             ..Self::default()
         };
-        for _ in 0..PASSES {
+        for _ in 0..MARK_SCREENING_PASSES {
             let rough = residuals(measurement, &sorted.blocks, &none);
             let centre = centres(&rough, true);
             let sigma = mad_sigma(coordinates(measurement, &rough, &centre));
@@ -99,7 +95,8 @@ impl RigidityScreen {
 /// Returns the standard deviation of values about zero, estimated from their median absolute value.
 pub fn mad_sigma(mut values: Vec<f64>) -> f64 {
     values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-    MAD * values
-        .get(values.len() / 2)
-        .map_or(0.0, |value| value.abs())
+    SD_PER_MEDIAN_ABSOLUTE
+        * values
+            .get(values.len() / 2)
+            .map_or(0.0, |value| value.abs())
 }

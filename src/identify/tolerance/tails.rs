@@ -1,11 +1,7 @@
 //! Student's t distribution for heavy-tailed residuals.
 
+use crate::settings::{STUDENT_T_DOF, STUDENT_T_SCALE_ITERATIONS};
 use statrs::function::gamma::ln_gamma;
-
-/// Candidate degrees of freedom of Student's t. The Gaussian is the reference.
-const GRID: [f64; 9] = [2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 30.0];
-/// Number of fixed-point iterations for the scale.
-const STEPS: usize = 40;
 
 /// Student's t distribution of residuals.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -17,13 +13,6 @@ pub struct Tails {
 }
 
 impl Tails {
-    /// Gain in log-likelihood over the Gaussian above which heavy tails are accepted, in nats. About 1 in 400 studies with Gaussian noise
-    /// exceeds it.
-    pub const BETTER: f64 = 4.0;
-    /// Gain in log-likelihood over the Gaussian above which heavy tails are possible, in nats. About 1 in 13 studies with Gaussian noise
-    /// exceeds it.
-    pub const HINT: f64 = 1.0;
-
     /// Returns the t distribution of maximum likelihood and its gain over the Gaussian in nats; `None` for fewer than 30 residuals or zero
     /// variance.
     pub fn best(residuals: &[f64]) -> Option<(Self, f64)> {
@@ -33,11 +22,11 @@ impl Tails {
             return None;
         }
         let gauss = -0.5 * n * (libm::log(2.0 * std::f64::consts::PI * variance) + 1.0);
-        let best = GRID
+        let best = STUDENT_T_DOF
             .iter()
             .map(|&nu| {
                 let mut square = 0.5 * variance;
-                for _ in 0..STEPS {
+                for _ in 0..STUDENT_T_SCALE_ITERATIONS {
                     let sum: f64 = residuals
                         .iter()
                         .map(|r| (nu + 1.0) / (nu + r * r / square) * r * r)

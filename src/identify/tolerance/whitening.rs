@@ -15,11 +15,9 @@ use super::class::{Turned, VarianceClass};
 use super::free::without;
 use super::group::{NoiseScale, VarianceComponents};
 use super::product::{read, write};
+use crate::settings::MARK_ROTATION_ROUND_OFF;
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
-
-/// Relative eigenvalue below which a rotation of the marks counts as zero.
-const LEAST: f64 = 1e-6;
 
 /// Mark coordinates of one part in one case.
 #[derive(Clone, PartialEq, Debug)]
@@ -251,7 +249,7 @@ fn turned(block: &MarkBlock, precision: &[f64]) -> (Vec<usize>, DMatrix<f64>, Ve
     let largest = eigen.eigenvalues.max();
     for k in 0..3 {
         let mu = eigen.eigenvalues[k];
-        if mu > LEAST * largest && mu > 0.0 {
+        if mu > MARK_ROTATION_ROUND_OFF * largest && mu > 0.0 {
             let direction = &turns * eigen.eigenvectors.column(k) / mu.sqrt();
             squares.push((true, mu));
             basis.push(direction);

@@ -3,44 +3,86 @@
 //! A deficient model may still pass the chi-square test, because a small error common to all cases disappears in the noise of many readings.
 //! These tests look where such errors accumulate. They do not name causes; that is the task of diagnosis.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal};
 
 use super::Problem;
 use super::global::Row;
 use super::global::gauss_newton::Minimum;
-use super::goodness::LEVEL;
+use super::tolerance::covariance_root;
+use crate::settings::{
+    ABSORBED_VARIANCE_SHARE, LACK_OF_FIT_LEVEL, MIN_POSE_MARKS, MIN_RUN_CASES, MIN_SCATTER_DOF,
+};
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
+use admire_study::orientation::chi_square_p_value;
 
-/// One lack-of-fit test.
+/// Kind of structure that a lack-of-fit test detects.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum LackOfFitAspect {
+    /// Scatter of all readings together.
+    All,
+    /// Scatter of the readings of one case, part or channel. A single outlier suffices to fail.
+    Scatter,
+    /// Error of one reading of one mark.
+    Mark,
+    /// Pattern across several readings.
+    Pattern,
+}
+
+/// Chi-square statistic.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ChiSquare {
+    /// Value of the statistic.
+    pub value: f64,
+    /// Degrees of freedom.
+    pub dof: usize,
+}
+
+impl ChiSquare {
+    /// Returns the p-value.
+    pub fn p_value(self) -> f64 {
+        chi_square_p_value(self.value, self.dof)
+    }
+}
+
+/// Result of a lack-of-fit test of the residuals.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct LackOfFitTest {
     /// Description of the tested structure.
     pub what: String,
-    /// Probability of at least this much structure under noise alone.
+    /// Probability of at least this much structure under noise alone. For the worst of several alternatives, it is corrected for their number.
     pub p_value: f64,
+    /// Kind of structure tested.
+    #[serde(skip)]
+    pub aspect: LackOfFitAspect,
+    /// Test statistic; `None` where it is not a chi-square.
+    #[serde(skip)]
+    pub statistic: Option<ChiSquare>,
 }
 
-/// Returns true if the tests together show structure: the smallest p-value, Bonferroni-corrected, is below 0.001.
+impl LackOfFitTest {
+    /// Creates the test of a pattern whose statistic is not a chi-square.
+    const fn of_pattern(what: String, p_value: f64) -> Self {
+        Self {
+            what,
+            p_value,
+            aspect: LackOfFitAspect::Pattern,
+            statistic: None,
+        }
+    }
+}
+
+/// Returns true if the tests together show structure: the smallest p-value, Bonferroni-corrected, is below the significance level.
 pub fn is_structured(tests: &[LackOfFitTest]) -> bool {
-    worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LEVEL)
+    worst(tests).is_some_and(|worst| worst.p_value * (tests.len() as f64) < LACK_OF_FIT_LEVEL)
 }
 
 /// Returns the test with the smallest p-value.
 pub fn worst(tests: &[LackOfFitTest]) -> Option<&LackOfFitTest> {
     tests.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
-
-/// Residual variance of a contrast, relative to the noise, below which the fit has absorbed the contrast and it is not tested.
-const ABSORBED: f64 = 0.01;
-/// Minimum number of marks of a part in a case that separate its pose error from the noise of the marks.
-const MARKS: usize = 3;
-/// Minimum degrees of freedom of the scatter of the marks that serves as reference.
-const SCATTER: f64 = 12.0;
-/// Minimum number of cases of a series in which sign runs are counted.
-const SEQUENCE: usize = 6;
 
 /// A linear combination of rows: indices with weights.
 type Contrast = Vec<(usize, f64)>;
@@ -57,7 +99,7 @@ impl<'a> Residuals<'a> {
     /// Takes the residuals of a minimum with its posterior covariance.
     pub(crate) fn new(rows: &'a [Row], minimum: &'a Minimum, covariance: &DMatrix<f64>) -> Self {
         let evaluation = &minimum.evaluation;
-        let taken = &evaluation.jacobian * root(covariance);
+        let taken = &evaluation.jacobian * covariance_root(covariance);
         let (known, free) = (taken.ncols(), evaluation.free.len());
         // Along free directions, the residual vanishes.
         let mut Q = taken.resize_horizontally(known + free, 0.0);
@@ -96,7 +138,7 @@ impl<'a> Residuals<'a> {
             .column_iter()
             .zip(eigen.eigenvalues.iter())
         {
-            if *left > ABSORBED {
+            if *left > ABSORBED_VARIANCE_SHARE {
                 chi2 += direction.dot(&s).powi(2) / left;
                 dof += 1.0;
             }
@@ -107,7 +149,7 @@ impl<'a> Residuals<'a> {
 
 /// Tests the residuals of a fit over the cases it used. The tests cover constant errors of parts, sign runs and trends over the order of the
 /// cases. They also compare loading with unloading, and pose errors of parts with the scatter of their marks.
-pub fn structure(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<LackOfFitTest> {
+pub fn lack_of_fit_tests(problem: &Problem<'_>, left: &Residuals<'_>) -> Vec<LackOfFitTest> {
     let mut tests = Tests {
         problem,
         left,
@@ -129,8 +171,11 @@ impl Tests<'_> {
     fn put(&mut self, what: String, (chi2, dof): (f64, f64)) {
         if let Ok(distribution) = ChiSquared::new(dof) {
             self.out.push(LackOfFitTest {
-                what,
-                p_value: distribution.sf(chi2),
+                statistic: Some(ChiSquare {
+                    value: chi2,
+                    dof: dof as usize,
+                }),
+                ..LackOfFitTest::of_pattern(what, distribution.sf(chi2))
             });
         }
     }
@@ -203,7 +248,7 @@ impl Tests<'_> {
             );
             if let Some(p_value) = self.runs(&range) {
                 let what = format!("{name}: signs of the errors over the order of the cases");
-                self.out.push(LackOfFitTest { what, p_value });
+                self.out.push(LackOfFitTest::of_pattern(what, p_value));
             }
         }
     }
@@ -222,7 +267,7 @@ impl Tests<'_> {
             let n = signs.len() as f64;
             let up = signs.iter().filter(|sign| **sign).count() as f64;
             let pairs = 2.0 * up * (n - up);
-            if signs.len() < SEQUENCE || pairs == 0.0 {
+            if signs.len() < MIN_RUN_CASES || pairs == 0.0 {
                 continue;
             }
             let runs = 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
@@ -258,7 +303,10 @@ impl Tests<'_> {
         }
         // Sum of squares and its expectation for unit noise: of the rigid motions, and in total.
         let (mut whole, mut all) = ((0.0, 0.0), (0.0, 0.0));
-        for block in blocks.values().filter(|block| block.len() >= MARKS) {
+        for block in blocks
+            .values()
+            .filter(|block| block.len() >= MIN_POSE_MARKS)
+        {
             let rows: Vec<usize> = block.iter().flat_map(|(at, _)| *at..at + 3).collect();
             let centre = block.iter().map(|(_, x)| x).sum::<Vec3>() / block.len() as f64;
             let size = block
@@ -282,15 +330,15 @@ impl Tests<'_> {
             all.1 += r.len() as f64 - Q.norm_squared();
         }
         let scatter = (all.0 - whole.0, all.1 - whole.1);
-        if scatter.1 >= SCATTER
+        if scatter.1 >= MIN_SCATTER_DOF
             && scatter.0 > 0.0
             && let Ok(distribution) = FisherSnedecor::new(whole.1, scatter.1)
         {
             let ratio = (whole.0 / whole.1) / (scatter.0 / scatter.1);
-            self.out.push(LackOfFitTest {
-                what: "errors of whole parts against the scatter of their marks".to_string(),
-                p_value: distribution.sf(ratio),
-            });
+            self.out.push(LackOfFitTest::of_pattern(
+                "errors of whole parts against the scatter of their marks".to_string(),
+                distribution.sf(ratio),
+            ));
         }
     }
 
@@ -365,22 +413,6 @@ fn orthonormal(columns: DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_columns(&basis)
 }
 
-/// Returns `L` with `L L' = C`, by Cholesky factorisation if `C` is positive definite.
-fn root(C: &DMatrix<f64>) -> DMatrix<f64> {
-    if let Some(factor) = Cholesky::new(C.clone()) {
-        return factor.l();
-    }
-    if C.is_empty() {
-        return C.clone();
-    }
-    let eigen = symmetric_eigen(C.clone());
-    let mut L = eigen.eigenvectors;
-    for (mut column, lambda) in L.column_iter_mut().zip(eigen.eigenvalues.iter()) {
-        column *= lambda.max(0.0).sqrt();
-    }
-    L
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -422,7 +454,7 @@ mod tests {
             let left = Residuals {
                 rows: &rows,
                 r: &r,
-                Q: &jacobian * root(&covariance),
+                Q: &jacobian * covariance_root(&covariance),
             };
             let (chi2, dof) = left.along(std::slice::from_ref(&contrast));
             assert_eq!(dof, 1.0);

@@ -5,48 +5,32 @@ use super::fit::FittedModel;
 use super::influence::{ByCase, Contrast, ResidualCovariance};
 use super::survey::Survey;
 use admire_identify::global::Row;
+use admire_identify::settings::LACK_OF_FIT_LEVEL;
+use admire_identify::{ChiSquare, LackOfFitAspect, LackOfFitTest};
 use admire_solver::mechanics::Vec3;
-use admire_study::orientation::chi_square_p_value;
 
-/// Significance level: the residuals have structure if the smallest p-value, corrected for the number of tests, is below it. A correct model
-/// fails the test over all readings in one study of a thousand, and any other test in one more. A wrong model is usually far below the level.
-const STRUCTURED: f64 = 0.001;
-
-/// Kind of structure that a test detects.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Aspect {
-    /// Scatter of all readings together.
-    All,
-    /// Scatter of the readings of one case, part or channel. A single outlier suffices to fail.
-    Scatter,
-    /// Error of one reading of one mark.
-    Mark,
-    /// Pattern across several readings.
-    Pattern,
-}
-
-/// Result of one test of structure.
-#[derive(Clone, PartialEq, Debug)]
-pub struct StructureTest {
-    /// Kind of structure tested.
-    pub aspect: Aspect,
-    /// Subject of the test, as text for the report.
-    pub what: String,
-    /// Chi-square statistic.
-    pub value: f64,
-    /// Degrees of freedom.
-    pub dof: usize,
-    /// P-value. For the worst of several alternatives, it is corrected for their number.
-    pub p_value: f64,
+/// Creates the test of a chi-square statistic.
+const fn chi_square_test(
+    aspect: LackOfFitAspect,
+    what: String,
+    statistic: ChiSquare,
+    p_value: f64,
+) -> LackOfFitTest {
+    LackOfFitTest {
+        what,
+        p_value,
+        aspect,
+        statistic: Some(statistic),
+    }
 }
 
 /// Runs all tests of structure and returns them with the smallest p-value first. They are: chi-square over all rows and of every case, part,
 /// wheel and channel; trends with each load, with the force in each element and with the order of application; loading against unloading; a
 /// rigid motion of all marks in one case; and a constant or a single error of one mark.
-pub(super) fn structure(
+pub(super) fn lack_of_fit_tests(
     subject: &DiagnosisProblem<'_>,
     fitted: &FittedModel,
-) -> Vec<StructureTest> {
+) -> Vec<LackOfFitTest> {
     let influence = ResidualCovariance::new(fitted);
     let mut tests = Tests {
         subject,
@@ -65,40 +49,42 @@ pub(super) fn structure(
 
 /// Returns the p-value of a test, corrected for the number of tests. The test over all readings is not corrected: it asks a single question,
 /// and the other tests are the follow-up.
-fn corrected(test: &StructureTest, count: usize) -> f64 {
+fn corrected(test: &LackOfFitTest, count: usize) -> f64 {
     let asked = match test.aspect {
-        Aspect::All => 1.0,
+        LackOfFitAspect::All => 1.0,
         _ => count as f64,
     };
     (test.p_value * asked).min(1.0)
 }
 
 /// Returns true if a test is significant among `count` tests.
-pub(super) fn is_significant(test: &StructureTest, count: usize) -> bool {
-    corrected(test, count) < STRUCTURED
+pub(super) fn is_significant(test: &LackOfFitTest, count: usize) -> bool {
+    corrected(test, count) < LACK_OF_FIT_LEVEL
 }
 
 /// Returns the smallest p-value, corrected for the number of tests.
-pub(super) fn least(tests: &[StructureTest]) -> f64 {
+pub(super) fn least(tests: &[LackOfFitTest]) -> f64 {
     let values = tests.iter().map(|test| corrected(test, tests.len()));
     values.fold(1.0, f64::min)
 }
 
-/// Returns true if noise does not explain the residuals.
-pub(super) fn is_structured(tests: &[StructureTest]) -> bool {
-    least(tests) < STRUCTURED
+/// Returns true if noise does not explain the residuals: the smallest p-value, corrected for the number of tests, is below the significance
+/// level. A correct model fails the test over all readings in one study of a thousand, and any other test in one more. A wrong model is usually
+/// far below the level.
+pub(super) fn is_structured(tests: &[LackOfFitTest]) -> bool {
+    least(tests) < LACK_OF_FIT_LEVEL
 }
 
 /// Returns true if only isolated readings are significantly off: single marks, or the scatter of a case, part or channel, but no pattern.
-pub(super) fn is_of_far_readings(tests: &[StructureTest]) -> bool {
+pub(super) fn is_of_far_readings(tests: &[LackOfFitTest]) -> bool {
     let significant = tests
         .iter()
         .filter(|test| is_significant(test, tests.len()));
     let mut aspects = significant.map(|test| test.aspect);
     aspects
         .clone()
-        .any(|aspect| matches!(aspect, Aspect::Mark | Aspect::Scatter))
-        && aspects.all(|aspect| aspect != Aspect::Pattern)
+        .any(|aspect| matches!(aspect, LackOfFitAspect::Mark | LackOfFitAspect::Scatter))
+        && aspects.all(|aspect| aspect != LackOfFitAspect::Pattern)
 }
 
 struct Tests<'a> {
@@ -106,7 +92,7 @@ struct Tests<'a> {
     influence: &'a ResidualCovariance<'a>,
     /// Contrasts of each case: one for each direction of each part, for the wheel and for each channel.
     by_case: ByCase,
-    out: Vec<StructureTest>,
+    out: Vec<LackOfFitTest>,
 }
 
 impl Tests<'_> {
@@ -116,45 +102,38 @@ impl Tests<'_> {
         let dof = (fitted.posterior.count - fitted.posterior.effective)
             .max(1.0)
             .round() as usize;
-        self.out.push(StructureTest {
-            aspect: Aspect::All,
-            what: "all readings".to_string(),
-            value,
-            dof,
-            p_value: chi_square_p_value(value, dof),
-        });
+        let statistic = ChiSquare { value, dof };
+        self.out.push(chi_square_test(
+            LackOfFitAspect::All,
+            "all readings".to_string(),
+            statistic,
+            statistic.p_value(),
+        ));
     }
 
     /// Adds a pattern test of the contrasts of every case, weighted by one number per case.
     fn put(&mut self, what: String, weights: &[f64]) {
         if let Some(statistic) = self.by_case.test(weights) {
-            self.out.push(StructureTest {
-                aspect: Aspect::Pattern,
-                what,
-                value: statistic.value,
-                dof: statistic.dof,
-                p_value: statistic.p_value(),
-            });
+            let p_value = statistic.p_value();
+            let test = chi_square_test(LackOfFitAspect::Pattern, what, statistic, p_value);
+            self.out.push(test);
         }
     }
 
     /// Runs several tests and adds the worst of them, with its p-value corrected for their number.
-    fn worst(&mut self, aspect: Aspect, named: Vec<(String, Vec<Contrast>)>) {
+    fn worst(&mut self, aspect: LackOfFitAspect, named: Vec<(String, Vec<Contrast>)>) {
         let count = named.len() as f64;
         let tests = named.into_iter().filter_map(|(what, contrasts)| {
             let statistic = self.influence.test(&contrasts)?;
-            Some(StructureTest {
-                aspect,
-                what,
-                value: statistic.value,
-                dof: statistic.dof,
-                p_value: (statistic.p_value() * count).min(1.0),
-            })
+            let p_value = (statistic.p_value() * count).min(1.0);
+            let per_dof = statistic.value / statistic.dof as f64;
+            Some((per_dof, chi_square_test(aspect, what, statistic, p_value)))
         });
-        let worst = tests.min_by(|a, b| {
-            let by_value = (b.value / b.dof as f64).total_cmp(&(a.value / a.dof as f64));
+        let worst = tests.min_by(|(a_per_dof, a), (b_per_dof, b)| {
+            let by_value = b_per_dof.total_cmp(a_per_dof);
             a.p_value.total_cmp(&b.p_value).then(by_value)
         });
+        let worst = worst.map(|(_, test)| test);
         self.out.extend(worst);
     }
 
@@ -166,14 +145,13 @@ impl Tests<'_> {
             .map(|(k, _)| k)
             .collect();
         if let Some(statistic) = self.influence.test_rows(&rows) {
-            let value = statistic.value * self.subject.variance_factor(rows);
-            self.out.push(StructureTest {
-                aspect: Aspect::Scatter,
-                what,
-                value,
-                dof: statistic.dof,
-                p_value: chi_square_p_value(value, statistic.dof),
-            });
+            let statistic = ChiSquare {
+                value: statistic.value * self.subject.variance_factor(rows),
+                ..statistic
+            };
+            let p_value = statistic.p_value();
+            let test = chi_square_test(LackOfFitAspect::Scatter, what, statistic, p_value);
+            self.out.push(test);
         }
     }
 
@@ -273,14 +251,14 @@ impl Tests<'_> {
             }
         }
         motions.retain(|(_, columns)| !columns[0].is_empty());
-        self.worst(Aspect::Pattern, motions);
+        self.worst(LackOfFitAspect::Pattern, motions);
         let constants = constants.into_iter().map(|((part, mark), columns)| {
             let part = &measurement.parts[part];
             let what = format!("mark {} {} in all cases", part.name, part.marks[mark].label);
             (what, columns)
         });
-        self.worst(Aspect::Pattern, constants.collect());
-        self.worst(Aspect::Mark, single);
+        self.worst(LackOfFitAspect::Pattern, constants.collect());
+        self.worst(LackOfFitAspect::Mark, single);
     }
 }
 
@@ -334,9 +312,9 @@ fn both_ways(values: &[f64]) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Aspect, StructureTest, both_ways, is_structured};
+    use super::{both_ways, chi_square_test, is_structured};
+    use admire_identify::{ChiSquare, LackOfFitAspect, LackOfFitTest};
     use admire_study::noise::Noise;
-    use admire_study::orientation::chi_square_p_value;
 
     #[test]
     fn a_load_that_only_goes_one_way_has_no_way_back() {
@@ -360,16 +338,19 @@ mod tests {
         let structured = (0..studies)
             .filter(|_| {
                 let squares: Vec<f64> = (0..50).map(|_| noise.normal().powi(2)).collect();
-                let test = |aspect, value, dof| StructureTest {
-                    aspect,
-                    what: String::new(),
-                    value,
-                    dof,
-                    p_value: chi_square_p_value(value, dof),
+                let test = |aspect, value, dof| {
+                    let statistic = ChiSquare { value, dof };
+                    chi_square_test(aspect, String::new(), statistic, statistic.p_value())
                 };
-                let mut tests: Vec<StructureTest> =
-                    squares.iter().map(|s| test(Aspect::Mark, *s, 1)).collect();
-                tests.push(test(Aspect::All, squares.iter().sum(), squares.len()));
+                let mut tests: Vec<LackOfFitTest> = squares
+                    .iter()
+                    .map(|s| test(LackOfFitAspect::Mark, *s, 1))
+                    .collect();
+                tests.push(test(
+                    LackOfFitAspect::All,
+                    squares.iter().sum(),
+                    squares.len(),
+                ));
                 is_structured(&tests)
             })
             .count();
