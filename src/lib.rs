@@ -111,9 +111,9 @@ pub use front::{DiagnosisAnswer, Identification, PlanAnswer, Study};
 /// Contents of an [`Identification`]: the types of `identification.json`.
 pub mod fit {
     pub use admire_identify::{
-        BootstrapMade, ChiSquare, CurveHeldOut, Fit, FitTest, HeldOut, LackOfFitAspect,
+        BootstrapMade, ChiSquare, CurveHeldOut, Fit, FitTest, FitVerdict, HeldOut, LackOfFitAspect,
         LackOfFitTest, Marks, NoiseFound, OffsetFit, ParameterFit, PosteriorMade, ReadingsLeft,
-        Repeated, Status, ToleranceFound, UnidentifiableDirection, Verdict, WheelFit, Written,
+        Repeated, Status, ToleranceFound, UnidentifiableDirection, WheelFit, Written,
     };
     pub use admire_solver::statics::{Balance, Left};
     pub use admire_solver::system::Name;

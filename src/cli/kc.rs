@@ -327,7 +327,7 @@ fn summary(run: &KcRun, units: &admire_syntax::units::Units, convention: Convent
         column.set_cell_alignment(CellAlignment::Right);
     }
     out += &table_text(&table);
-    let told = run.balance.told(units);
+    let told = run.balance.describe(units);
     if !told.is_empty() {
         out += &format!("\nforces summed again leave at most {told}\n");
     }

@@ -71,7 +71,7 @@ const EXAMPLES: &str = "Examples:
 /// Prints the list or the values, or writes the changed file.
 pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     if let Some(summary) = messages(&arguments.file) {
-        return Ok(told(&summary, shell));
+        return Ok(describe_run(&summary, shell));
     }
     let filter = filter(arguments).map_err(|refused| shell.usage(refused))?;
     if !arguments.set.is_empty() {
@@ -148,7 +148,7 @@ fn messages(path: &Path) -> Option<MessageFile> {
 }
 
 /// Describes a run from its messages. The exit code is 1 if there were errors or the run did not finish.
-fn told(file: &MessageFile, shell: &Shell) -> Exit {
+fn describe_run(file: &MessageFile, shell: &Shell) -> Exit {
     let bad = !file.finished || file.frames.iter().any(|frame| frame.kind == "ERROR");
     let exit = if bad { Exit::Findings } else { Exit::Fine };
     if shell.format == Format::Json {

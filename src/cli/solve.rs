@@ -355,7 +355,7 @@ impl Answer<'_> {
 
     /// Describes the remaining imbalance in an independent sum of forces and torques.
     fn left_over(&self) -> Option<String> {
-        let told = self.report.balance.told(&self.model.units);
+        let told = self.report.balance.describe(&self.model.units);
         (!told.is_empty()).then(|| format!("forces summed again leave at most {told}"))
     }
 

@@ -79,7 +79,7 @@ pub(super) fn run(
         .confined(&folders)
         .ignoring(ignored)
         .watched(|moment| {
-            bar.set_message(told(&moment, began.elapsed()));
+            bar.set_message(progress_line(&moment, began.elapsed()));
             bar.tick();
             !interrupt::asked()
         });
@@ -102,7 +102,7 @@ pub(super) fn run(
 }
 
 /// Formats the progress line: time, end time, step size, remaining time.
-fn told(moment: &Moment, elapsed: Duration) -> String {
+fn progress_line(moment: &Moment, elapsed: Duration) -> String {
     let share = moment.share();
     let left = if share > 0.0 {
         elapsed.mul_f64((1.0 - share) / share)

@@ -31,7 +31,7 @@ pub enum Kind {
 
 /// Candidate measurement.
 #[derive(Clone, PartialEq, Debug)]
-pub(super) struct Candidate {
+pub(super) struct ProposedMeasurement {
     /// Kind of measurement.
     pub kind: Kind,
     /// Instruction for the measurement, as text.
@@ -55,16 +55,16 @@ pub(super) enum New {
 
 /// All candidate measurements considered.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(super) struct Candidates {
+pub(super) struct ProposedMeasurements {
     /// Candidates in the order of their creation.
-    pub list: Vec<Candidate>,
+    pub list: Vec<ProposedMeasurement>,
     /// Deck functions that load cells read.
     pub functions: Vec<String>,
     /// Number of load combinations left out to limit the effort.
     pub left_out: usize,
 }
 
-impl Candidate {
+impl ProposedMeasurement {
     fn cases(kind: Kind, what: String, cases: Vec<Vec<f64>>) -> Self {
         Self {
             kind,
@@ -82,7 +82,7 @@ impl Candidate {
     }
 }
 
-impl Candidates {
+impl ProposedMeasurements {
     /// Creates load cases with each load alone and with pairs of loads, in both directions from the usual values. Deviations are the largest
     /// of the study times each of `factors`.
     pub(super) fn loads(programme: &LoadProgramme, factors: &[f64]) -> Self {
@@ -115,10 +115,10 @@ impl Candidates {
             if factor > 1.0 {
                 what += " (beyond)";
             }
-            let known = |of: &Candidate| of.sequence()[0] == values;
+            let known = |of: &ProposedMeasurement| of.sequence()[0] == values;
             if !new.list.iter().any(known) {
                 new.list
-                    .push(Candidate::cases(Kind::Load, what, vec![values]));
+                    .push(ProposedMeasurement::cases(Kind::Load, what, vec![values]));
             }
         };
         for factor in factors {
@@ -158,7 +158,8 @@ impl Candidates {
                 count => format!("case {} again (there {count} times)", labels[0]),
             };
             let cases = vec![values.to_vec()];
-            self.list.push(Candidate::cases(Kind::Repeat, what, cases));
+            self.list
+                .push(ProposedMeasurement::cases(Kind::Repeat, what, cases));
         }
     }
 
@@ -185,7 +186,8 @@ impl Candidates {
                 shown(programme, load, low),
                 plain(programme, load, high)
             );
-            self.list.push(Candidate::cases(Kind::Loop, what, cases));
+            self.list
+                .push(ProposedMeasurement::cases(Kind::Loop, what, cases));
         }
     }
 
@@ -209,7 +211,7 @@ impl Candidates {
                 } else {
                     part.header.name.clone()
                 };
-                self.list.push(Candidate {
+                self.list.push(ProposedMeasurement {
                     kind: Kind::Mark,
                     what: format!("mark on {name} near MARKER/{id}"),
                     new: New::Mark(PartIx(k), *place),
@@ -276,7 +278,7 @@ impl Candidates {
         }
         for (component, words, what, sigma) in curves {
             if !read(words) {
-                self.list.push(Candidate {
+                self.list.push(ProposedMeasurement {
                     kind: Kind::Curve,
                     what,
                     new: New::Wheel(component, sigma),
@@ -300,7 +302,7 @@ impl Candidates {
                 let force = format!("{function}({},0,{component},{frame})", header.id);
                 self.functions.push(force);
             }
-            self.list.push(Candidate {
+            self.list.push(ProposedMeasurement {
                 kind: Kind::LoadCell,
                 what: format!("load cell in {kind}/{}", header.id),
                 new: New::Functions(first..self.functions.len()),
@@ -386,7 +388,7 @@ pub(super) fn loaded_marker(subject: &DiagnosisProblem<'_>) -> Option<MarkerIx> 
 
 #[cfg(test)]
 mod tests {
-    use super::{Candidates, Kind};
+    use super::{Kind, ProposedMeasurements};
     use crate::settings::BEYOND_RANGE_FACTOR;
     use admire_session::backend::{Load, LoadCase, LoadProgramme};
     use admire_syntax::text::Source;
@@ -422,7 +424,7 @@ mod tests {
     #[test]
     fn loads_go_both_ways_from_where_they_usually_are() {
         let programme = programme(["vertical", "lateral"], &CASES);
-        let found = Candidates::loads(&programme, &[1.0, BEYOND_RANGE_FACTOR]);
+        let found = ProposedMeasurements::loads(&programme, &[1.0, BEYOND_RANGE_FACTOR]);
         let values: Vec<&[f64]> = found.list.iter().map(|c| &c.sequence()[0][..]).collect();
         let alone = [
             [7500.0, 0.0],
@@ -444,7 +446,7 @@ mod tests {
     #[test]
     fn what_is_there_is_a_repetition() {
         let programme = programme(["vertical", "lateral"], &CASES);
-        let mut found = Candidates::loads(&programme, &[1.0]);
+        let mut found = ProposedMeasurements::loads(&programme, &[1.0]);
         found.repeats(&programme);
         let of = |kind: Kind| found.list.iter().filter(move |c| c.kind == kind);
         assert!(of(Kind::Load).all(|c| !CASES.contains(&[c.sequence()[0][0], c.sequence()[0][1]])));
@@ -458,7 +460,7 @@ mod tests {
     fn angles_are_set_in_degrees() {
         let radians = CASES.map(|[a, b]| [a, f64::to_radians(b / 100.0)]);
         let programme = programme(["vertical", "steer_deg"], &radians);
-        let found = Candidates::loads(&programme, &[BEYOND_RANGE_FACTOR]);
+        let found = ProposedMeasurements::loads(&programme, &[BEYOND_RANGE_FACTOR]);
         assert_eq!(found.list[2].what, "steer_deg 50 (beyond)");
         let value = super::in_the_file(&programme, 1, found.list[2].sequence()[0][1]);
         assert_eq!(value, 50.0);

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use admire_diagnosis::{DiagnosisProblem, FittedModel, Known, Unknowns, with_zero_guesses};
 use admire_identify::Problem;
 use admire_identify::global::{
-    CasePrediction, FitUnknown, FitUnknowns, Observations, Observed, Prediction, Prepared, Target,
+    CasePrediction, FitUnknown, FitUnknowns, Observations, Observed, Prediction, Prepared,
+    UnknownTarget,
 };
 use admire_session::backend::LoadProgramme;
 use admire_solver::model::PartIx;
@@ -25,7 +26,7 @@ pub(super) struct Forecast {
 
 /// Requested predictions in addition to the readings of the study.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked<'a> {
+pub(super) struct ForecastRequest<'a> {
     /// Sequences of load cases, one value per load. Each sequence follows the cases of the study.
     pub sequences: &'a [Vec<Vec<f64>>],
     /// Parts whose motions are needed.
@@ -40,7 +41,7 @@ impl Forecast {
     pub(super) fn new(
         subject: &DiagnosisProblem<'_>,
         fitted: &FittedModel,
-        asked: Asked<'_>,
+        asked: ForecastRequest<'_>,
     ) -> Option<Self> {
         let problem = Problem {
             dataset: &fitted.deck.dataset,
@@ -166,7 +167,7 @@ pub(super) fn nearest(programme: &LoadProgramme, values: &[f64]) -> Option<usize
 /// Extends an unknown by its factors in further cases.
 fn continued(unknown: &FitUnknown, programme: &LoadProgramme, further: &[&[f64]]) -> FitUnknown {
     let mut unknown = unknown.clone();
-    if let Target::PerCase(slots) = &mut unknown.target {
+    if let UnknownTarget::PerCase(slots) = &mut unknown.target {
         for (_, factors) in slots {
             let more = followed(factors, programme, further);
             factors.extend(more);

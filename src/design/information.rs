@@ -30,7 +30,7 @@ impl Information {
 
     /// Adds the unknowns that a candidate introduces, with their priors only.
     #[must_use]
-    pub(super) fn widened(&self, further: &[f64]) -> Self {
+    pub(super) fn with_nuisance(&self, further: &[f64]) -> Self {
         let (n, k) = (self.S.len(), further.len());
         let mut S = self.S.clone().resize_vertically(n + k, 0.0);
         for (at, sd) in further.iter().enumerate() {
@@ -45,7 +45,7 @@ impl Information {
     /// Adds the readings of a candidate.
     #[must_use]
     pub(super) fn with(&self, readings: &Readings) -> Self {
-        let mut new = self.widened(&readings.further);
+        let mut new = self.with_nuisance(&readings.further);
         new.H += readings.jacobian.tr_mul(&readings.jacobian);
         if readings.replaced.nrows() > 0 {
             new.H -= readings.replaced.tr_mul(&readings.replaced);

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::candidate::{Candidates, in_the_file};
+use super::candidate::{ProposedMeasurements, in_the_file};
 use super::information::Information;
-use super::prospect::Prospect;
-use super::rivals::separated;
+use super::prospect::MeasurementPredictor;
+use super::rivals::discrimination_chi_square;
 use crate::settings::SEPARATION_CHI_SQUARE;
-use admire_diagnosis::{DiagnosisProblem, FittedModel, Hypothesis, NextMeasurement, Outcome};
+use admire_diagnosis::{CandidateEffect, DiagnosisProblem, FittedModel, NextMeasurement, Outcome};
 
 /// Proposes a measurement that separates a finding of the diagnosis from its rival, if there is one.
 pub fn propose(outcome: &mut Outcome<'_>) {
@@ -23,8 +23,8 @@ pub fn propose(outcome: &mut Outcome<'_>) {
 /// proposal is to repeat that case.
 fn next_measurement(
     subject: &DiagnosisProblem<'_>,
-    (best, finding): (&FittedModel, &Hypothesis),
-    (other, rival): (&FittedModel, &Hypothesis),
+    (best, finding): (&FittedModel, &CandidateEffect),
+    (other, rival): (&FittedModel, &CandidateEffect),
 ) -> Option<NextMeasurement> {
     let programme = subject.problem.programme;
     let case_of = |values: &[f64]| -> BTreeMap<String, f64> {
@@ -44,13 +44,13 @@ fn next_measurement(
             });
         }
     }
-    let candidates = Candidates::loads(programme, &[1.0]);
-    let mine = Prospect::new(subject, best, &candidates)?;
-    let theirs = Prospect::new(subject, other, &candidates)?;
+    let candidates = ProposedMeasurements::loads(programme, &[1.0]);
+    let mine = MeasurementPredictor::new(subject, best, &candidates)?;
+    let theirs = MeasurementPredictor::new(subject, other, &candidates)?;
     let information = Information::of(best);
     let apart = |at: usize| {
         let (mine, theirs) = (mine.readings(at)?, theirs.readings(at)?);
-        separated(&information, &mine, &theirs)
+        discrimination_chi_square(&information, &mine, &theirs)
     };
     let each = (0..candidates.list.len()).filter_map(|at| Some((apart(at)?, at)));
     // Among equal candidates the first one wins.

@@ -9,10 +9,10 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::candidate::{Candidate, Candidates, Kind, in_the_file};
+use super::candidate::{Kind, ProposedMeasurement, ProposedMeasurements, in_the_file};
 use super::information::{Information, ln_det};
-use super::prospect::{Prospect, Readings};
-use super::rivals::{Rivals, Separation, separated};
+use super::prospect::{MeasurementPredictor, Readings};
+use super::rivals::{CompetingModels, Separation, discrimination_chi_square};
 use crate::settings::{BEYOND_RANGE_FACTOR, MAX_WHEEL_CASES, WORST_COMBINATIONS};
 use admire_diagnosis::{
     CauseLimit, Data, DetectionLimit, DiagnosisProblem, FittedModel, Progress, as_it_is,
@@ -154,7 +154,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let (mut rivals, mut of_points, mut of_causes) = (None, Vec::new(), Vec::new());
     if aim.looks_at(Aim::Causes) {
         let sought = seek(&mut of_all, progress).ok_or_else(no_cases)?;
-        rivals = Rivals::of(&sought.found, &sought.leading);
+        rivals = CompetingModels::of(&sought.found, &sought.leading);
         of_points = detection_limits(&of_all, &sought.leading);
         of_causes = cause_limits(&of_all, &sought.leading);
     }
@@ -164,9 +164,9 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
     let fitted = as_it_is(&mut subject, None, Data::Fitted).ok_or_else(no_cases)?;
     progress.begin("weighing what could be measured");
     let programme = problem.programme;
-    let mut candidates = Candidates::loads(programme, &[1.0, BEYOND_RANGE_FACTOR]);
+    let mut candidates = ProposedMeasurements::loads(programme, &[1.0, BEYOND_RANGE_FACTOR]);
     candidates.repeats(programme);
-    if rivals.as_ref().is_some_and(Rivals::remember) {
+    if rivals.as_ref().is_some_and(CompetingModels::remember) {
         candidates.loops(programme);
     }
     candidates.marks(problem.model);
@@ -217,7 +217,7 @@ pub fn plan(problem: &Problem<'_>, aim: Aim, progress: &Progress) -> Result<Plan
 
 /// Comparison of two rival models over the candidates.
 struct Apart<'a, 'b> {
-    prospects: [Prospect<'a, 'b>; 2],
+    prospects: [MeasurementPredictor<'a, 'b>; 2],
     information: Information,
     odds: f64,
 }
@@ -225,23 +225,23 @@ struct Apart<'a, 'b> {
 impl<'a, 'b> Apart<'a, 'b> {
     fn new(
         subject: &'a DiagnosisProblem<'b>,
-        rivals: &'a Rivals,
-        candidates: &'a Candidates,
+        rivals: &'a CompetingModels,
+        candidates: &'a ProposedMeasurements,
     ) -> Option<Self> {
         let [first, second] = rivals
             .fits
             .each_ref()
-            .map(|fit| Prospect::new(subject, fit, candidates));
+            .map(|fit| MeasurementPredictor::new(subject, fit, candidates));
         Some(Self {
             prospects: [first?, second?],
             information: Information::of(&rivals.fits[0]),
-            odds: rivals.odds(),
+            odds: rivals.probability_of_first(),
         })
     }
 
     fn of(&self, at: usize) -> Option<Separation> {
         let [first, second] = self.prospects.each_ref().map(|p| p.readings(at));
-        let chi_square = separated(&self.information, &first?, &second?)?;
+        let chi_square = discrimination_chi_square(&self.information, &first?, &second?)?;
         Some(Separation::of(chi_square.max(0.0), self.odds))
     }
 }
@@ -249,7 +249,7 @@ impl<'a, 'b> Apart<'a, 'b> {
 /// Evaluation of the candidates against the present uncertainty of the study.
 struct Weighing<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
-    prospect: Prospect<'a, 'b>,
+    prospect: MeasurementPredictor<'a, 'b>,
     information: Information,
     aim: Aim,
     combinations: Vec<Combination>,
@@ -270,10 +270,10 @@ impl<'a, 'b> Weighing<'a, 'b> {
     fn new(
         subject: &'a DiagnosisProblem<'b>,
         fitted: &'a FittedModel,
-        candidates: &'a Candidates,
+        candidates: &'a ProposedMeasurements,
         aim: Aim,
     ) -> Option<Self> {
-        let prospect = Prospect::new(subject, fitted, candidates)?;
+        let prospect = MeasurementPredictor::new(subject, fitted, candidates)?;
         let count = subject.problem.unknowns.len();
         let cases: Vec<usize> = (0..subject.problem.measurement.cases.len()).collect();
         let step = cases.len().div_ceil(MAX_WHEEL_CASES).max(1);
@@ -332,7 +332,7 @@ impl<'a, 'b> Weighing<'a, 'b> {
     fn of(
         &self,
         at: usize,
-        candidate: &Candidate,
+        candidate: &ProposedMeasurement,
         apart: Option<&Apart<'_, '_>>,
     ) -> Option<Ranked> {
         let readings: Readings = self.prospect.readings(at)?;

@@ -2,8 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::candidate::{Candidate, Candidates, New, sigma_of_a_cell, sigma_of_a_mark};
-use super::forecast::{Asked, Forecast, nearest};
+use super::candidate::{
+    New, ProposedMeasurement, ProposedMeasurements, sigma_of_a_cell, sigma_of_a_mark,
+};
+use super::forecast::{Forecast, ForecastRequest, nearest};
 use super::wheel_place::WheelPlace;
 use admire_diagnosis::{DiagnosisProblem, FittedModel, at_point, by_frame, centroid, motions};
 use admire_identify::global::{CaseChange, CasePrediction, NuisanceLayout, Observations, Row};
@@ -68,11 +70,11 @@ impl Readings {
 }
 
 /// Predictor of candidate measurements by a fitted model.
-pub(super) struct Prospect<'a, 'b> {
+pub(super) struct MeasurementPredictor<'a, 'b> {
     subject: &'a DiagnosisProblem<'b>,
     fitted: &'a FittedModel,
     forecast: Forecast,
-    candidates: &'a Candidates,
+    candidates: &'a ProposedMeasurements,
     /// Index of each candidate's sequence of cases in the forecast.
     sequence: Vec<Option<usize>>,
     wheel: Option<WheelPlace>,
@@ -80,12 +82,12 @@ pub(super) struct Prospect<'a, 'b> {
     seen: Vec<usize>,
 }
 
-impl<'a, 'b> Prospect<'a, 'b> {
+impl<'a, 'b> MeasurementPredictor<'a, 'b> {
     /// Solves all cases that the candidates need. `None` where the deck cannot be solved in a case of the study.
     pub(super) fn new(
         subject: &'a DiagnosisProblem<'b>,
         fitted: &'a FittedModel,
-        candidates: &'a Candidates,
+        candidates: &'a ProposedMeasurements,
     ) -> Option<Self> {
         let mut sequences: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut sequence = Vec::new();
@@ -101,7 +103,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
                 parts.push(part);
             }
         }
-        let asked = |functions| Asked {
+        let asked = |functions| ForecastRequest {
             sequences: &sequences,
             parts: &parts,
             functions,
@@ -206,7 +208,7 @@ impl<'a, 'b> Prospect<'a, 'b> {
     }
 
     /// Returns everything that the study reads, in further cases.
-    fn of_cases(&self, candidate: &Candidate, sequence: usize) -> Option<Readings> {
+    fn of_cases(&self, candidate: &ProposedMeasurement, sequence: usize) -> Option<Readings> {
         let (subject, fitted) = (self.subject, self.fitted);
         let further = self.forecast.there[sequence].as_ref()?;
         let measurement = continued(subject, candidate.sequence());

@@ -8,11 +8,11 @@ use serde::Serialize;
 use super::information::Information;
 use super::prospect::Readings;
 use crate::settings::RIVAL_MIN_PROBABILITY;
-use admire_diagnosis::{FittedModel, Found, Hypothesis, Visited};
+use admire_diagnosis::{CandidateEffect, FittedModel, Found, Visited};
 
 /// Leading model and its most probable rival.
 #[derive(Clone, Debug)]
-pub(super) struct Rivals {
+pub(super) struct CompetingModels {
     /// Both fits, the leading model first.
     pub fits: [Arc<FittedModel>; 2],
     /// Names of the causes that each model holds and the other does not.
@@ -32,7 +32,7 @@ pub struct Separation {
     pub nats: f64,
 }
 
-impl Rivals {
+impl CompetingModels {
     /// Returns the rivals found by a search; `None` if the leading model has no serious rival.
     pub(super) fn of(found: &Found, leading: &Arc<FittedModel>) -> Option<Self> {
         let fitted = |(model, p): &(Visited, f64)| Some((Arc::clone(model.fitted.as_ref()?), *p));
@@ -65,26 +65,26 @@ impl Rivals {
     }
 
     /// Returns the probability of the leading model, given that one of the two is true.
-    pub(super) fn odds(&self) -> f64 {
+    pub(super) fn probability_of_first(&self) -> f64 {
         self.probability[0] / (self.probability[0] + self.probability[1])
     }
 }
 
 /// Returns the causes of one model at sites where the other has none.
-fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a Hypothesis> {
-    let there = |h: &&Hypothesis| !other.effects.iter().any(|o| o.same_site(h));
+fn without<'a>(fit: &'a FittedModel, other: &FittedModel) -> Vec<&'a CandidateEffect> {
+    let there = |h: &&CandidateEffect| !other.effects.iter().any(|o| o.same_site(h));
     fit.effects.iter().filter(there).collect()
 }
 
 /// Returns the chi-square `d' (I + J C J')^-1 d` by which readings separate two models. The uncertainty of the first model's prediction is
 /// part of the covariance.
-pub(super) fn separated(
+pub(super) fn discrimination_chi_square(
     information: &Information,
     first: &Readings,
     second: &Readings,
 ) -> Option<f64> {
     let (difference, rows) = first.against(second)?;
-    let known = information.widened(&first.further);
+    let known = information.with_nuisance(&first.further);
     let S = known.covariance(rows)? + DMatrix::identity(rows.nrows(), rows.nrows());
     Some(difference.dot(&Cholesky::new(S)?.solve(&difference)))
 }

@@ -75,7 +75,7 @@ impl Aim<'_> {
         known.is_some_and(|known| {
             let there =
                 DVector::from_iterator(known.len(), known.iter().zip(x).map(|(k, x)| k - x));
-            reached.above(&there) < SAME
+            reached.nats_below_maximum(&there) < SAME
         })
     }
 }

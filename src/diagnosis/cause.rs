@@ -79,7 +79,7 @@ impl Cause {
     }
 
     /// Returns true for faults of the readings themselves, which cross-validation by load case cannot confirm.
-    pub const fn of_the_measurement(self) -> bool {
+    pub const fn is_reading_fault(self) -> bool {
         matches!(
             self,
             Self::FrameDrift

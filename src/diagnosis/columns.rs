@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::hypothesis::{EffectParameter, Sensitivity};
-use super::survey::Survey;
+use super::candidate_effect::{EffectParameter, Sensitivity};
+use super::operating_points::OperatingPoints;
 use admire_identify::global::{
     CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
 };
@@ -34,7 +34,7 @@ impl Responses<'_> {
     pub(super) fn columns(&mut self, count: usize) -> DMatrix<f64> {
         let (numbers, rest) = self.numbers.split_at(count);
         self.numbers = rest;
-        let asked: Vec<usize> = (0..count).filter(|k| is_asked(numbers[*k])).collect();
+        let asked: Vec<usize> = (0..count).filter(|k| needs_solver(numbers[*k])).collect();
         let mut prediction = Vec::with_capacity(self.prediction.len());
         let range = self.done..self.done + asked.len();
         self.done = range.end;
@@ -69,11 +69,11 @@ impl Responses<'_> {
 }
 
 /// Returns true for a parameter whose effect requires the solver.
-fn is_asked(number: &EffectParameter) -> bool {
+fn needs_solver(number: &EffectParameter) -> bool {
     !matches!(number.column, Sensitivity::Rows(_) | Sensitivity::None)
 }
 
-impl<'a> Survey<'a> {
+impl<'a> OperatingPoints<'a> {
     /// Returns the effects of these parameters on every row; see [`Responses::columns`].
     pub(super) fn columns(&self, numbers: &[&EffectParameter]) -> DMatrix<f64> {
         self.responses(numbers).columns(numbers.len())
@@ -88,7 +88,7 @@ impl<'a> Survey<'a> {
         let catalogue = system.catalogue();
         let slot = |address: &Address| catalogue.slot(address);
         let asked: Vec<usize> = (0..numbers.len())
-            .filter(|k| is_asked(numbers[*k]))
+            .filter(|k| needs_solver(numbers[*k]))
             .collect();
         let direction = |k: &usize| {
             let mut direction = Direction::default();
@@ -233,10 +233,10 @@ impl<'a> Survey<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::candidate_effect::{CandidateEffect, Term};
     use crate::causes::{bushing_coupling, dry_friction};
     use crate::diagnosis_problem::{Data, DiagnosisProblem};
     use crate::fit::{FittedModel, fit, with_zero_guesses};
-    use crate::hypothesis::{Hypothesis, Term};
     use crate::scan::Catalogue;
     use crate::sought::tests::{of_the_axle, shipped_axle};
 
@@ -244,7 +244,7 @@ mod tests {
     fn compare(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) {
         let at = fitted.effects.len() - 1;
         let own = &fitted.effects[at];
-        let survey = Survey::new(subject, fitted);
+        let survey = OperatingPoints::new(subject, fitted);
         let here = match own.term {
             Term::Asymmetry => own.clone(),
             _ => bushing_coupling::growth(&survey, own).expect("it is deflected"),
@@ -265,7 +265,7 @@ mod tests {
         let loaded = shipped_axle();
         let problem = loaded.problem();
         let (subject, none) = of_the_axle(&problem);
-        let with = |base: &FittedModel, h: &Hypothesis| {
+        let with = |base: &FittedModel, h: &CandidateEffect| {
             let mut chosen = with_zero_guesses(base);
             chosen.push((h.clone(), vec![0.05; h.numbers.len()]));
             fit(&subject, &chosen, Some((base, &base.x)), Data::All)
@@ -279,10 +279,10 @@ mod tests {
         let fitted = growing.step_by(5).filter_map(|h| with(&none, h));
         let compared = fitted.map(|fitted| compare(&subject, &fitted)).count();
         assert!(compared > 4, "{compared}");
-        let friction = |h: &&Hypothesis| h.memory.is_some() && h.address == "BUSHING/2.K.1";
+        let friction = |h: &&CandidateEffect| h.memory.is_some() && h.address == "BUSHING/2.K.1";
         let friction = catalogue.hypotheses.iter().find(friction).expect("a place");
         let fitted = with(&none, friction).expect("it can be solved");
-        let parts = dry_friction::by_direction(&Survey::new(&subject, &fitted));
+        let parts = dry_friction::by_direction(&OperatingPoints::new(&subject, &fitted));
         assert_eq!(parts.len(), 1);
         let fitted = with(&fitted, &parts[0]).expect("it can be solved");
         compare(&subject, &fitted);

@@ -14,10 +14,10 @@ use std::sync::Arc;
 use nalgebra::DVector;
 use serde::Serialize;
 
+use super::candidate_effect::CandidateEffect;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
 use super::hold_out::HoldOutSelection;
-use super::hypothesis::Hypothesis;
 use super::jackknife::{Squares, rms_reduction};
 use super::progress::Progress;
 use super::sought::Begun;
@@ -260,9 +260,9 @@ impl<'a> Folds<'a> {
             }
             let (_, refits, chosen) = best?;
             let after = refits[group].as_ref()?.misfit.clone();
-            Some(Predicted {
+            Some(GroupPrediction {
                 misfits: [before, after],
-                causes: Hypothesis::causes(&chosen.effects)
+                causes: CandidateEffect::causes(&chosen.effects)
                     .map(ToString::to_string)
                     .collect(),
             })
@@ -282,8 +282,8 @@ impl<'a> Folds<'a> {
             let begun = Begun::without_held_out(&subject)?;
             let unseen = HoldOutSelection::new(begun, &[], progress)
                 .filter(|found| !found.is_cut_short())?;
-            let chosen = Hypothesis::causes(&unseen.chosen.effects);
-            Some(Predicted {
+            let chosen = CandidateEffect::causes(&unseen.chosen.effects);
+            Some(GroupPrediction {
                 causes: chosen.map(ToString::to_string).collect(),
                 misfits: unseen.predicted.map(|blind| blind.misfit),
             })
@@ -294,7 +294,7 @@ impl<'a> Folds<'a> {
     fn collected(
         &self,
         searched: bool,
-        predict: impl Fn(usize) -> Option<Predicted>,
+        predict: impl Fn(usize) -> Option<GroupPrediction>,
     ) -> Option<CrossValidation> {
         let subject = self.subject;
         let (of, unit) = subject.compared();
@@ -305,7 +305,7 @@ impl<'a> Folds<'a> {
             if count == 0.0 {
                 continue;
             }
-            let Predicted { misfits, causes } = predict(group)?;
+            let GroupPrediction { misfits, causes } = predict(group)?;
             let [before, after] = misfits.map(|misfit| -> f64 {
                 self.rows(group).map(|k| misfit[k].powi(2)).sum::<f64>() * unit * unit
             });
@@ -341,7 +341,7 @@ impl<'a> Folds<'a> {
 }
 
 /// Prediction of a group from the others.
-struct Predicted {
+struct GroupPrediction {
     /// Prediction minus reading of all rows: without causes, and with the selected causes.
     misfits: [DVector<f64>; 2],
     /// Causes selected, as text.

@@ -2,6 +2,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::averaged::model_averaged_parameters;
+use super::candidate_effect::CandidateEffect;
 use super::cross_validation::Folds;
 use super::diagnosis::{
     BaselineFit, Diagnosis, Finding, NoiseFound, ToleranceFound, Unexplained, Verdict,
@@ -9,11 +10,10 @@ use super::diagnosis::{
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::findings::{findings, mark_findings, rival_fit, without};
 use super::fit::{DeckOnlyPrediction, FittedModel, fit, with_zero_guesses};
-use super::folds::{Blind, HeldOutTest};
 use super::frame::motions;
 use super::gain_check::GainCheck;
 use super::hold_out::HoldOutSelection;
-use super::hypothesis::Hypothesis;
+use super::hold_out_test::{HeldOutTest, HoldOutPrediction};
 use super::lack_of_fit::{is_significant, is_structured, lack_of_fit_tests, least};
 use super::limits::{cause_limits, detection_limits};
 use super::progress::Progress;
@@ -64,11 +64,11 @@ impl Outcome<'_> {
 #[derive(Debug)]
 pub struct Rival {
     /// Cause that was found.
-    pub finding: Hypothesis,
+    pub finding: CandidateEffect,
     /// Rival model, fitted to all cases.
     pub fitted: Arc<FittedModel>,
     /// Cause that the rival model holds instead.
-    pub instead: Hypothesis,
+    pub instead: CandidateEffect,
 }
 
 /// Marks the held-out cases: those named by the study, otherwise every fourth case.
@@ -127,7 +127,8 @@ pub fn diagnose_watched<'a>(
         lack_of_fit_tests(&subject, &none)
     };
     let structures = [before, tested];
-    let test = |fitted: &FittedModel| Blind::new(&subject, fitted)?.test(&subject, fitted);
+    let test =
+        |fitted: &FittedModel| HoldOutPrediction::new(&subject, fitted)?.test(&subject, fitted);
     let tests = [test(&none), test(&leading)];
     let folds = Folds::new(&subject);
     let (mut findings, order, is_nameless) = findings(
@@ -387,7 +388,7 @@ fn check_posterior_predictive(test: &HeldOutTest, unexplained: &mut Unexplained)
 /// is the true law of the component.
 fn two_laws_at_one_element(findings: &[Finding], unexplained: &mut Unexplained) {
     for (k, finding) in findings.iter().enumerate() {
-        let of_the_model = |f: &&Finding| !f.minor && !f.cause.of_the_measurement();
+        let of_the_model = |f: &&Finding| !f.minor && !f.cause.is_reading_fault();
         let other = findings[..k]
             .iter()
             .filter(of_the_model)

@@ -10,7 +10,7 @@ use admire_identify::settings::{
     HEAVY_TAILS_NATS, HUBER_THRESHOLD_SIGMA, POSSIBLE_HEAVY_TAILS_NATS,
 };
 use admire_identify::tolerance::{
-    EffectGroup, LayerOf, MarkBlock, MarkNoise, NoiseScale, RandomEffects, Size, Tails,
+    EffectGroup, LayerOf, MarkBlock, MarkNoise, NoiseScale, RandomEffects, ScalePrior, Tails,
     VarianceComponents, Whitening, mad_sigma,
 };
 use admire_solver::mechanics::Vec3;
@@ -68,7 +68,7 @@ impl<'a> DiagnosisProblem<'a> {
         let alignment = problem.tolerances.alignment;
         if alignment != PriorSetting::Estimate
             && !measurement.parts.is_empty()
-            && let Some((group, size)) = Size::of_alignment(alignment, millimetre)
+            && let Some((group, size)) = ScalePrior::of_alignment(alignment, millimetre)
         {
             sizes = sizes.with_group(group, size);
         }
@@ -107,7 +107,7 @@ impl<'a> DiagnosisProblem<'a> {
 
     /// Returns a copy with additional tolerance groups.
     #[must_use]
-    pub fn with_groups(&self, groups: impl IntoIterator<Item = (EffectGroup, Size)>) -> Self {
+    pub fn with_groups(&self, groups: impl IntoIterator<Item = (EffectGroup, ScalePrior)>) -> Self {
         let mut new = self.clone();
         for (group, size) in groups {
             new.sizes = new.sizes.with_group(group, size);
@@ -194,7 +194,7 @@ impl<'a> DiagnosisProblem<'a> {
         let usual = mad_sigma(marks.map(|(_, r)| r * self.sigma).collect());
         let off = off(&self.rows, misfit, self.sigma);
         self.noise
-            .suspect_three(self.problem.measurement, &off, usual)
+            .flag_three_mark_outliers(self.problem.measurement, &off, usual)
     }
 
     /// Decides on flagged marks by the residuals of a fit that left them out. Returns true if there were any.

@@ -1,14 +1,14 @@
 //! Where the fits of a search began and how they ended, so that none is made twice.
 
+use super::candidate_effect::CandidateEffect;
 use super::fit::{EarlyStopping, FitOutcome, FittedModel};
-use super::hypothesis::Hypothesis;
 use admire_identify::tolerance::VarianceComponents;
 
 /// Where a fit begins.
 #[derive(Clone, PartialEq)]
 pub(super) struct Start {
     /// Causes and guesses of their numbers.
-    causes: Vec<(Hypothesis, Vec<f64>)>,
+    causes: Vec<(CandidateEffect, Vec<f64>)>,
     /// Unknowns of the fit that it begins at, and what they are taken to be; `None` for the deck.
     from: Option<(Vec<f64>, Vec<f64>)>,
     /// Sizes of tolerances, if not those of that fit.
@@ -17,7 +17,7 @@ pub(super) struct Start {
 
 impl Start {
     pub(super) fn new(
-        causes: &[(Hypothesis, Vec<f64>)],
+        causes: &[(CandidateEffect, Vec<f64>)],
         from: Option<(&FittedModel, &[f64])>,
         sizes: Option<&VarianceComponents>,
     ) -> Self {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::{CandidateEffect, Change};
 use super::diagnosis_problem::DiagnosisProblem;
-use super::hypothesis::{Change, Hypothesis};
 use admire_identify::Problem;
 use admire_identify::global::Prepared;
 use admire_solver::model::Model;
@@ -26,8 +26,8 @@ pub struct ExtendedDeck {
 /// Returns the deck extended by some effects. The deck of `warm` is reused where it has the same extensions.
 pub(super) fn deck_of(
     subject: &DiagnosisProblem<'_>,
-    chosen: &[(Hypothesis, Vec<f64>)],
-    warm: Option<(&[Hypothesis], &Arc<ExtendedDeck>)>,
+    chosen: &[(CandidateEffect, Vec<f64>)],
+    warm: Option<(&[CandidateEffect], &Arc<ExtendedDeck>)>,
 ) -> Option<Arc<ExtendedDeck>> {
     let changes = || chosen.iter().flat_map(|(h, _)| &h.changes);
     let plans = || chosen.iter().filter_map(|(h, _)| h.memory.as_ref());

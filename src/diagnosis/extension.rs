@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::diagnose::Outcome;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::{DeckOnlyPrediction, FittedModel};
-use admire_identify::global::Target;
+use admire_identify::global::UnknownTarget;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{MarkerIx, Model};
 use admire_solver::system::{Parameters, Slot};
@@ -102,7 +102,8 @@ pub(super) fn driven(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Ve
 fn per_case(fitted: &FittedModel) -> Vec<Slot> {
     let mut out: Vec<Slot> = fitted.memories.iter().map(|memory| memory.anchor).collect();
     for (k, unknown) in fitted.unknowns.list().iter().enumerate() {
-        if let (Target::PerCase(slots), true) = (&unknown.target, fitted.is_of_the_model(k)) {
+        if let (UnknownTarget::PerCase(slots), true) = (&unknown.target, fitted.is_of_the_model(k))
+        {
             out.extend(slots.iter().map(|(slot, _)| *slot));
         }
     }

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::candidate_effect::{CandidateEffect, Term};
 use super::cause::Cause;
 use super::cross_validation::Folds;
 use super::diagnosis::{Evidence, Finding, Gain, Indistinguishable, LAW_MISFIT};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::{Estimate, FittedModel};
-use super::folds::{Blind, HeldOutTest, moved};
-use super::hypothesis::{Hypothesis, Term};
+use super::hold_out_test::{HeldOutTest, HoldOutPrediction, moved};
 use super::remainder::is_at_element_of;
 use super::sought::{NAMED, none_of_these, of_place, probability};
 use super::visited::{Found, Visited};
@@ -24,7 +24,7 @@ pub(super) fn rival_fit(
     found: &Found,
     leading: &FittedModel,
     at: usize,
-) -> Option<(Arc<FittedModel>, Hypothesis)> {
+) -> Option<(Arc<FittedModel>, CandidateEffect)> {
     found.models.iter().find_map(|(model, _)| {
         let rival = instead(model, leading, at)?;
         Some((Arc::clone(model.fitted.as_ref()?), rival.clone()))
@@ -32,11 +32,15 @@ pub(super) fn rival_fit(
 }
 
 /// Returns the cause that a model holds in place of one cause of the leading model. All other causes must be at the same sites.
-fn instead<'m>(model: &'m Visited, leading: &FittedModel, at: usize) -> Option<&'m Hypothesis> {
+fn instead<'m>(
+    model: &'m Visited,
+    leading: &FittedModel,
+    at: usize,
+) -> Option<&'m CandidateEffect> {
     let own = &leading.effects[at];
-    let others = Hypothesis::causes(&leading.effects).filter(|h| !h.same_site(own));
-    let mut rest: Vec<&Hypothesis> = Hypothesis::causes(&model.causes).collect();
-    if rest.len() != Hypothesis::causes(&leading.effects).count() {
+    let others = CandidateEffect::causes(&leading.effects).filter(|h| !h.same_site(own));
+    let mut rest: Vec<&CandidateEffect> = CandidateEffect::causes(&model.causes).collect();
+    if rest.len() != CandidateEffect::causes(&leading.effects).count() {
         return None;
     }
     for other in others {
@@ -68,7 +72,7 @@ pub(super) fn findings(
                 .iter()
                 .any(|r| (r.cause, r.address.as_str()) == (rival.cause, rival.address.as_str()));
             if behind <= RIVAL_WINDOW_TWO_NATS && !known {
-                let is_rival = |h: &Hypothesis| is_at(h, rival.cause, &rival.address);
+                let is_rival = |h: &CandidateEffect| is_at(h, rival.cause, &rival.address);
                 rivals.push(Indistinguishable {
                     cause: rival.cause,
                     address: rival.address.clone(),
@@ -77,14 +81,14 @@ pub(super) fn findings(
                 });
             }
         }
-        let in_group = |other: &Hypothesis| {
+        let in_group = |other: &CandidateEffect| {
             let mut rivals = rivals.iter();
             other.same_site(h) || rivals.any(|r| is_at(other, r.cause, &r.address))
         };
         let group = probability(found, |causes| causes.iter().any(in_group));
         let without = without(found, leading, k);
         let evidence = 2.0 * (leading.posterior.ln_z - without.posterior.ln_z);
-        let before = Blind::new(subject, &without);
+        let before = HoldOutPrediction::new(subject, &without);
         // The importance counts the effect of the cause alone. A refit would absorb part of it by wrong values elsewhere.
         let moves = leading
             .effect(subject, k)
@@ -153,7 +157,7 @@ pub(super) fn findings(
     // Next to a force of unknown law, cases it describes badly look like faults of those cases. Its higher-order effects look like a second
     // cause at the same element.
     let stands_in = leading.effects.iter().find(|h| !h.is_in_catalogue());
-    let of_a_case = |h: &Hypothesis| h.only_case(&subject.rows).is_some();
+    let of_a_case = |h: &CandidateEffect| h.only_case(&subject.rows).is_some();
     let faults = leading.effects.iter().filter(|h| of_a_case(h)).count();
     let is_told = |k: &usize| {
         let h = &leading.effects[*k];
@@ -189,7 +193,7 @@ pub(super) fn findings(
     (findings, order, is_nameless)
 }
 
-fn is_at(h: &Hypothesis, cause: Cause, address: &str) -> bool {
+fn is_at(h: &CandidateEffect, cause: Cause, address: &str) -> bool {
     h.cause == cause && h.address == address
 }
 

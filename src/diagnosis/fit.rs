@@ -5,11 +5,11 @@ use std::sync::Arc;
 use nalgebra::{DMatrix, DVector};
 
 use super::aim::Aim;
+use super::candidate_effect::{CandidateEffect, Parametrisation, Term};
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 pub use super::estimate::Estimate;
 use super::extended_deck::{ExtendedDeck, deck_of, like};
-use super::hypothesis::{Hypothesis, Parametrisation, Term};
 use super::settle::{End, Settled, Sweep};
 use super::unknowns::{Known, Unknowns};
 use crate::settings::{CONVERGED_NATS, MAX_FIT_ITERATIONS, WRONG_MINIMUM_RMS_SIGMA};
@@ -28,7 +28,7 @@ pub struct FittedModel {
     /// Extended deck. Fits of the same structure share it.
     pub deck: Arc<ExtendedDeck>,
     /// Effects in the model.
-    pub effects: Vec<Hypothesis>,
+    pub effects: Vec<CandidateEffect>,
     /// Unknowns of the deck: stiffnesses, random effects, parameters of causes.
     pub unknowns: FitUnknowns,
     /// Unknowns of the measurement: frames and positions of marks.
@@ -95,7 +95,7 @@ impl FittedModel {
 
     /// Returns the log prior odds of the effects in the model.
     pub fn ln_prior(&self) -> f64 {
-        Hypothesis::ln_prior_of(&self.effects)
+        CandidateEffect::ln_prior_of(&self.effects)
     }
 
     /// Returns the log of evidence times prior. The predicted decrease that the fit did not realise is subtracted.
@@ -282,7 +282,7 @@ impl FittedModel {
 /// guesses. Returns `None` where the extended deck cannot be compiled or solved.
 pub(super) fn fit(
     subject: &DiagnosisProblem<'_>,
-    chosen: &[(Hypothesis, Vec<f64>)],
+    chosen: &[(CandidateEffect, Vec<f64>)],
     warm: Option<(&FittedModel, &[f64])>,
     data: Data,
 ) -> Option<FittedModel> {
@@ -339,8 +339,8 @@ impl<'a> EarlyStopping<'a> {
         fitted.posterior.ln_z - fitted.posterior.gain < self.least
     }
 
-    fn aim(&self, chosen: &[(Hypothesis, Vec<f64>)]) -> Aim<'a> {
-        let alike = |(a, (b, _)): (&Hypothesis, &(Hypothesis, Vec<f64>))| a.same_law(b);
+    fn aim(&self, chosen: &[(CandidateEffect, Vec<f64>)]) -> Aim<'a> {
+        let alike = |(a, (b, _)): (&CandidateEffect, &(CandidateEffect, Vec<f64>))| a.same_law(b);
         let same = |known: &&FittedModel| {
             known.is_converged()
                 && known.effects.len() == chosen.len()
@@ -367,7 +367,7 @@ pub(super) enum FitOutcome {
 /// `warm`, otherwise from the study's medians.
 pub(super) fn fit_with_early_stopping(
     subject: &DiagnosisProblem<'_>,
-    chosen: &[(Hypothesis, Vec<f64>)],
+    chosen: &[(CandidateEffect, Vec<f64>)],
     warm: Option<(&FittedModel, &[f64])>,
     sizes: Option<&VarianceComponents>,
     data: Data,
@@ -431,7 +431,7 @@ pub(super) fn fit_with_early_stopping(
         let first = if is_again {
             sizes.clone()
         } else {
-            sizes.at(sizes.shrunk_to_median(1.0))
+            sizes.at(sizes.capped_above_median(1.0))
         };
         let start = sweep.beside(x, (&warm.jacobian, warm.unknowns.len()));
         let is_free = parent.is_some();
@@ -514,18 +514,18 @@ pub(super) fn fit_with_early_stopping(
 /// Returns true if the fit is converged, holds all of these causes, and `x` are its own unknowns.
 fn is_submodel_start(
     (fitted, x): (&FittedModel, &[f64]),
-    chosen: &[(Hypothesis, Vec<f64>)],
+    chosen: &[(CandidateEffect, Vec<f64>)],
 ) -> bool {
     let is_held =
-        |(h, _): &(Hypothesis, Vec<f64>)| fitted.effects.iter().any(|own| own.same_form(h));
+        |(h, _): &(CandidateEffect, Vec<f64>)| fitted.effects.iter().any(|own| own.same_form(h));
     fitted.is_converged() && fitted.x == x && chosen.iter().all(is_held)
 }
 
 /// Splits combined candidates into main and further terms, each with its guesses.
-fn apart(chosen: &[(Hypothesis, Vec<f64>)]) -> Vec<(Hypothesis, Vec<f64>)> {
-    let each = |(h, guesses): &(Hypothesis, Vec<f64>)| {
+fn apart(chosen: &[(CandidateEffect, Vec<f64>)]) -> Vec<(CandidateEffect, Vec<f64>)> {
+    let each = |(h, guesses): &(CandidateEffect, Vec<f64>)| {
         let mut left = guesses.as_slice();
-        let own = |h: Hypothesis| {
+        let own = |h: CandidateEffect| {
             let (own, rest) = left.split_at(h.numbers.len());
             left = rest;
             (h, own.to_vec())
@@ -590,7 +590,7 @@ pub(super) fn refit(
 }
 
 /// Returns the effects of a fit with zero guesses, to be replaced by the fit's own values.
-pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(Hypothesis, Vec<f64>)> {
-    let zeros = |h: &Hypothesis| (h.clone(), vec![0.0; h.numbers.len()]);
+pub fn with_zero_guesses(fitted: &FittedModel) -> Vec<(CandidateEffect, Vec<f64>)> {
+    let zeros = |h: &CandidateEffect| (h.clone(), vec![0.0; h.numbers.len()]);
     fitted.effects.iter().map(zeros).collect()
 }

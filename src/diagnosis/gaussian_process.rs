@@ -21,7 +21,7 @@ pub(super) enum Reach {
 }
 
 /// Posterior of the force in all cases, at the length scale and standard deviation of largest evidence.
-pub(super) struct Law {
+pub(super) struct GpPosterior {
     /// Gain in log evidence, in nats.
     pub nats: f64,
     /// Decrease of chi-square.
@@ -36,7 +36,7 @@ pub(super) struct Law {
     pub weights: DVector<f64>,
 }
 
-impl Law {
+impl GpPosterior {
     /// Fits the process and returns its posterior at the length scale and standard deviation of largest evidence. `information` and
     /// `gradient` belong to a force in each case, with all other unknowns of the fit eliminated. `force` is the typical force. If
     /// `beyond_a_line`, constant and straight line are projected out. `None` where the coordinate does not vary.
@@ -160,8 +160,8 @@ mod tests {
         let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
         let information = DMatrix::identity(usize::from(n), usize::from(n));
         // Readings equal forces here, so the gradient is the reading itself.
-        let found = Law::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
-        let Law {
+        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
+        let GpPosterior {
             nats,
             taken,
             mean,
@@ -190,7 +190,7 @@ mod tests {
             - DMatrix::from_fn(usize::from(n), usize::from(n), covariance);
         assert!(off.amax() < 1e-8, "{:e}", off.amax());
         let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
-        let found = Law::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
+        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
         assert!(found.unwrap().nats < 1.0);
     }
 }

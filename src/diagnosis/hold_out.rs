@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use super::candidate_effect::CandidateEffect;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
-use super::folds::{Blind, HeldOutTest, compared};
-use super::hypothesis::Hypothesis;
+use super::hold_out_test::{HeldOutTest, HoldOutPrediction, compared};
 use super::jackknife::{Squares, rms_reduction};
 use super::progress::Progress;
 use super::rig_errors::RigErrors;
@@ -26,7 +26,7 @@ pub struct HoldOutSelection {
     /// Tests of the held-out cases: without causes, and with the selected causes.
     pub tests: [HeldOutTest; 2],
     /// Predictions of the held-out cases: without causes, and with the selected causes.
-    pub predicted: [Blind; 2],
+    pub predicted: [HoldOutPrediction; 2],
     /// True if a separate search selected the causes; false if they were selected with these cases.
     pub searched: bool,
     /// True if the search ended early, by its budget or by request.
@@ -101,7 +101,7 @@ impl HoldOutSelection {
         (searched, cut_short): (bool, bool),
     ) -> Option<Self> {
         let [before, after] = models.each_ref().map(|fitted| {
-            let blind = Blind::new(subject, fitted)?;
+            let blind = HoldOutPrediction::new(subject, fitted)?;
             let test = blind.test(subject, fitted)?;
             Some((blind, test))
         });
@@ -186,7 +186,7 @@ impl HoldOutSelection {
                 .filter(|channel| channel.held_out)
                 .map(|channel| channel.name.clone())
                 .collect(),
-            causes: Hypothesis::causes(&self.chosen.effects)
+            causes: CandidateEffect::causes(&self.chosen.effects)
                 .map(ToString::to_string)
                 .collect(),
             of,

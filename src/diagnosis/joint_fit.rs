@@ -14,7 +14,7 @@ use super::sought::as_it_is;
 use super::visited::Visited;
 use admire_identify::global::gauss_newton::Prior;
 use admire_identify::global::{Joint, Marginal};
-use admire_identify::{Fit, FitTest, LackOfFitTest, NOT_CONVERGED, Problem, Status, Verdict};
+use admire_identify::{Fit, FitTest, FitVerdict, LackOfFitTest, NOT_CONVERGED, Problem, Status};
 
 /// Joint fit of stiffnesses and tolerances under the assumption that the model has no error besides noise and tolerances.
 #[derive(Clone, Debug)]
@@ -127,7 +127,7 @@ impl JointFit {
             && fit
                 .fit_test
                 .as_ref()
-                .is_some_and(|test| test.verdict != Verdict::Noise)
+                .is_some_and(|test| test.verdict != FitVerdict::Noise)
         {
             fit.remarks.push(format!(
                 "The study states a noise of {declared:.3}; the marks of rigid parts show {estimated:.3}, which is used."

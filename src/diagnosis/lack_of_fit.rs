@@ -2,8 +2,8 @@
 
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::influence::{ByCase, Contrast, ResidualCovariance};
-use super::survey::Survey;
+use super::operating_points::OperatingPoints;
+use super::residual_covariance::{ByCase, Contrast, ResidualCovariance};
 use admire_identify::global::Row;
 use admire_identify::settings::LACK_OF_FIT_LEVEL;
 use admire_identify::{ChiSquare, LackOfFitAspect, LackOfFitTest};
@@ -199,7 +199,7 @@ impl Tests<'_> {
                 );
             }
         }
-        for (name, force) in Survey::new(self.subject, fitted).forces() {
+        for (name, force) in OperatingPoints::new(self.subject, fitted).forces() {
             self.trend(format!("trend with the force in {name}"), &force);
         }
         let order: Vec<f64> = (0..programme.cases.len()).map(|k| k as f64).collect();

@@ -1,10 +1,10 @@
 //! Detection limits: sizes from which an error would be named, so that the report states what the readings cannot show.
 
+use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Term};
 use super::cause::Cause;
 use super::diagnosis::{CauseLimit, DetectionLimit};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Term};
 use super::scan::{Catalogue, first_member};
 use crate::settings::{MAX_CAUSE_LIMIT_SD, MAX_HARDPOINT_LIMIT_MM};
 use admire_identify::tolerance::EffectGroup;
@@ -112,7 +112,7 @@ fn alone(information: f64, ln_odds: f64) -> Option<f64> {
 }
 
 /// Adds a limit, or merges it with the limit of another form of the same cause.
-fn take(out: &mut Vec<CauseLimit>, h: &Hypothesis, number: &EffectParameter, d: Option<f64>) {
+fn take(out: &mut Vec<CauseLimit>, h: &CandidateEffect, number: &EffectParameter, d: Option<f64>) {
     let size = d.map(|d| d * number.sd * number.unit);
     let same = |l: &&mut CauseLimit| {
         (l.cause, l.address.as_str(), l.number.as_str())
@@ -143,7 +143,7 @@ mod tests {
         let mut out = Vec::new();
         for size in sizes {
             let number = EffectParameter::new("size", 2.0, Parametrisation::Linear);
-            let h = Hypothesis::plain(cause, "PART/6".to_string(), "", Vec::new());
+            let h = CandidateEffect::plain(cause, "PART/6".to_string(), "", Vec::new());
             take(&mut out, &h, &number, size);
         }
         assert_eq!(out.len(), 1);

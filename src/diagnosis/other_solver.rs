@@ -6,11 +6,11 @@
 
 use nalgebra::DVector;
 
+use super::candidate_effect::CandidateEffect;
 use super::diagnose::Outcome;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::extension::driven;
 use super::fit::{DeckOnlyPrediction, FittedModel};
-use super::hypothesis::Hypothesis;
 use super::stiffness::corrected;
 use crate::settings::{MAX_LN_STIFFNESS_STEP, OTHER_SOLVER_MAX_ROUNDS, OTHER_SOLVER_TOLERANCE_SD};
 use admire_identify::global::{CaseChanges, CasePrediction, NuisanceLayout, Observations, Row};
@@ -69,7 +69,7 @@ impl Outcome<'_> {
         }
         for finding in &mut self.diagnosis.findings {
             let mut chosen = extended.effects.iter();
-            let is_named = |h: &Hypothesis| {
+            let is_named = |h: &CandidateEffect| {
                 let form = finding.form.as_deref().unwrap_or_default();
                 h.cause == finding.cause && h.address == finding.address && h.side == form
             };

@@ -11,14 +11,14 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
+use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity, Term, component};
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::FittedModel;
-use super::folds::{compared, unseen};
-use super::gaussian_process::{GRID_SIZE, Law, Reach};
-use super::hypothesis::{EffectParameter, Hypothesis, Sensitivity, Term, component};
+use super::gaussian_process::{GRID_SIZE, GpPosterior, Reach};
+use super::hold_out_test::{compared, unseen};
+use super::operating_points::OperatingPoints;
 use super::predictive::PredictiveDistribution;
-use super::survey::Survey;
 use crate::priors::FORCE_LEVER_MM;
 use crate::settings::{GP_SITE_NATS, MAX_LN_STIFFNESS_STEP};
 use admire_identify::settings::NORMAL_QUANTILE_975;
@@ -107,7 +107,7 @@ struct Process {
     over: Over,
     load: Option<String>,
     coordinate: Vec<f64>,
-    law: Law,
+    law: GpPosterior,
 }
 
 /// Site, coordinate and process of largest evidence.
@@ -219,9 +219,9 @@ pub(super) fn predicted(
 }
 
 /// Force of unknown law as a candidate of a search.
-pub(super) struct Unnamed {
+pub(super) struct GpTerm {
     /// Candidate with one parameter per factor column, in units of the priors. Its effects on the rows are linearised at the end of a fit.
-    pub hypothesis: Hypothesis,
+    pub hypothesis: CandidateEffect,
     /// First guesses of the candidate's parameters.
     pub guesses: Vec<f64>,
     /// First guesses of the unknowns of the fit.
@@ -232,11 +232,15 @@ pub(super) struct Unnamed {
     root: DMatrix<f64>,
 }
 
-impl Unnamed {
+impl GpTerm {
     /// Returns the same law linearised at another fit.
-    pub(super) fn at(&self, subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Hypothesis {
-        let survey = Survey::new(subject, fitted);
-        Hypothesis {
+    pub(super) fn at(
+        &self,
+        subject: &DiagnosisProblem<'_>,
+        fitted: &FittedModel,
+    ) -> CandidateEffect {
+        let survey = OperatingPoints::new(subject, fitted);
+        CandidateEffect {
             numbers: numbers(&effect(&survey, &self.place), &self.root),
             ..self.hypothesis.clone()
         }
@@ -246,11 +250,11 @@ impl Unnamed {
 /// Returns forces of unknown law as candidates: the best one at the fit's own variance components, and the best one at components reduced to
 /// their medians. The fit's own components may have absorbed the effect. The prior of one class of causes is divided among all sites,
 /// coordinates, length scales and standard deviations tried.
-pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
-    let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
+pub(super) fn gp_terms(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
+    let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let each = [&usual, &fitted.sizes].into_iter();
     let found = each.filter_map(|sizes| most_spoken_for(subject, fitted, sizes, None));
-    let mut out: Vec<Unnamed> = Vec::new();
+    let mut out: Vec<GpTerm> = Vec::new();
     for unnamed in found.map(|best| as_hypothesis(subject, fitted, best)) {
         if !out
             .iter()
@@ -264,15 +268,15 @@ pub(super) fn unnamed(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> V
 
 /// Returns the misfits of the laws in a fit, each as a further term of its cause. Only laws known in kind but not in shape get a misfit:
 /// friction that is not a slider, rubber that is not a polynomial.
-pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<Unnamed> {
+pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Vec<GpTerm> {
     let chosen = &fitted.effects;
-    let is_closed = |h: &Hypothesis| {
+    let is_closed = |h: &CandidateEffect| {
         let mut parts = chosen.iter().filter(|other| other.same_site(h));
-        parts.any(Hypothesis::is_left_by_law)
+        parts.any(CandidateEffect::is_left_by_law)
     };
-    let usual = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
+    let usual = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
     let priors = subject.problem.priors;
-    let left = |h: &Hypothesis| {
+    let left = |h: &CandidateEffect| {
         let best = most_spoken_for(subject, fitted, &usual, Some(&h.address))?;
         let mut left = as_hypothesis(subject, fitted, best);
         left.hypothesis.cause = h.cause;
@@ -281,12 +285,16 @@ pub(super) fn left_by_laws(subject: &DiagnosisProblem<'_>, fitted: &FittedModel)
         left.hypothesis.ln_prior += libm::log(priors.law_misfit / priors.class_probability);
         Some(left)
     };
-    let open = Hypothesis::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
+    let open = CandidateEffect::causes(chosen).filter(|h| h.cause.has_rough_law() && !is_closed(h));
     open.filter_map(left).collect()
 }
 
 /// Returns true if a cause is located at the bushing or joint where a force acts, or at a marker of it.
-pub(super) fn is_at_element_of(model: &Model, h: &Hypothesis, force: &Hypothesis) -> bool {
+pub(super) fn is_at_element_of(
+    model: &Model,
+    h: &CandidateEffect,
+    force: &CandidateEffect,
+) -> bool {
     let element = |address: &str| {
         let end = address.find(['.', '<']).unwrap_or(address.len());
         address[..end].to_string()
@@ -317,20 +325,20 @@ fn numbers(effect: &DMatrix<f64>, root: &DMatrix<f64>) -> Vec<EffectParameter> {
     columns.column_iter().enumerate().map(number).collect()
 }
 
-fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Best) -> Unnamed {
+fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Best) -> GpTerm {
     let form = match found.process.over {
         Over::Deflection => "over deflection",
         Over::Load => "over a load",
         Over::Order => "over the order",
     };
-    let Law {
+    let GpPosterior {
         root,
         weights,
         mean,
         nats,
         ..
     } = found.process.law;
-    let mut hypothesis = Hypothesis::plain(
+    let mut hypothesis = CandidateEffect::plain(
         Cause::UnmodelledForce,
         found.address,
         form,
@@ -344,7 +352,7 @@ fn as_hypothesis(subject: &DiagnosisProblem<'_>, fitted: &FittedModel, found: Be
         None => x + step.clamp(-MAX_LN_STIFFNESS_STEP, MAX_LN_STIFFNESS_STEP),
         Some(_) => x + step,
     });
-    Unnamed {
+    GpTerm {
         hypothesis,
         guesses: weights.iter().copied().collect(),
         x: moved.collect(),
@@ -361,7 +369,7 @@ fn most_spoken_for(
     sizes: &VarianceComponents,
     only: Option<&str>,
 ) -> Option<Best> {
-    let survey = Survey::new(subject, fitted);
+    let survey = OperatingPoints::new(subject, fitted);
     let mut places = places(&survey);
     let reach = if let Some(address) = only {
         places.retain(|place| place.address == address);
@@ -396,7 +404,7 @@ fn most_spoken_for(
             let is_stiffness_apart = over == Over::Deflection;
             let read = (&information, &gradient);
             let kind = (reach, is_stiffness_apart);
-            let Some(law) = Law::best(&coordinate, kind, read, place.force) else {
+            let Some(law) = GpPosterior::best(&coordinate, kind, read, place.force) else {
                 continue;
             };
             found.push((
@@ -441,7 +449,7 @@ fn most_spoken_for(
 }
 
 /// Returns the sites: components of bushings that deflect, and free motions of joints.
-fn places(survey: &Survey<'_>) -> Vec<Place> {
+fn places(survey: &OperatingPoints<'_>) -> Vec<Place> {
     let mut out = Vec::new();
     let mut put = |address: String, pair, axis: usize, deflection: Vec<f64>, force: f64| {
         let low = deflection.iter().copied().fold(f64::INFINITY, f64::min);
@@ -515,7 +523,7 @@ fn coordinates(
 }
 
 /// Returns the effect on all rows of a unit force in each single case, one column per case.
-fn effect(survey: &Survey<'_>, place: &Place) -> DMatrix<f64> {
+fn effect(survey: &OperatingPoints<'_>, place: &Place) -> DMatrix<f64> {
     let cases = survey.cases();
     let number = |case: usize| {
         let unit = |k: usize| {

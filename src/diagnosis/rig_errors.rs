@@ -10,7 +10,7 @@ use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
 use super::frame::{by_frame, motions, varying};
 use admire_identify::tolerance::{
-    EffectGroup, Posterior, Size, VarianceComponents, scattering, transposed,
+    EffectGroup, Posterior, ScalePrior, VarianceComponents, applied_loads, transposed,
 };
 use admire_solver::mechanics::Vec3;
 use admire_solver::mechanics::eigen::symmetric_eigen;
@@ -52,21 +52,21 @@ impl RigErrors {
     pub(super) const ALL: [Self; 4] = [Self::Loads, Self::Frame, Self::Alignment, Self::Mount];
 
     /// The groups of tolerances that hold them and that a study lacks, with their usual sizes; none where they cannot be looked for.
-    pub(super) fn open(self, subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, Size)> {
+    pub(super) fn open(self, subject: &DiagnosisProblem<'_>) -> Vec<(EffectGroup, ScalePrior)> {
         let problem = &subject.problem;
         let cases = problem.programme.cases.len();
         let millimetre = subject.millimetre();
         let mut groups = match self {
             Self::Loads => {
-                let count = cases * scattering(problem.model, problem.programme).len();
+                let count = cases * applied_loads(problem.model, problem.programme).len();
                 let is_open = problem.tolerances.load_repeatability == PriorSetting::Estimate;
                 if !is_open || count == 0 || count > CASE_ERRORS {
                     return Vec::new();
                 }
-                Size::of_load_errors().to_vec()
+                ScalePrior::of_load_errors().to_vec()
             }
             Self::Frame if subject.compares_marks() => {
-                let mut groups = Size::of_frames(millimetre).to_vec();
+                let mut groups = ScalePrior::of_frames(millimetre).to_vec();
                 let is_few = 6 * cases <= CASE_ERRORS;
                 groups.retain(|(group, _)| is_few || *group == EffectGroup::FrameDrifts);
                 groups
@@ -76,7 +76,9 @@ impl RigErrors {
                 if stated != PriorSetting::Estimate {
                     return Vec::new();
                 }
-                Size::of_alignment(stated, millimetre).into_iter().collect()
+                ScalePrior::of_alignment(stated, millimetre)
+                    .into_iter()
+                    .collect()
             }
             Self::Mount if subject.compares_marks() => {
                 let count = varying(problem.programme).len();
@@ -84,7 +86,7 @@ impl RigErrors {
                 if !is_open || count == 0 || count > LOADS {
                     return Vec::new();
                 }
-                Size::of_a_mount(millimetre).to_vec()
+                ScalePrior::of_a_mount(millimetre).to_vec()
             }
             Self::Frame | Self::Alignment | Self::Mount => Vec::new(),
         };
@@ -232,7 +234,7 @@ fn rows_of(subject: &DiagnosisProblem<'_>, case: usize) -> Vec<usize> {
 /// By each shift of the frame in each case, and by each turn in parts of its usual size over that of a shift.
 fn of_frames(subject: &DiagnosisProblem<'_>) -> ErrorColumns {
     let measurement = subject.problem.measurement;
-    let turn = Size::turn_by_shift(subject.millimetre());
+    let turn = ScalePrior::turn_by_shift(subject.millimetre());
     let mut out = DMatrix::zeros(subject.rows.len(), 6 * measurement.cases.len());
     let mut blocks = Vec::new();
     for (case, read) in measurement.cases.iter().enumerate() {
@@ -280,7 +282,7 @@ fn of_loads(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> ErrorColumn
         let column = fitted.jacobian.column(problem.unknowns.len() + gain);
         Some((load, largest, column))
     };
-    let loads = scattering(problem.model, programme).into_iter();
+    let loads = applied_loads(problem.model, programme).into_iter();
     let loads: Vec<_> = loads.filter_map(by_gain).collect();
     let mut out: Vec<DVector<f64>> = Vec::new();
     let mut blocks = Vec::new();
@@ -324,7 +326,7 @@ struct Whitened {
 impl Whitened {
     /// At the sizes of a fit, and at usual ones.
     fn of(fitted: &FittedModel) -> Vec<Self> {
-        let modest = fitted.sizes.at(fitted.sizes.shrunk_to_median(0.0));
+        let modest = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
         let usual = fitted.linear.posterior(&modest);
         let own = Some((&fitted.sizes, fitted.posterior.clone()));
         let options = own.into_iter().chain(usual.map(|usual| (&modest, usual)));
@@ -347,7 +349,7 @@ impl Whitened {
         &self,
         turned: &DMatrix<f64>,
         blocks: &[(Range<usize>, Vec<usize>)],
-        size: Size,
+        size: ScalePrior,
     ) -> f64 {
         let count = turned.ncols();
         let mut JU = DMatrix::zeros(self.jacobian.ncols(), count);

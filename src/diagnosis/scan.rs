@@ -5,12 +5,12 @@ use std::ops::Range;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity, Term};
 use super::cause::Cause;
 use super::causes;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::hypothesis::{EffectParameter, Hypothesis, Sensitivity, Term};
-use super::survey::Survey;
+use super::operating_points::OperatingPoints;
 use super::visited::distinct;
 use admire_identify::tolerance::{
     Coefficient, CrossProducts, Posterior, RowsByVarianceClass, VarianceComponents, transposed,
@@ -24,7 +24,7 @@ pub(super) const FORMS: usize = 3;
 /// Every hypothesis at a fit, with what each does to the turned rows.
 pub(super) struct Catalogue {
     /// Hypotheses that are not in the fit.
-    pub hypotheses: Vec<Hypothesis>,
+    pub hypotheses: Vec<CandidateEffect>,
     /// Columns of each among `further`: of its numbers that have an effect to first order; none of a slab.
     ranges: Vec<Range<usize>>,
     /// Effects on reading minus prediction per unit of the prior.
@@ -50,14 +50,14 @@ pub(super) fn by_promise(a: &AtSizes, b: &AtSizes) -> Ordering {
 impl Catalogue {
     /// At a fit.
     pub(super) fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Self {
-        let survey = Survey::new(subject, fitted);
+        let survey = OperatingPoints::new(subject, fitted);
         let mut hypotheses = causes::all(&survey);
         hypotheses.retain_mut(|h| {
             let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
             let count = there()
                 .filter(|chosen| chosen.term != Term::Asymmetry)
                 .count();
-            let is_closed = there().any(Hypothesis::is_left_by_law);
+            let is_closed = there().any(CandidateEffect::is_left_by_law);
             if (1..crate::settings::MAX_SLIDERS).contains(&count)
                 && h.cause == Cause::DryFriction
                 && !is_closed
@@ -67,14 +67,14 @@ impl Catalogue {
             }
             count == 0
         });
-        let own = |h: &Hypothesis| causes::bushing_coupling::growth(&survey, h);
+        let own = |h: &CandidateEffect| causes::bushing_coupling::growth(&survey, h);
         let growing = hypotheses
             .iter()
             .filter_map(|h| Some(h.clone().joined(own(h)?)));
-        let growing: Vec<Hypothesis> = growing.collect();
+        let growing: Vec<CandidateEffect> = growing.collect();
         hypotheses.extend(growing);
         let coupled =
-            Hypothesis::causes(&fitted.effects).filter(|h| !h.is_refined(&fitted.effects));
+            CandidateEffect::causes(&fitted.effects).filter(|h| !h.is_refined(&fitted.effects));
         hypotheses.extend(coupled.filter_map(own));
         hypotheses.extend(causes::dry_friction::by_direction(&survey));
         let seen: Vec<&EffectParameter> = hypotheses.iter().flat_map(seen).collect();
@@ -83,7 +83,7 @@ impl Catalogue {
         let residual = fitted.whitened_residual();
         let by_class = RowsByVarianceClass::new(&fitted.whitening, &fitted.whitened_jacobian());
         let mut next = 0;
-        let range = |h: &Hypothesis| {
+        let range = |h: &CandidateEffect| {
             let from = next;
             next += self::seen(h).count();
             from..next
@@ -106,7 +106,7 @@ impl Catalogue {
     ) -> Vec<AtSizes> {
         let mut union: Vec<AtSizes> = Vec::new();
         for sizes in sizes {
-            let mut places: Vec<&Hypothesis> = Vec::new();
+            let mut places: Vec<&CandidateEffect> = Vec::new();
             let mut is_full = false;
             for promise in self.scan(base, sizes) {
                 let at = promise.at;
@@ -139,7 +139,7 @@ impl Catalogue {
             return Vec::new();
         };
         let (effects, g) = self.effects(sizes, &posterior);
-        let of = |(at, h): (usize, &Hypothesis)| {
+        let of = |(at, h): (usize, &CandidateEffect)| {
             let gain = if h.is_slab() {
                 slab(fitted, &posterior, sizes, h)?
             } else {
@@ -169,7 +169,7 @@ impl Catalogue {
             return vec![Vec::new(); self.hypotheses.len()];
         };
         let (effects, _) = self.effects(sizes, &posterior);
-        let of = |(at, (h, range)): (usize, (&Hypothesis, &Range<usize>))| {
+        let of = |(at, (h, range)): (usize, (&CandidateEffect, &Range<usize>))| {
             let own = effects.information(at, range).diagonal();
             spread(h, own.iter().copied())
         };
@@ -261,7 +261,7 @@ impl Catalogue {
 }
 
 /// Numbers of a hypothesis that do something to the rows to first order; none of a slab, whose members are in the fit.
-fn seen(h: &Hypothesis) -> impl Iterator<Item = &EffectParameter> {
+fn seen(h: &CandidateEffect) -> impl Iterator<Item = &EffectParameter> {
     let numbers = if h.is_slab() { &[][..] } else { &h.numbers };
     numbers
         .iter()
@@ -269,7 +269,7 @@ fn seen(h: &Hypothesis) -> impl Iterator<Item = &EffectParameter> {
 }
 
 /// Values of the numbers that are [`seen`], with zeros for the others.
-fn spread(h: &Hypothesis, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
+fn spread(h: &CandidateEffect, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
     let of = |number: &EffectParameter| match number.column {
         Sensitivity::None => 0.0,
         _ => values.next().unwrap_or_default(),
@@ -278,7 +278,7 @@ fn spread(h: &Hypothesis, mut values: impl Iterator<Item = f64>) -> Vec<f64> {
 }
 
 /// Whether the first number that is seen can only be positive. `None` where that is not the first of all: nothing promises it.
-fn one_sided(h: &Hypothesis) -> Option<bool> {
+fn one_sided(h: &CandidateEffect) -> Option<bool> {
     let first = h.numbers.first()?;
     (!h.one_sided || first.column != Sensitivity::None).then_some(h.one_sided)
 }
@@ -349,7 +349,7 @@ fn slab(
     fitted: &FittedModel,
     posterior: &Posterior,
     sizes: &VarianceComponents,
-    h: &Hypothesis,
+    h: &CandidateEffect,
 ) -> Option<f64> {
     let first = first_member(fitted);
     let slab = h.slab();

@@ -3,11 +3,11 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
+use super::candidate_effect::{CandidateEffect, Term};
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::hypothesis::{Hypothesis, Term};
 use super::rig_errors::{GaveWay, Promises, RigErrors};
 use super::scan::{Catalogue, FORMS, Weighed, by_promise};
 use super::stand_in::{StandIns, left_by_friction, loosened};
@@ -91,7 +91,7 @@ fn better(known: Option<Arc<FittedModel>>, other: Arc<FittedModel>) -> Arc<Fitte
 }
 
 /// One more cause for a model, as the linear model weighs it.
-type Candidate = (Hypothesis, Weighed);
+type Candidate = (CandidateEffect, Weighed);
 
 /// A search on some of the cases.
 pub(super) struct Search<'a, 'b> {
@@ -284,10 +284,10 @@ impl<'a, 'b> Search<'a, 'b> {
         }
         let catalogue = Catalogue::new(self.tried.subject, base);
         self.places = self.places.max(catalogue.hypotheses.len());
-        let modest = base.sizes.at(base.sizes.shrunk_to_median(0.0));
+        let modest = base.sizes.at(base.sizes.capped_above_median(0.0));
         let mut union = catalogue.promised(base, [&base.sizes, &modest]);
         union.sort_by(by_promise);
-        let start: VarianceComponents = base.sizes.at(base.sizes.shrunk_to_median(1.0));
+        let start: VarianceComponents = base.sizes.at(base.sizes.capped_above_median(1.0));
         let mut out: Vec<Candidate> = Vec::new();
         let mut best = f64::NEG_INFINITY;
         for k in 0..union.len() {
@@ -350,16 +350,16 @@ impl<'a, 'b> Search<'a, 'b> {
         let alone = candidates.iter().find(|(h, _)| h.joint_with.is_none());
         let best = alone.or(candidates.first())?.1.ln_posterior;
         // Of every place its most promising form first.
-        let mut forms: [Vec<(&Hypothesis, &Weighed)>; FORMS] = Default::default();
+        let mut forms: [Vec<(&CandidateEffect, &Weighed)>; FORMS] = Default::default();
         for (h, weighed) in candidates {
             let within = if h.memory.is_some() {
                 WITHIN.1
             } else {
                 WITHIN.0
             };
-            let same = |of: &&(&Hypothesis, &Weighed)| of.0.same_term(h);
+            let same = |of: &&(&CandidateEffect, &Weighed)| of.0.same_term(h);
             let known = forms.iter().flatten().filter(same).count();
-            let mut places: Vec<&Hypothesis> = forms[0].iter().map(|(h, _)| *h).collect();
+            let mut places: Vec<&CandidateEffect> = forms[0].iter().map(|(h, _)| *h).collect();
             places.push(h);
             let (most, hopeless) = if h.is_poorly_linearised() {
                 (FORMS, lost.1)
@@ -376,9 +376,9 @@ impl<'a, 'b> Search<'a, 'b> {
             }
             forms[known].push((h, weighed));
         }
-        let mut reached: Vec<(&Hypothesis, f64)> = Vec::new();
+        let mut reached: Vec<(&CandidateEffect, f64)> = Vec::new();
         let mut winner: Option<Arc<FittedModel>> = None;
-        let mut ends: Vec<(&Hypothesis, &Weighed, Arc<FittedModel>)> = Vec::new();
+        let mut ends: Vec<(&CandidateEffect, &Weighed, Arc<FittedModel>)> = Vec::new();
         for (h, weighed) in forms.into_iter().flatten() {
             if self.tried.subject.progress().is_stopped() {
                 break;
@@ -395,7 +395,8 @@ impl<'a, 'b> Search<'a, 'b> {
             if weighed.ln_posterior < least {
                 continue;
             }
-            let far = |(other, ln): &(&Hypothesis, f64)| other.same_term(h) && *ln < leads - BEHIND;
+            let far =
+                |(other, ln): &(&CandidateEffect, f64)| other.same_term(h) && *ln < leads - BEHIND;
             // What a slider of the winner would come to from another first guess is seen when that is fitted anew.
             let is_winner = |w: &Arc<FittedModel>| {
                 w.is_converged() && w.effects.last().is_some_and(|l| l.same_site(h))
@@ -465,7 +466,7 @@ impl<'a, 'b> Search<'a, 'b> {
             return winner;
         }
         let guesses: Vec<f64> = places.iter().map(|at| winner.x[*at]).collect();
-        let mut tried: Vec<&Hypothesis> = Vec::new();
+        let mut tried: Vec<&CandidateEffect> = Vec::new();
         let mut best = Arc::clone(&winner);
         for (h, _) in candidates {
             let is_alike = h.cause == own.cause && h.numbers.len() == own.numbers.len();
@@ -476,7 +477,7 @@ impl<'a, 'b> Search<'a, 'b> {
             tried.push(h);
             let mut all = with_zero_guesses(base);
             all.push((h.clone(), guesses.clone()));
-            let causes: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+            let causes: Vec<CandidateEffect> = all.iter().map(|(h, _)| h.clone()).collect();
             if self.tried.known(&causes).is_some() {
                 continue;
             }
@@ -573,7 +574,11 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// The best model with two causes more, neither of them at this place: a law of several parts may stand in for both.
-    fn in_two(&mut self, base: &Arc<FittedModel>, place: &Hypothesis) -> Option<Arc<FittedModel>> {
+    fn in_two(
+        &mut self,
+        base: &Arc<FittedModel>,
+        place: &CandidateEffect,
+    ) -> Option<Arc<FittedModel>> {
         let mut found = Arc::clone(base);
         for _ in 0..2 {
             let candidates = self.candidates(&found, f64::NEG_INFINITY);

@@ -3,19 +3,19 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::CandidateEffect;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::findings::without;
 use super::fit::FittedModel;
 use super::frame;
 use super::hold_out::HoldOutSelection;
-use super::hypothesis::Hypothesis;
 use super::lack_of_fit::{is_structured, lack_of_fit_tests};
 use super::progress::Progress;
 use super::rig_errors::{ASKED, GaveWay, RigErrors, SHORT};
 use super::search::Search;
 use super::sought::{Begun, Sought, as_it_is};
 use admire_identify::LackOfFitTest;
-use admire_identify::tolerance::Size;
+use admire_identify::tolerance::ScalePrior;
 
 /// A search with errors of the rig that was made and rejected, and the study with them.
 type Rejected<'a> = (RigErrors, DiagnosisProblem<'a>, Searched<'a>);
@@ -43,7 +43,7 @@ impl<'a> Searched<'a> {
         open.retain(|errors| !errors.open(&unfitted).is_empty());
         // Fits without the alignment go astray from so far away.
         if open.contains(&RigErrors::Alignment) && frame::is_another(&unfitted) {
-            unfitted = unfitted.with_groups([Size::of_another_frame(unfitted.millimetre())]);
+            unfitted = unfitted.with_groups([ScalePrior::of_another_frame(unfitted.millimetre())]);
             open.retain(|errors| *errors != RigErrors::Alignment);
         }
         let (mut unfitted, mut searched, mut rejected) =
@@ -138,7 +138,11 @@ impl<'a> Searched<'a> {
         });
         // Beside a law that was met badly it would begin with what that law leaves.
         let is_plain = |unseen: &&HoldOutSelection| {
-            unseen.chosen.effects.iter().all(Hypothesis::has_no_gp_term)
+            unseen
+                .chosen
+                .effects
+                .iter()
+                .all(CandidateEffect::has_no_gp_term)
         };
         let start = unseen.as_ref().filter(is_plain);
         let is_second = start.is_none();
@@ -187,7 +191,7 @@ impl<'a> Searched<'a> {
         let each = open.iter().map(|errors| self.promised(*errors)).enumerate();
         let best = each.max_by(|a, b| a.1.total_cmp(&b.1));
         let best = best.filter(|(_, promised)| *promised >= ASKED);
-        let plain = |fit: &FittedModel| fit.effects.iter().all(Hypothesis::has_no_gp_term);
+        let plain = |fit: &FittedModel| fit.effects.iter().all(CandidateEffect::has_no_gp_term);
         let is_hidden = || {
             let unseen = self.unseen.as_ref();
             let may_be = |unseen: &HoldOutSelection| {
@@ -290,7 +294,7 @@ impl<'a> Searched<'a> {
             return false;
         }
         if self.subject.tails == again.subject.tails {
-            let is_named = leading.effects.iter().all(Hypothesis::is_in_catalogue);
+            let is_named = leading.effects.iter().all(CandidateEffect::is_in_catalogue);
             let least = if again.is_plain() && !is_named {
                 -SHORT
             } else if other.effects.len() < leading.effects.len() {
@@ -313,6 +317,6 @@ impl<'a> Searched<'a> {
             .leading
             .effects
             .iter()
-            .all(Hypothesis::has_no_gp_term)
+            .all(CandidateEffect::has_no_gp_term)
     }
 }

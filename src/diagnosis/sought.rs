@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::CandidateEffect;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::fit::{FittedModel, fit, refit};
-use super::hypothesis::Hypothesis;
 use super::lack_of_fit::{is_of_far_readings, is_structured, lack_of_fit_tests};
 use super::progress::Progress;
 use super::search::{Search, resume};
@@ -162,7 +162,7 @@ impl Sought {
 }
 
 /// Probability of all models whose causes are such.
-pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool) -> f64 {
+pub(super) fn probability(found: &Found, accept: impl Fn(&[CandidateEffect]) -> bool) -> f64 {
     let models = found
         .models
         .iter()
@@ -175,12 +175,12 @@ pub(super) fn probability(found: &Found, accept: impl Fn(&[Hypothesis]) -> bool)
 /// Probability that no cause of the catalogue acts.
 pub(super) fn none_of_these(found: &Found) -> f64 {
     probability(found, |causes| {
-        !causes.iter().any(Hypothesis::is_in_catalogue)
+        !causes.iter().any(CandidateEffect::is_in_catalogue)
     })
 }
 
 /// Probability of a cause at its place.
-pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
+pub(super) fn of_place(found: &Found, h: &CandidateEffect) -> f64 {
     probability(found, |causes| {
         causes.iter().any(|other| other.same_site(h))
     })
@@ -189,7 +189,7 @@ pub(super) fn of_place(found: &Found, h: &Hypothesis) -> f64 {
 /// The model that is reported: the best fitted one that holds every place that is more probable than not, and a cause where it is more
 /// probable than not that one acts.
 fn leading(found: &Found) -> Arc<FittedModel> {
-    let mut named: Vec<&Hypothesis> = Vec::new();
+    let mut named: Vec<&CandidateEffect> = Vec::new();
     for h in found.models.iter().flat_map(|(model, _)| &model.causes) {
         if !named.iter().any(|other| other.same_site(h)) && of_place(found, h) > NAMED {
             named.push(h);
@@ -201,7 +201,7 @@ fn leading(found: &Found) -> Arc<FittedModel> {
         .filter_map(|(model, _)| model.fitted.as_ref());
     let acts = none_of_these(found) < NAMED;
     let holds = |fitted: &&Arc<FittedModel>| {
-        (!acts || fitted.effects.iter().any(Hypothesis::is_in_catalogue))
+        (!acts || fitted.effects.iter().any(CandidateEffect::is_in_catalogue))
             && named
                 .iter()
                 .all(|h| fitted.effects.iter().any(|other| other.same_site(h)))

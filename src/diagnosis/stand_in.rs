@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::{CandidateEffect, Term};
 use super::fit::{EarlyStopping, FitOutcome, FittedModel, with_zero_guesses};
-use super::hypothesis::{Hypothesis, Term};
-use super::remainder::{Unnamed, left_by_laws, unnamed};
+use super::remainder::{GpTerm, gp_terms, left_by_laws};
 use super::tried::{BETTER, Tried};
 use super::visited::same_set;
 
@@ -19,7 +19,7 @@ const WILD: f64 = 1000.0;
 #[derive(Default)]
 pub(super) struct StandIns {
     /// Sets of causes, and the best model of each with one force of a law that no cause has.
-    beside: Vec<(Vec<Hypothesis>, Option<Arc<FittedModel>>)>,
+    beside: Vec<(Vec<CandidateEffect>, Option<Arc<FittedModel>>)>,
 }
 
 impl StandIns {
@@ -36,8 +36,8 @@ impl StandIns {
         if many < MANY || subject.budget_exhausted() {
             return None;
         }
-        let of_the_model = |h: &&Hypothesis| h.only_case(&subject.rows).is_none();
-        let rest: Vec<Hypothesis> = named().filter(of_the_model).cloned().collect();
+        let of_the_model = |h: &&CandidateEffect| h.only_case(&subject.rows).is_none();
+        let rest: Vec<CandidateEffect> = named().filter(of_the_model).cloned().collect();
         let mut bases = vec![Vec::new()];
         if !rest.is_empty() && rest.len() + MANY <= named().count() {
             bases.push(rest);
@@ -60,7 +60,7 @@ impl StandIns {
         &mut self,
         tried: &mut Tried<'_, '_>,
         current: &Arc<FittedModel>,
-        causes: Vec<Hypothesis>,
+        causes: Vec<CandidateEffect>,
     ) -> Option<Arc<FittedModel>> {
         let known = self.beside.iter().find(|(of, _)| same_set(of, &causes));
         if let Some((_, found)) = known {
@@ -68,7 +68,7 @@ impl StandIns {
         }
         let base = tried.of(current, causes.clone())?;
         let mut best: Option<Arc<FittedModel>> = None;
-        for force in unnamed(tried.subject, &base) {
+        for force in gp_terms(tried.subject, &base) {
             let lead = best.as_deref().unwrap_or(current).ln_posterior();
             let found = standing_in(tried, &base, &force, lead);
             let leads = |f: &Arc<FittedModel>| f.ln_posterior();
@@ -87,12 +87,12 @@ pub(super) fn loosened(
     tried: &mut Tried<'_, '_>,
     current: &Arc<FittedModel>,
 ) -> Option<Arc<FittedModel>> {
-    let rough = |h: &Hypothesis| h.cause.has_rough_law();
+    let rough = |h: &CandidateEffect| h.cause.has_rough_law();
     if tried.subject.budget_exhausted() || !current.effects.iter().any(rough) {
         return None;
     }
     let mut bases = vec![Arc::clone(current)];
-    let alone: Vec<Hypothesis> = current
+    let alone: Vec<CandidateEffect> = current
         .effects
         .iter()
         .filter(|h| rough(h))
@@ -108,7 +108,7 @@ pub(super) fn loosened(
         bases.extend(tried.without(current, at));
     }
     // A law met badly looks like a second one at another element: each place is tried without the laws of all others, too.
-    let mut places: Vec<&Hypothesis> = Vec::new();
+    let mut places: Vec<&CandidateEffect> = Vec::new();
     for h in current.effects.iter().filter(|h| rough(h)) {
         if !places.iter().any(|other| other.same_site(h)) {
             places.push(h);
@@ -161,19 +161,19 @@ pub(super) fn left_by_friction(
 fn standing_in(
     tried: &mut Tried<'_, '_>,
     base: &FittedModel,
-    force: &Unnamed,
+    force: &GpTerm,
     lead: f64,
 ) -> Option<Arc<FittedModel>> {
     let subject = tried.subject;
     let mut all = with_zero_guesses(base);
     all.push((force.hypothesis.clone(), force.guesses.clone()));
-    let chosen: Vec<Hypothesis> = all.iter().map(|(h, _)| h.clone()).collect();
+    let chosen: Vec<CandidateEffect> = all.iter().map(|(h, _)| h.clone()).collect();
     let target = EarlyStopping {
-        lead: lead - Hypothesis::ln_prior_of(&chosen),
+        lead: lead - CandidateEffect::ln_prior_of(&chosen),
         least: -0.5 * WILD * base.linear.objective(&base.sizes),
         ..EarlyStopping::NONE
     };
-    let mut fitted = |all: &[(Hypothesis, Vec<f64>)], from: &FittedModel, x: &[f64]| {
+    let mut fitted = |all: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
         let fit = tried.fitted(all, Some((from, x)), None, target)?;
         match fit {
             FitOutcome::New(fitted) => Some(fitted),

@@ -1,7 +1,7 @@
 //! Residual that follows an element force most closely, for a plot in the report.
 
 use super::diagnose::Outcome;
-use super::survey::Survey;
+use super::operating_points::OperatingPoints;
 use admire_identify::global::Row;
 
 /// Residual as a function of the force in an element.
@@ -31,7 +31,7 @@ impl Outcome<'_> {
     /// Returns the strongest trend of a residual with a force. `None` where nothing varies.
     pub fn trend(&self) -> Option<Trend> {
         let subject = &self.subject;
-        let forces = Survey::new(subject, &self.baseline).forces();
+        let forces = OperatingPoints::new(subject, &self.baseline).forces();
         let groups = self.groups();
         let means = |fit: &super::fit::FittedModel, group: &Group| -> Vec<Option<f64>> {
             let residual = &fit.residual;

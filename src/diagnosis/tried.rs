@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Term};
 use super::cause::Cause;
 use super::diagnosis_problem::{Data, DiagnosisProblem};
 use super::ends::{Ends, Start};
 use super::fit::{
     EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
 };
-use super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Term};
 use super::scan::Weighed;
 use super::visited::{Visited, same_laws, same_set};
 use admire_identify::tolerance::VarianceComponents;
@@ -34,11 +34,11 @@ pub(super) struct Tried<'a, 'b> {
     /// Fits that began at others, and those.
     begun: Vec<(Arc<FittedModel>, Arc<FittedModel>)>,
     /// Models, a cause more, and the fit with it.
-    added: Vec<(Arc<FittedModel>, Hypothesis, Arc<FittedModel>)>,
+    added: Vec<(Arc<FittedModel>, CandidateEffect, Arc<FittedModel>)>,
     /// The same where the cause came out with the wrong sign.
-    wrong: Vec<(Arc<FittedModel>, Hypothesis, Arc<FittedModel>)>,
+    wrong: Vec<(Arc<FittedModel>, CandidateEffect, Arc<FittedModel>)>,
     /// Models, and further sliders that began with half of a force there.
-    halved: Vec<(Arc<FittedModel>, Hypothesis)>,
+    halved: Vec<(Arc<FittedModel>, CandidateEffect)>,
     /// How all fits ended.
     ends: Ends,
 }
@@ -63,7 +63,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// again.
     pub(super) fn fitted(
         &mut self,
-        causes: &[(Hypothesis, Vec<f64>)],
+        causes: &[(CandidateEffect, Vec<f64>)],
         from: Option<(&FittedModel, &[f64])>,
         sizes: Option<&VarianceComponents>,
         target: EarlyStopping<'_>,
@@ -80,7 +80,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     /// The same without a target.
     pub(super) fn settled(
         &mut self,
-        causes: &[(Hypothesis, Vec<f64>)],
+        causes: &[(CandidateEffect, Vec<f64>)],
         from: Option<(&FittedModel, &[f64])>,
     ) -> Option<Arc<FittedModel>> {
         match self.fitted(causes, from, None, EarlyStopping::NONE)? {
@@ -103,7 +103,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     pub(super) fn with(
         &mut self,
         base: &Arc<FittedModel>,
-        (h, weighed): (&Hypothesis, &Weighed),
+        (h, weighed): (&CandidateEffect, &Weighed),
         lead: f64,
     ) -> Option<Arc<FittedModel>> {
         let of_base = self.added.iter().filter(|(of, ..)| Arc::ptr_eq(of, base));
@@ -123,7 +123,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         };
         // Forms of a slider that differ in their first guess come to the same here.
         let halves = halved(base, h).filter(|(half, ..)| {
-            let same = |(of, known): &(Arc<FittedModel>, Hypothesis)| {
+            let same = |(of, known): &(Arc<FittedModel>, CandidateEffect)| {
                 Arc::ptr_eq(of, base) && known.same_law(half)
             };
             !self.halved.iter().any(same)
@@ -161,14 +161,14 @@ impl<'a, 'b> Tried<'a, 'b> {
     fn continued(
         &mut self,
         base: &FittedModel,
-        h: &Hypothesis,
+        h: &CandidateEffect,
         found: Option<Arc<FittedModel>>,
         lead: f64,
     ) -> Option<Arc<FittedModel>> {
         // Forms of a slider differ in their first guess.
         let own = |fit: &FittedModel| fit.effects.iter().position(|other| other.same_law(h));
         let is_same = |fit: &&Arc<FittedModel>| {
-            let is_held = |h: &Hypothesis| fit.effects.iter().any(|other| other.same_form(h));
+            let is_held = |h: &CandidateEffect| fit.effects.iter().any(|other| other.same_form(h));
             h.memory.is_some()
                 && fit.is_converged()
                 && fit.effects.len() == base.effects.len() + 1
@@ -206,7 +206,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     pub(super) fn anew(
         &mut self,
         (base, found): (&FittedModel, &FittedModel),
-        (h, weighed): (&Hypothesis, &Weighed),
+        (h, weighed): (&CandidateEffect, &Weighed),
         lead: f64,
     ) -> Option<Arc<FittedModel>> {
         let promise = found.posterior.ln_z + found.ln_prior();
@@ -234,15 +234,16 @@ impl<'a, 'b> Tried<'a, 'b> {
     fn added_to(
         &mut self,
         base: &FittedModel,
-        (h, weighed): (&Hypothesis, &Weighed),
+        (h, weighed): (&CandidateEffect, &Weighed),
         halved: Option<Halved>,
         target: EarlyStopping<'_>,
     ) -> Option<FitOutcome> {
-        let mut begun = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
-            let mut all = with_zero_guesses(base);
-            all.push((h.clone(), guesses.to_vec()));
-            self.fitted(&all, Some((base, x)), Some(&weighed.sizes), target)
-        };
+        let mut begun =
+            |h: &CandidateEffect, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
+                let mut all = with_zero_guesses(base);
+                all.push((h.clone(), guesses.to_vec()));
+                self.fitted(&all, Some((base, x)), Some(&weighed.sizes), target)
+            };
         let alone = EarlyStopping {
             known: None,
             ..target
@@ -266,13 +267,14 @@ impl<'a, 'b> Tried<'a, 'b> {
             Some(FitOutcome::New(found)) => Some(found),
             None => None,
         };
-        let mut anew = |h: &Hypothesis, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
-            let found = begun(h, guesses, x, target)?;
-            match found {
-                FitOutcome::New(fitted) => Some(fitted),
-                FitOutcome::Duplicate => None,
-            }
-        };
+        let mut anew =
+            |h: &CandidateEffect, guesses: &[f64], x: &[f64], target: EarlyStopping<'_>| {
+                let found = begun(h, guesses, x, target)?;
+                match found {
+                    FitOutcome::New(fitted) => Some(fitted),
+                    FitOutcome::Duplicate => None,
+                }
+            };
         // The linear model knows a smooth effect well: where it promises nothing, no other start makes up for so much.
         let is_smooth = !h.cause.has_rough_law() && h.cause != Cause::FreePlay;
         let is_vain =
@@ -340,7 +342,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         winner: &FittedModel,
         least: f64,
     ) -> Vec<Arc<FittedModel>> {
-        let mut out: Vec<(&Hypothesis, Arc<FittedModel>)> = Vec::new();
+        let mut out: Vec<(&CandidateEffect, Arc<FittedModel>)> = Vec::new();
         for (of, h, found) in &self.added {
             let is_winner = winner.effects.last().is_some_and(|own| own.same_site(h));
             if !Arc::ptr_eq(of, base)
@@ -391,7 +393,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     }
 
     /// The best fit of a model that was fitted to its end already.
-    pub(super) fn known(&self, causes: &[Hypothesis]) -> Option<Arc<FittedModel>> {
+    pub(super) fn known(&self, causes: &[CandidateEffect]) -> Option<Arc<FittedModel>> {
         let same = self.visited.iter().filter(|v| same_laws(&v.causes, causes));
         let fitted = same.filter_map(|v| v.fitted.as_ref().filter(|f| f.is_converged()));
         let better = |a: &&Arc<FittedModel>, b: &&Arc<FittedModel>| {
@@ -407,7 +409,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         at: usize,
     ) -> Option<Arc<FittedModel>> {
         let dropped = &fitted.effects[at];
-        let is_dropped = |(k, h): &(usize, &Hypothesis)| {
+        let is_dropped = |(k, h): &(usize, &CandidateEffect)| {
             *k == at || (dropped.term == Term::Main && h.term > Term::Main && h.same_site(dropped))
         };
         let kept = fitted
@@ -415,7 +417,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             .iter()
             .enumerate()
             .filter(|of| !is_dropped(of));
-        let causes: Vec<Hypothesis> = kept.map(|(_, h)| h.clone()).collect();
+        let causes: Vec<CandidateEffect> = kept.map(|(_, h)| h.clone()).collect();
         if causes.is_empty() {
             return None;
         }
@@ -434,7 +436,7 @@ impl<'a, 'b> Tried<'a, 'b> {
             return None;
         }
         let others = fitted.effects.iter().filter(|h| !h.same_site(own));
-        let others: Vec<Hypothesis> = others.cloned().collect();
+        let others: Vec<CandidateEffect> = others.cloned().collect();
         if others.is_empty() {
             return Some(Arc::clone(none));
         }
@@ -476,7 +478,7 @@ impl<'a, 'b> Tried<'a, 'b> {
     pub(super) fn of(
         &mut self,
         fitted: &Arc<FittedModel>,
-        causes: Vec<Hypothesis>,
+        causes: Vec<CandidateEffect>,
     ) -> Option<Arc<FittedModel>> {
         if let Some(known) = self.known(&causes) {
             return Some(known);
@@ -488,7 +490,7 @@ impl<'a, 'b> Tried<'a, 'b> {
         if let Some((known, _)) = self.begun.iter().find(is_again) {
             return Some(Arc::clone(known));
         }
-        let zeros = |h: Hypothesis| {
+        let zeros = |h: CandidateEffect| {
             let count = h.numbers.len();
             (h, vec![0.0; count])
         };
@@ -509,10 +511,10 @@ impl<'a, 'b> Tried<'a, 'b> {
 }
 
 /// A further slider, guesses of its numbers and the unknowns of the fit.
-type Halved = (Hypothesis, Vec<f64>, Vec<f64>);
+type Halved = (CandidateEffect, Vec<f64>, Vec<f64>);
 
 /// Starts a further slider with half of the first one's force. The first keeps the other half and slips sooner, the further one later.
-fn halved(base: &FittedModel, h: &Hypothesis) -> Option<Halved> {
+fn halved(base: &FittedModel, h: &CandidateEffect) -> Option<Halved> {
     let first = base
         .effects
         .iter()

@@ -1,16 +1,16 @@
 //! Unknowns of a fit with their priors: stiffnesses, random effects, parameters of causes, frames, positions of marks, and effects that act
 //! on rows directly.
 
+use super::candidate_effect::{CandidateEffect, Parametrisation, Sensitivity};
 use super::diagnosis_problem::DiagnosisProblem;
 use super::frame::{centroid, motions};
-use super::hypothesis::{Hypothesis, Parametrisation, Sensitivity};
 use crate::priors::COMPLIANCE_LN_SD;
 use crate::settings::ABSENT_COMPLIANCE;
 use admire_identify::global::{
     Component, FitUnknown, FitUnknowns, FrameMotions, HysteresisState, NuisanceLayout, Prepared,
-    Target, fit_unknowns,
+    UnknownTarget, fit_unknowns,
 };
-use admire_identify::tolerance::{Effect, EffectGroup, Size};
+use admire_identify::tolerance::{Effect, EffectGroup, ScalePrior};
 use admire_identify::{Problem, tolerance};
 use admire_solver::mechanics::Vec3;
 use admire_solver::system::{Parameters, Slot};
@@ -22,7 +22,7 @@ pub struct Known<'a> {
     /// Unknowns of the other fit's deck.
     pub unknowns: &'a FitUnknowns,
     /// Effects in the other fit.
-    pub chosen: &'a [Hypothesis],
+    pub chosen: &'a [CandidateEffect],
     /// Index of each parameter of each effect among the other fit's unknowns.
     pub places: &'a [Vec<usize>],
     /// Values of all unknowns of the other fit.
@@ -80,13 +80,13 @@ impl Unknowns {
     pub fn new(
         (subject, problem): (&DiagnosisProblem<'_>, &Problem<'_>),
         prepared: &Prepared,
-        chosen: &[(Hypothesis, Vec<f64>)],
+        chosen: &[(CandidateEffect, Vec<f64>)],
         known: Option<Known<'_>>,
     ) -> Option<Self> {
         let system = &prepared.system;
         let slot = |address: &Address| system.catalogue().slot(address);
         let mut list = fit_unknowns(problem, system, None).list().to_vec();
-        list.retain(|unknown| !matches!(unknown.target, Target::Offset(_)));
+        list.retain(|unknown| !matches!(unknown.target, UnknownTarget::Offset(_)));
         let mut priors: Vec<tolerance::Coefficient> = list
             .iter()
             .map(|unknown| own(unknown.mean, unknown.sd))
@@ -94,15 +94,18 @@ impl Unknowns {
         let stiffnesses = list.len();
         for member in &subject.layer.members {
             let meaning = match &member.effect {
-                Effect::Always(pairs) => Target::Number(slots(pairs, &slot).unwrap_or_default()),
-                Effect::PerCase(pairs) => {
-                    Target::PerCase(per_case(pairs, 1.0, &slot).unwrap_or_default())
+                Effect::Always(pairs) => {
+                    UnknownTarget::Number(slots(pairs, &slot).unwrap_or_default())
                 }
-                Effect::Turn(markers) => Target::Turn(markers.clone()),
+                Effect::PerCase(pairs) => {
+                    UnknownTarget::PerCase(per_case(pairs, 1.0, &slot).unwrap_or_default())
+                }
+                Effect::Turn(markers) => UnknownTarget::Turn(markers.clone()),
                 Effect::Offset { bushing, axis } => {
                     let id = problem.model.bushings[*bushing].header.id;
-                    let of = |word| super::hypothesis::number("BUSHING", id, word, Some(axis + 1));
-                    Target::Offset(Component {
+                    let of =
+                        |word| super::candidate_effect::number("BUSHING", id, word, Some(axis + 1));
+                    UnknownTarget::Offset(Component {
                         stiffness: slot(&of("K"))?,
                         preload: Some(slot(&of("FORCE"))?),
                     })
@@ -179,10 +182,10 @@ impl Unknowns {
                             .iter()
                             .map(|(address, factor)| (address.clone(), factor * number.sd))
                             .collect();
-                        Target::Number(slots(&scaled, &slot)?)
+                        UnknownTarget::Number(slots(&scaled, &slot)?)
                     }
                     (Parametrisation::Linear, Sensitivity::PerCase(pairs)) => {
-                        Target::PerCase(per_case(pairs, number.sd, &slot)?)
+                        UnknownTarget::PerCase(per_case(pairs, number.sd, &slot)?)
                     }
                     // A wrench is not a parameter of the deck.
                     (Parametrisation::Linear, Sensitivity::Wrench(..) | Sensitivity::None) => {
@@ -193,21 +196,21 @@ impl Unknowns {
                             guess = -libm::log(guess.max(ABSENT_COMPLIANCE) * number.sd);
                         }
                         (mean, sd) = (-libm::log(number.sd), COMPLIANCE_LN_SD);
-                        Target::Stiffness(components(addresses, &slot)?)
+                        UnknownTarget::Stiffness(components(addresses, &slot)?)
                     }
                     (Parametrisation::Rate { address, usual }, _) => {
                         if before.is_none() {
                             guess = libm::log(*usual);
                         }
                         (mean, sd) = (libm::log(*usual), number.sd);
-                        Target::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                        UnknownTarget::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                     (Parametrisation::Offset { stiffness, preload }, _) => {
                         if before.is_none() {
                             guess *= number.sd;
                         }
                         sd = number.sd;
-                        Target::Offset(Component {
+                        UnknownTarget::Offset(Component {
                             stiffness: slot(stiffness)?,
                             preload: Some(slot(preload)?),
                         })
@@ -224,7 +227,7 @@ impl Unknowns {
                             guess = libm::log(*start);
                         }
                         (mean, sd) = (libm::log(*usual), number.sd);
-                        Target::Stiffness(components(std::slice::from_ref(address), &slot)?)
+                        UnknownTarget::Stiffness(components(std::slice::from_ref(address), &slot)?)
                     }
                 };
                 place.push(Place::Deck(list.len()));
@@ -241,7 +244,7 @@ impl Unknowns {
             places.push(place);
         }
         let list = FitUnknowns::new(list);
-        let (layout, groups) = of_the_measurement(subject, list.len());
+        let (layout, groups) = measurement_unknowns(subject, list.len());
         let first_mark = list.len();
         start.extend(
             (0..layout.sd.len())
@@ -278,7 +281,7 @@ impl Unknowns {
 
     /// Returns true if the unknown is the logarithm of a stiffness or another positive number.
     pub(super) fn is_logarithm(&self, k: usize) -> bool {
-        matches!(self.list.list()[k].target, Target::Stiffness(_))
+        matches!(self.list.list()[k].target, UnknownTarget::Stiffness(_))
     }
 }
 
@@ -292,7 +295,7 @@ const fn own(mean: f64, sd: f64) -> tolerance::Coefficient {
 
 /// Returns the unknowns of the measurement with the group of each: shifts and rotations of the frame, positions of marks on parts, and
 /// motions of the frame. Groups that are switched off are left out.
-fn of_the_measurement(
+fn measurement_unknowns(
     subject: &DiagnosisProblem<'_>,
     first: usize,
 ) -> (NuisanceLayout, Vec<EffectGroup>) {
@@ -324,7 +327,7 @@ fn of_the_measurement(
         layout.motions = Some(FrameMotions {
             first,
             centre: centroid(&places),
-            turn: Size::turn_by_shift(subject.millimetre()),
+            turn: ScalePrior::turn_by_shift(subject.millimetre()),
             factors: through.into_iter().map(|(_, factors)| factors).collect(),
         });
     }

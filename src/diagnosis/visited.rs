@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::candidate_effect::CandidateEffect;
 use super::fit::FittedModel;
-use super::hypothesis::Hypothesis;
 use super::rig_errors::{GaveWay, Promises};
 
 /// A model known only by its linear approximation counts when it is so close to the best one.
@@ -13,7 +13,7 @@ pub(super) const LINEAR: f64 = 8.0;
 #[derive(Clone, Debug)]
 pub struct Visited {
     /// What is in it.
-    pub causes: Vec<Hypothesis>,
+    pub causes: Vec<CandidateEffect>,
     /// Logarithm of evidence and prior.
     pub ln_posterior: f64,
     /// The model, if it was fitted and not only weighed in the linear model of another.
@@ -81,27 +81,29 @@ pub(super) fn probabilities(visited: &[Visited]) -> Vec<(Visited, f64)> {
 }
 
 /// True if both hold the same causes in the same forms.
-pub(super) fn same_set(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    match_each_other(a, b, Hypothesis::same_form)
+pub(super) fn same_set(a: &[CandidateEffect], b: &[CandidateEffect]) -> bool {
+    match_each_other(a, b, CandidateEffect::same_form)
 }
 
 /// The same of laws: sliders whose forms say where their numbers begin count as one.
-pub(super) fn same_laws(a: &[Hypothesis], b: &[Hypothesis]) -> bool {
-    match_each_other(a, b, Hypothesis::same_law)
+pub(super) fn same_laws(a: &[CandidateEffect], b: &[CandidateEffect]) -> bool {
+    match_each_other(a, b, CandidateEffect::same_law)
 }
 
 fn match_each_other(
-    a: &[Hypothesis],
-    b: &[Hypothesis],
-    same: fn(&Hypothesis, &Hypothesis) -> bool,
+    a: &[CandidateEffect],
+    b: &[CandidateEffect],
+    same: fn(&CandidateEffect, &CandidateEffect) -> bool,
 ) -> bool {
-    let within =
-        |a: &[Hypothesis], b: &[Hypothesis]| a.iter().all(|h| b.iter().any(|o| same(o, h)));
+    let within = |a: &[CandidateEffect], b: &[CandidateEffect]| {
+        a.iter().all(|h| b.iter().any(|o| same(o, h)))
+    };
     a.len() == b.len() && within(a, b) && within(b, a)
 }
 
 /// How many places these are, in whatever forms.
-pub(super) fn distinct(hypotheses: &[&Hypothesis]) -> usize {
-    let first = |(k, h): &(usize, &&Hypothesis)| !hypotheses[..*k].iter().any(|o| o.same_site(h));
+pub(super) fn distinct(hypotheses: &[&CandidateEffect]) -> usize {
+    let first =
+        |(k, h): &(usize, &&CandidateEffect)| !hypotheses[..*k].iter().any(|o| o.same_site(h));
     hypotheses.iter().enumerate().filter(first).count()
 }

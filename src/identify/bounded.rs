@@ -22,7 +22,7 @@ pub(super) fn solve(
     let size = (0..count)
         .map(|k| (b[k] / scale[k]).abs())
         .fold(0.0, f64::max);
-    let problem = Problem {
+    let problem = BoundedProblem {
         a,
         b,
         bounds: (lower, upper),
@@ -34,7 +34,7 @@ pub(super) fn solve(
     (inside, fixed.iter().map(Option::is_some).collect())
 }
 
-struct Problem<'a> {
+struct BoundedProblem<'a> {
     a: &'a DMatrix<f64>,
     b: &'a DVector<f64>,
     bounds: (&'a [f64], &'a [f64]),
@@ -42,7 +42,7 @@ struct Problem<'a> {
     scale: Vec<f64>,
 }
 
-impl Problem<'_> {
+impl BoundedProblem<'_> {
     /// Exchanges all wrong bounds at once until none is left, usually within a few rounds. Returns `None` if the exchange cycles.
     fn exchanged(&self) -> Option<(DVector<f64>, Vec<Option<f64>>)> {
         let (lower, upper) = self.bounds;

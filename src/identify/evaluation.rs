@@ -1,4 +1,4 @@
-use super::goodness::{FitTest, Kind, Tally};
+use super::goodness::{FitTest, ReadingKind, Tally};
 use super::{Fit, Marks, Problem, WheelFit, Written};
 use admire_session::backend::Sweep;
 use admire_solver::mechanics::Pose;
@@ -76,18 +76,23 @@ pub fn compare(
 fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Option<FitTest> {
     let measurement = problem.measurement;
     let mut tally = Tally::default();
-    let mut add = |kind: Kind, rms: Option<f64>, count: usize, variance: f64| {
+    let mut add = |kind: ReadingKind, rms: Option<f64>, count: usize, variance: f64| {
         if let Some(rms) = rms.filter(|_| variance > 0.0) {
             tally.add(kind, rms * rms * count as f64 / variance, count);
         }
     };
     // Position errors of the marks on their parts, from the first session, add to the noise of a mark.
     let variance = measurement.sigma.powi(2) + measurement.sigma_on_parts.powi(2);
-    add(Kind::Marks, found.marks_rms, found.coordinates, variance);
+    add(
+        ReadingKind::Marks,
+        found.marks_rms,
+        found.coordinates,
+        variance,
+    );
     if let Some(wheel) = &measurement.wheel {
         let variance = wheel.sigma_position.powi(2);
         add(
-            Kind::WheelPosition,
+            ReadingKind::WheelPosition,
             found.wheel_position_rms,
             3 * found.wheels,
             variance,
@@ -96,7 +101,7 @@ fn tested(problem: &Problem<'_>, found: &ReadingMisfit, parameters: usize) -> Op
             .wheel_deg_rms
             .map(|[a, b]| f64::midpoint(a * a, b * b).sqrt());
         add(
-            Kind::WheelAngles,
+            ReadingKind::WheelAngles,
             angles,
             2 * found.wheels,
             wheel.sigma_angle_deg.powi(2),

@@ -9,7 +9,7 @@ use admire_study::Measurement;
 /// Verdict of the chi-square test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum FitVerdict {
     /// The residuals agree with the stated noise.
     Noise,
     /// The residuals exceed the stated noise: the model is deficient, or the noise is understated.
@@ -43,7 +43,7 @@ pub struct FitTest {
     /// Probability of a larger statistic under the stated noise alone.
     pub p_value: f64,
     /// Verdict of the test.
-    pub verdict: Verdict,
+    pub verdict: FitVerdict,
     /// Residuals of each kind of reading.
     pub readings: Vec<ReadingsLeft>,
 }
@@ -58,11 +58,11 @@ impl FitTest {
             dof,
             p_value: above,
             verdict: if above < LACK_OF_FIT_LEVEL {
-                Verdict::Misfit
+                FitVerdict::Misfit
             } else if below < LACK_OF_FIT_LEVEL {
-                Verdict::NoiseOverstated
+                FitVerdict::NoiseOverstated
             } else {
-                Verdict::Noise
+                FitVerdict::Noise
             },
             readings,
         })
@@ -76,11 +76,11 @@ impl FitTest {
 
 /// Sums of squared whitened residuals, by kind of reading.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub(super) struct Tally(Vec<(Kind, f64, usize)>);
+pub(super) struct Tally(Vec<(ReadingKind, f64, usize)>);
 
 /// Kind of reading.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(super) enum Kind {
+pub(super) enum ReadingKind {
     Marks,
     WheelPosition,
     WheelAngles,
@@ -89,7 +89,7 @@ pub(super) enum Kind {
 
 impl Tally {
     /// Adds `count` readings with their sum of squared whitened residuals.
-    pub(super) fn add(&mut self, kind: Kind, squares: f64, count: usize) {
+    pub(super) fn add(&mut self, kind: ReadingKind, squares: f64, count: usize) {
         match self.0.iter_mut().find(|(of, _, _)| *of == kind) {
             Some((_, sum, counted)) => {
                 *sum += squares;
@@ -113,12 +113,12 @@ impl Tally {
     pub(super) fn kinds(&self, measurement: &Measurement) -> Vec<ReadingsLeft> {
         let mut kinds = self.0.clone();
         kinds.sort_by_key(|(kind, _, _)| *kind);
-        let of = |(kind, squares, count): (Kind, f64, usize)| ReadingsLeft {
+        let of = |(kind, squares, count): (ReadingKind, f64, usize)| ReadingsLeft {
             kind: match kind {
-                Kind::Marks => "marks".to_string(),
-                Kind::WheelPosition => "wheel position".to_string(),
-                Kind::WheelAngles => "wheel angles".to_string(),
-                Kind::Channel(channel) => measurement.channels[channel].name.clone(),
+                ReadingKind::Marks => "marks".to_string(),
+                ReadingKind::WheelPosition => "wheel position".to_string(),
+                ReadingKind::WheelAngles => "wheel angles".to_string(),
+                ReadingKind::Channel(channel) => measurement.channels[channel].name.clone(),
             },
             count,
             rms_over_sigma: (squares / count as f64).sqrt(),
@@ -140,16 +140,16 @@ mod tests {
                     .unwrap()
                     .verdict
             };
-            assert_eq!(verdict(0.999), Verdict::Noise, "{dof}");
-            assert_eq!(verdict(1.001), Verdict::Misfit, "{dof}");
+            assert_eq!(verdict(0.999), FitVerdict::Noise, "{dof}");
+            assert_eq!(verdict(1.001), FitVerdict::Misfit, "{dof}");
         }
         // 1.29 per degree of freedom is insignificant at 10 degrees, and 9 standard deviations at 1,850.
         let p = |dof: f64| FitTest::new(1.29 * dof, dof, Vec::new()).unwrap();
-        assert_eq!(p(10.0).verdict, Verdict::Noise);
-        assert_eq!(p(1850.0).verdict, Verdict::Misfit);
+        assert_eq!(p(10.0).verdict, FitVerdict::Noise);
+        assert_eq!(p(1850.0).verdict, FitVerdict::Misfit);
         assert!(p(1850.0).p_value < 1e-15);
         let overstated = FitTest::new(0.25 * 1850.0, 1850.0, Vec::new()).unwrap();
-        assert_eq!(overstated.verdict, Verdict::NoiseOverstated);
+        assert_eq!(overstated.verdict, FitVerdict::NoiseOverstated);
         assert!((overstated.noise_factor() - 0.5).abs() < 1e-12);
     }
 

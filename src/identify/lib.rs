@@ -36,7 +36,7 @@ pub use fit::{
 };
 pub use free_motions::meet_marks;
 pub use free_motions::meet_marks_of_all;
-pub use goodness::{FitTest, ReadingsLeft, Verdict};
+pub use goodness::{FitTest, FitVerdict, ReadingsLeft};
 pub use lack_of_fit::{ChiSquare, LackOfFitAspect, LackOfFitTest};
 pub use loaded::LoadedStudy;
 pub use noise::estimate_noise;

@@ -12,7 +12,7 @@ use admire_study::settings::{Method, RegressionSettings, Slope, Weights};
 
 /// Alternative interpretations of equations 5, 6 and 10, to show the effect of misprints. The default is the interpretation that works.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Reading {
+pub struct EquationInterpretation {
     /// Form of equations 5 and 6.
     pub deflection: DeflectionForm,
     /// If true, takes the force that ADAMS reports, which acts on the I marker; every r then becomes -1.
@@ -70,7 +70,7 @@ pub fn line(pairs: &[(f64, f64)], slope: Slope) -> Option<Line> {
 
 /// Extrapolation of the iteration to its fixed point.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Prediction {
+pub struct FixedPointPrediction {
     /// Remaining change of ln K of each unknown if its steps continue to shrink at the present rate; `None` where they do not shrink.
     pub remaining: Vec<Option<f64>>,
     /// Ratio of successive steps of each unknown.
@@ -78,7 +78,7 @@ pub struct Prediction {
 }
 
 /// Estimates the contraction rate of each unknown from its last steps and sums the geometric series of the remaining steps.
-pub fn predict(history: &[Vec<f64>]) -> Prediction {
+pub fn predict(history: &[Vec<f64>]) -> FixedPointPrediction {
     let count = history.first().map_or(0, Vec::len);
     let (mut remaining, mut rate) = (vec![None; count], vec![None; count]);
     for k in 0..count {
@@ -103,7 +103,7 @@ pub fn predict(history: &[Vec<f64>]) -> Prediction {
             remaining[k] = Some(last * ratio / (1.0 - ratio));
         }
     }
-    Prediction { remaining, rate }
+    FixedPointPrediction { remaining, rate }
 }
 
 /// Returns the measured deflections of each identified bushing per case, as `[bushing][case]`.
@@ -140,7 +140,7 @@ fn bushing_force(
     bushing: usize,
     stiffness: &[f64; 6],
     poses: &[Pose],
-    reading: Reading,
+    reading: EquationInterpretation,
 ) -> Vec6 {
     let law = &problem.model.bushings[bushing];
     let i = marker_pose(problem.model, poses, law.i);
@@ -175,7 +175,12 @@ pub fn identify(
     backend: &mut dyn Backend,
     progress: &mut Progress<'_>,
 ) -> Result<Fit, IdentifyError> {
-    identify_as(problem, backend, Reading::default(), progress)
+    identify_as(
+        problem,
+        backend,
+        EquationInterpretation::default(),
+        progress,
+    )
 }
 
 /// Identifies stiffnesses by the iteration of the paper, with another interpretation of the printed equations.
@@ -185,7 +190,7 @@ pub fn identify(
 pub fn identify_as(
     problem: &Problem<'_>,
     backend: &mut dyn Backend,
-    reading: Reading,
+    reading: EquationInterpretation,
     progress: &mut Progress<'_>,
 ) -> Result<Fit, IdentifyError> {
     if problem.unknowns.is_empty() {
@@ -281,7 +286,7 @@ fn all_lines(
     deltas: &[Vec<Option<Vec6>>],
     sweep: &Sweep,
     values: &[f64],
-    reading: Reading,
+    reading: EquationInterpretation,
 ) -> Lines {
     let mut lines = Vec::with_capacity(bushings.len());
     for (at, &bushing) in bushings.iter().enumerate() {

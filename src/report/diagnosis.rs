@@ -508,7 +508,7 @@ impl DiagnosisReport<'_> {
         ]);
         let mut table = Table::new(&columns);
         let rms = |value: Option<f64>| {
-            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().told(v))
+            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().format(v))
         };
         for finding in findings {
             let gain = &finding.gain;

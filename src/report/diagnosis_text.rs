@@ -1,7 +1,8 @@
 //! The sentences of a diagnosis.
 
 use admire_diagnosis::{
-    Blind, ChannelMiss, Hypothesis, LAW_MISFIT, Outcome, Over, RemainderPoint, SolverDifference,
+    CandidateEffect, ChannelMiss, HoldOutPrediction, LAW_MISFIT, Outcome, Over, RemainderPoint,
+    SolverDifference,
 };
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
@@ -142,8 +143,8 @@ impl Text<'_> {
         let decimals = self.decimals();
         let mut text = format!(
             "After its best fit, tolerances included, the model misses the marks by {} rms per coordinate, where their noise is {}",
-            decimals.told(rms),
-            decimals.told(sigma)
+            decimals.format(rms),
+            decimals.format(sigma)
         );
         if let (true, Row::Mark { case, reading, .. }) =
             (self.findings_matter(), self.outcome.subject.rows[worst.1])
@@ -155,7 +156,7 @@ impl Text<'_> {
                 part.name,
                 part.marks[read.mark].label,
                 self.case_text(case),
-                decimals.told(worst.0 * unit)
+                decimals.format(worst.0 * unit)
             );
         }
         Some(text + ".")
@@ -289,8 +290,8 @@ impl Text<'_> {
             let decimals = self.decimals().finer();
             out.push(format!(
                 "The study declares a noise of {} for the marks; marks of rigid parts show {}, which is used.",
-                decimals.told(declared),
-                decimals.told(estimated)
+                decimals.format(declared),
+                decimals.format(estimated)
             ));
         }
         if let Some(dof) = noise.dof {
@@ -327,8 +328,8 @@ impl Text<'_> {
             };
             parts.push(format!(
                 "the rms of the marks goes from {} to {}{by}",
-                decimals.told(a),
-                decimals.told(b)
+                decimals.format(a),
+                decimals.format(b)
             ));
         }
         if let (Some([camber, steer]), Some([camber_after, steer_after])) =
@@ -394,8 +395,8 @@ impl Text<'_> {
             format!(
                 " Found without the cases held out{place}, it predicts them to {} ({} without it); {:.0} percent of their readings lie within \
                  their 95 percent bands.",
-                decimals.told(held_out.rms_after),
-                decimals.told(held_out.rms_before),
+                decimals.format(held_out.rms_after),
+                decimals.format(held_out.rms_before),
                 100.0 * held_out.within95
             )
         });
@@ -426,16 +427,16 @@ impl Text<'_> {
             } else {
                 "chosen anew"
             },
-            decimals.told(found.rms_before),
-            decimals.told(found.rms_after),
+            decimals.format(found.rms_before),
+            decimals.format(found.rms_after),
             fallen_by(decimals, found.gain, found.gain_std_error)
         )];
         if let Some(groups) = found.spread() {
             let [least, most] = groups.map(|group| {
                 format!(
                     "from {} to {} for {}",
-                    decimals.told(group.rms_before),
-                    decimals.told(group.rms_after),
+                    decimals.format(group.rms_before),
+                    decimals.format(group.rms_after),
                     labels(&group.cases)
                 )
             });
@@ -467,7 +468,7 @@ impl Text<'_> {
                             && self.outcome.subject.is_held_out_row(row)
                     });
                 let count = rows.clone().count();
-                let rms = |blind: &Blind| {
+                let rms = |blind: &HoldOutPrediction| {
                     let squares = rows.clone().map(|(k, _)| blind.misfit[k].powi(2));
                     (squares.sum::<f64>() / count as f64).sqrt() * info.sigma
                 };
@@ -476,8 +477,8 @@ impl Text<'_> {
                     format!(
                         "{} from {} to {}{} rms",
                         info.name,
-                        decimals.told(rms(before)),
-                        decimals.told(rms(after)),
+                        decimals.format(rms(before)),
+                        decimals.format(rms(after)),
                         info.behind()
                     )
                 })
@@ -516,17 +517,17 @@ impl Text<'_> {
 
 /// Formats a gain with its standard error, which does not exist for a single case.
 fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
-    let gain = decimals.told(gain);
+    let gain = decimals.format(gain);
     if std_error.is_finite() {
-        format!("by {gain} +- {}", decimals.told(std_error))
+        format!("by {gain} +- {}", decimals.format(std_error))
     } else {
         format!("by {gain}, in one case")
     }
 }
 
 /// Lists causes by name and site.
-fn chosen(causes: &[Hypothesis]) -> String {
-    let names: Vec<String> = Hypothesis::causes(causes)
+fn chosen(causes: &[CandidateEffect]) -> String {
+    let names: Vec<String> = CandidateEffect::causes(causes)
         .map(ToString::to_string)
         .collect();
     match names.as_slice() {
@@ -572,7 +573,7 @@ fn percent(probability: f64) -> String {
 /// The sentence on the residuals of one channel.
 pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     let decimals = Decimals::of_error(miss.noise);
-    let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.told(x));
+    let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
     format!(
         "Channel {} is missed by {before}{unit} rms as the model was and by {after}{unit} as it is extended, where its noise is {noise}{unit}.",
         miss.name,
@@ -594,7 +595,7 @@ fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String 
     } else {
         ": what is found below may be a difference of the solvers."
     };
-    let told = |rms: f64| Decimals::of_error(sigma).finer().told(rms);
+    let told = |rms: f64| Decimals::of_error(sigma).finer().format(rms);
     if let Some(both) = solver.residual_rms {
         let [own, other] = both.map(told);
         text += &format!(

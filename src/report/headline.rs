@@ -1,5 +1,5 @@
 use super::number::{change, rounded};
-use admire_identify::{Fit, FitTest, LoadedStudy, Status, Verdict};
+use admire_identify::{Fit, FitTest, FitVerdict, LoadedStudy, Status};
 
 /// Returns the result of an identification in a sentence or two for decision makers.
 pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
@@ -17,7 +17,7 @@ pub(super) fn identification(loaded: &LoadedStudy, fit: &Fit) -> String {
         .iter()
         .filter(|parameter| parameter.status == Status::Identified)
         .count();
-    let misfit = |test: &FitTest| test.verdict == Verdict::Misfit;
+    let misfit = |test: &FitTest| test.verdict == FitVerdict::Misfit;
     if !fit.converged {
         return format!(
             "The fit did not converge: the {all} stiffnesses below are where it stopped, and should not be used yet."

@@ -9,7 +9,7 @@ use super::short_unit;
 use super::study_figures::StudyFigures;
 use super::{Align, DrawingError, Page, Positions, Table, headline, study_scene};
 use admire_identify::lack_of_fit::{is_structured, worst};
-use admire_identify::{Fit, LoadedStudy, ParameterFit, Status, Verdict};
+use admire_identify::{Fit, FitVerdict, LoadedStudy, ParameterFit, Status};
 use admire_results::Timestamp;
 use admire_syntax::text::Decimals;
 
@@ -330,7 +330,7 @@ impl IdentificationReport<'_> {
     fn quality(&self, page: &mut Page) {
         page.heading("How well the measurement is explained");
         let show = |value: Option<f64>| {
-            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().told(v))
+            value.map_or_else(String::new, |v| Decimals::of_error(v).finer().format(v))
         };
         let mut rows: Vec<(String, Option<f64>, Option<f64>)> = Vec::new();
         if let Some(written) = &self.fit.written {
@@ -468,7 +468,7 @@ pub fn lead(fit: &Fit) -> String {
     let misfit = fit
         .fit_test
         .as_ref()
-        .is_some_and(|test| test.verdict == Verdict::Misfit);
+        .is_some_and(|test| test.verdict == FitVerdict::Misfit);
     let structured = worst(&fit.structure).filter(|_| is_structured(&fit.structure));
     let strained = strained(fit);
     let mut sentences = if let Some(strained) = strained {
@@ -512,16 +512,16 @@ fn explained(fit: &Fit) -> String {
     };
     let (p, factor) = (probability(test.p_value), test.noise_factor());
     match test.verdict {
-        Verdict::Misfit => format!(
+        FitVerdict::Misfit => format!(
             "The model does not explain the readings within their noise: chi-square is {:.0} with {:.0} degrees of freedom (p = {p}), as \
              if the noise were {factor:.2} times what is stated. Do not trust the intervals.",
             test.chi2, test.dof,
         ),
-        Verdict::Noise => format!(
+        FitVerdict::Noise => format!(
             "The model then explains the readings as well as their noise allows (chi-square {:.2} per degree of freedom, p = {p}).",
             test.chi2 / test.dof,
         ),
-        Verdict::NoiseOverstated => format!(
+        FitVerdict::NoiseOverstated => format!(
             "The model then explains the readings better than their stated noise allows (chi-square {:.2} per degree of freedom): the noise is \
              {factor:.2} times what is stated, and the intervals are too wide.",
             test.chi2 / test.dof,

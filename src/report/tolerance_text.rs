@@ -109,7 +109,7 @@ impl Text<'_> {
         let of = |misplaced: &Misplaced| {
             let part = &measurement.parts[misplaced.part];
             let label = &part.marks[misplaced.mark].label;
-            let off = decimals.told(misplaced.error.norm());
+            let off = decimals.format(misplaced.error.norm());
             let how = if misplaced.is_loose() {
                 let case = &measurement.cases[misplaced.cases[0]].label;
                 let (count, read) = (misplaced.cases.len(), misplaced.read);

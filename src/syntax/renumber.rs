@@ -68,7 +68,7 @@ pub fn renumber(
     }
     Ok(Checked {
         value: edits,
-        diagnostics: told(&places),
+        diagnostics: one_warning(&places),
     })
 }
 
@@ -234,7 +234,7 @@ fn unknowable(
 }
 
 /// Returns one warning about all collected places; only the first few are shown.
-fn told(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
+fn one_warning(places: &[(Arc<str>, Span)]) -> Vec<Diagnostic> {
     const SHOWN: usize = 4;
     let Some((file, first)) = places.first() else {
         return Vec::new();

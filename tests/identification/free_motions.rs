@@ -5,7 +5,7 @@ use std::process::Command;
 
 use admire::{Identification, SharedProgress, Study};
 use admire_identify::global::{Options, Prepared, fit_study};
-use admire_identify::{LoadedStudy, Verdict, compare};
+use admire_identify::{FitVerdict, LoadedStudy, compare};
 use admire_session::backend::{Backend, BackendError, NativeBackend, Sweep, SweepRequest};
 use admire_solver::mechanics::{Vec3, exp};
 use admire_solver::statics::Balance;
@@ -87,7 +87,7 @@ fn a_link_that_spins_is_as_good_as_one_that_is_held() {
         let free = identified(&folder).fit;
         assert!(free.converged);
         let test = free.fit_test.as_ref().unwrap();
-        assert_eq!(test.verdict, Verdict::Noise, "{test:?}");
+        assert_eq!(test.verdict, FitVerdict::Noise, "{test:?}");
         let mut compared = 0;
         for (a, b) in held.parameters.iter().zip(&free.parameters) {
             let share = |p: &admire::fit::ParameterFit| p.std_error.unwrap() / p.value;

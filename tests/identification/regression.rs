@@ -105,18 +105,18 @@ fn misread_equations_lose_stiffnesses() {
             .filter(|p| p.status == Status::Unidentifiable);
         lost.map(|p| p.address.clone()).collect::<Vec<_>>()
     };
-    let reading = regression::Reading::default();
+    let reading = regression::EquationInterpretation::default();
     assert!(lost(reading).is_empty());
     // With the sign ADAMS reports nothing is ever identified.
     assert_eq!(
-        lost(regression::Reading {
+        lost(regression::EquationInterpretation {
             force_on_i: true,
             ..reading
         })
         .len(),
         12
     );
-    let printed = lost(regression::Reading {
+    let printed = lost(regression::EquationInterpretation {
         deflection: DeflectionForm::Printed,
         ..reading
     });
@@ -128,7 +128,7 @@ fn misread_equations_lose_stiffnesses() {
         printed.contains(&"BUSHING/2.KT.2".to_string()),
         "{printed:?}"
     );
-    let at_j = lost(regression::Reading {
+    let at_j = lost(regression::EquationInterpretation {
         torque_at_j: true,
         ..reading
     });

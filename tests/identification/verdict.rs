@@ -2,7 +2,7 @@
 
 use admire_diagnosis::fit_with_random_effects;
 use admire_identify::global::{Options, Prepared, fit_study};
-use admire_identify::{Fit, NOT_CONVERGED, Problem, Verdict, lack_of_fit};
+use admire_identify::{Fit, FitVerdict, NOT_CONVERGED, Problem, lack_of_fit};
 use admire_report::lead;
 
 use crate::options::with_sensors;
@@ -19,7 +19,7 @@ fn fit_of(problem: &Problem<'_>) -> Fit {
         .fit
 }
 
-fn verdict(fit: &Fit) -> Verdict {
+fn verdict(fit: &Fit) -> FitVerdict {
     fit.fit_test.as_ref().unwrap().verdict
 }
 
@@ -29,7 +29,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
     for seed in 0..4 {
         measure(&mut loaded, 0.02, seed);
         let fit = fitted(&loaded);
-        assert_eq!(verdict(&fit), Verdict::Noise, "{:?}", fit.fit_test);
+        assert_eq!(verdict(&fit), FitVerdict::Noise, "{:?}", fit.fit_test);
         assert!(
             !lack_of_fit::is_structured(&fit.structure),
             "{:?}",
@@ -40,7 +40,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
     // Chi-square per degree of freedom is 1.23 then, which a fixed limit of 1.3 would pass: 3.7 standard deviations of it.
     loaded.measurement.sigma = 0.02 * 0.9;
     let fit = fitted(&loaded);
-    assert_eq!(verdict(&fit), Verdict::Misfit, "{:?}", fit.fit_test);
+    assert_eq!(verdict(&fit), FitVerdict::Misfit, "{:?}", fit.fit_test);
     assert!(
         lead(&fit).starts_with("The model does not explain"),
         "{}",
@@ -48,7 +48,7 @@ fn the_exact_test_decides_at_any_number_of_readings() {
     );
     assert!(lead(&fit).contains("admire diagnose"));
     loaded.measurement.sigma = 0.02 * 2.0;
-    assert_eq!(verdict(&fitted(&loaded)), Verdict::NoiseOverstated);
+    assert_eq!(verdict(&fitted(&loaded)), FitVerdict::NoiseOverstated);
 }
 
 /// A part whose marks are all read less than a sigma off in all cases.
@@ -84,7 +84,7 @@ fn readings_without_marks_are_tested_too() {
     loaded.measurement.parts.clear();
     let fit = fit_of(&loaded.problem());
     let test = fit.fit_test.clone().unwrap();
-    assert_eq!(test.verdict, Verdict::Noise, "{test:?}");
+    assert_eq!(test.verdict, FitVerdict::Noise, "{test:?}");
     let kinds: Vec<&str> = test.readings.iter().map(|k| k.kind.as_str()).collect();
     assert_eq!(kinds[..2], ["wheel position", "wheel angles"]);
     assert_eq!(kinds.len(), 5, "three sensors beside: {kinds:?}");
@@ -96,7 +96,7 @@ fn readings_without_marks_are_tested_too() {
         }
     }
     let fit = fit_of(&loaded.problem());
-    assert_eq!(verdict(&fit), Verdict::Misfit, "{:?}", fit.fit_test);
+    assert_eq!(verdict(&fit), FitVerdict::Misfit, "{:?}", fit.fit_test);
 }
 
 #[test]

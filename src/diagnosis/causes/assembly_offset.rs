@@ -3,15 +3,15 @@
 //! A translational offset is a random effect of every bushing, and a finding if it exceeds its tolerance group. A rotational offset is a
 //! separate effect.
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    EffectParameter, Hypothesis, Parametrisation, SIX, Sensitivity, number,
+use super::super::candidate_effect::{
+    CandidateEffect, EffectParameter, Parametrisation, SIX, Sensitivity, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
 /// Adds a translational and a rotational offset of every bushing.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;
@@ -20,7 +20,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let address = format!("BUSHING/{id}");
         let members = survey.members(EffectGroup::Offsets, &address);
         if !members.is_empty() {
-            out.push(Hypothesis::outstanding(
+            out.push(CandidateEffect::outstanding(
                 Cause::AssemblyOffset,
                 address.clone(),
                 "shift",
@@ -44,7 +44,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         });
         let numbers: Vec<EffectParameter> = numbers.collect();
         if !numbers.is_empty() {
-            out.push(Hypothesis::plain(
+            out.push(CandidateEffect::plain(
                 Cause::AssemblyOffset,
                 address,
                 "turn",

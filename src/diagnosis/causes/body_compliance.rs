@@ -5,11 +5,11 @@
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
+use super::super::candidate_effect::{
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, Term, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use crate::settings::SPLIT_STIFFNESS_N_PER_MM;
 
 /// Form of an attachment that holds a link, which is a part with two ends. Along the link it is indistinguishable from compliance of the
@@ -17,7 +17,7 @@ use crate::settings::SPLIT_STIFFNESS_N_PER_MM;
 pub(super) const IN_LINE: &str = "holds a link";
 
 /// Adds the compliance of every joint and spring with one side on ground, equal in all directions.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let model = survey.model;
     let Some(ground) = model.ground() else {
         return;
@@ -54,7 +54,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 [SPLIT_STIFFNESS_N_PER_MM * per_length; 3],
             );
             let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));
-            out.push(Hypothesis {
+            out.push(CandidateEffect {
                 cause: Cause::BodyCompliance,
                 address,
                 members: Vec::new(),

@@ -3,11 +3,11 @@
 use admire_solver::mechanics::Vec6;
 use admire_syntax::{Expression, NewStatement};
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, FORCES, Hypothesis, Parametrisation, Sensitivity, Term, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, FORCES, Parametrisation, Sensitivity, Term, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 
 /// Pairs of coupled components, with their names.
 const PAIRS: [(usize, usize, &str); 15] = [
@@ -29,7 +29,7 @@ const PAIRS: [(usize, usize, &str); 15] = [
 ];
 
 /// Adds a coupling between every pair of components of every bushing.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (at, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;
@@ -75,7 +75,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     ("CMATRIX".to_string(), Some(["0.0"; 36].join(", "))),
                 ],
             };
-            out.push(Hypothesis {
+            out.push(CandidateEffect {
                 cause: Cause::BushingCoupling,
                 address: format!("BUSHING/{id}"),
                 members: Vec::new(),
@@ -102,7 +102,10 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
 
 /// Returns the growth of a coupling in the model with the deflection. The energy `k u_a u_b` gains the terms `c u_a u_b^3` and `d u_a^3 u_b`.
 /// They are the next terms of an energy that is even in the deflections.
-pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypothesis> {
+pub(crate) fn growth(
+    survey: &OperatingPoints<'_>,
+    constant: &CandidateEffect,
+) -> Option<CandidateEffect> {
     let (a, b, form) = *PAIRS.iter().find(|(.., form)| *form == constant.form)?;
     let at_place = |id: u32| {
         constant.address == format!("BUSHING/{id}") && constant.cause == Cause::BushingCoupling
@@ -164,7 +167,7 @@ pub(crate) fn growth(survey: &Survey<'_>, constant: &Hypothesis) -> Option<Hypot
                 Parametrisation::Extended(vec![(literal(0, k), 1.0), (literal(1, k), 1.0)]),
             )
         });
-    let mut growth = Hypothesis::plain(
+    let mut growth = CandidateEffect::plain(
         Cause::BushingCoupling,
         constant.address.clone(),
         form,

@@ -1,12 +1,12 @@
 //! `bushing-orientation`: the bushing is mounted with a rotation of both sides together, so that no preload arises.
 
+use super::super::candidate_effect::{CandidateEffect, SIX};
 use super::super::cause::Cause;
-use super::super::hypothesis::{Hypothesis, SIX};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
 /// Adds the rotation of every bushing about each of its axes alone, and about all of them.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for bushing in &survey.model.bushings {
         if !bushing.header.active {
             continue;
@@ -19,7 +19,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .collect();
         let mut form = |name, angles: Vec<(usize, String)>| {
             let cause = Cause::BushingOrientation;
-            out.push(Hypothesis::outstanding(
+            out.push(CandidateEffect::outstanding(
                 cause,
                 address.clone(),
                 name,

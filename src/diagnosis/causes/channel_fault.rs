@@ -2,12 +2,14 @@
 
 use admire_identify::global::Row;
 
+use super::super::candidate_effect::{
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity,
+};
 use super::super::cause::Cause;
-use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 
 /// Adds the gain, the zero and each single reading of every channel.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let measurement = survey.measurement;
     for (channel, info) in measurement.channels.iter().enumerate() {
         let read: Vec<(usize, usize, f64)> = survey
@@ -27,7 +29,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .fold(info.sigma, f64::max);
         let mut put = |form: &'static str, number: EffectParameter| {
             let (cause, address) = (Cause::ChannelFault, info.name.clone());
-            out.push(Hypothesis::plain(cause, address, form, vec![number]));
+            out.push(CandidateEffect::plain(cause, address, form, vec![number]));
         };
         let off = |name: &str, rows: Vec<(usize, f64)>| {
             EffectParameter::linear(name, size, Sensitivity::Rows(rows))
@@ -46,7 +48,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             .collect();
         let predicted = readings
             .iter()
-            .map(|(at, reading)| (*at, reading + survey.misfit(*at)));
+            .map(|(at, reading)| (*at, reading + survey.residual(*at)));
         let gain = EffectParameter {
             column: Sensitivity::Rows(predicted.collect()),
             ..EffectParameter::new(

@@ -3,19 +3,19 @@
 use admire_identify::global::Evolution;
 use admire_solver::mechanics::Vec6;
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity, Term,
-    component, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
+    Term, component, number,
 };
-use super::super::survey::{Survey, statement};
+use super::super::cause::Cause;
+use super::super::operating_points::{OperatingPoints, statement};
 use crate::settings::START_CREEP_RATES;
 
 /// Names of the first guesses of the rate.
 const FORMS: [&str; 3] = ["slow", "middle", "fast"];
 
 /// Adds creep of every component of every bushing.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let bushings = survey.model.bushings.iter().enumerate();
     for (k, bushing) in bushings.filter(|(_, bushing)| bushing.header.active) {
         let deflections = survey.bushing_deflections(k);
@@ -60,8 +60,8 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     variable(flow, "0.0".to_string()),
                 ];
                 let address = format!("BUSHING/{}.{}", bushing.header.id, component(axis));
-                let plain = Hypothesis::plain(Cause::Creep, address, form, vec![share, part]);
-                out.push(Hypothesis {
+                let plain = CandidateEffect::plain(Cause::Creep, address, form, vec![share, part]);
+                out.push(CandidateEffect {
                     one_sided: true,
                     changes: new
                         .into_iter()

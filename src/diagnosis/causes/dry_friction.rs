@@ -6,16 +6,16 @@
 use admire_identify::global::Evolution;
 use admire_solver::model::{JointKind, MarkerIx};
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, FORCES, Hypothesis, MemoryPlan, Parametrisation, Sensitivity, Term,
-    component, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, FORCES, MemoryPlan, Parametrisation, Sensitivity,
+    Term, component, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use crate::priors::FORCE_LEVER_MM;
 use crate::settings::{START_FRICTION_FORCES, START_SLIP_LENGTHS};
 
-use super::super::survey::statement;
+use super::super::operating_points::statement;
 
 /// First guesses, each with its name: indices of the slip length and of the force in the first case.
 const FORMS: [(usize, usize, &str); 9] = [
@@ -32,17 +32,17 @@ const FORMS: [(usize, usize, &str); 9] = [
 
 /// Turns a slider into the further term `index` of an existing friction. Parallel sliders that slip one after the other form a law with a gradual
 /// limit. Source: Iwan, Journal of Applied Mechanics 33 (1966) 893.
-pub(crate) fn further_slider(survey: &Survey<'_>, h: &mut Hypothesis, index: usize) {
+pub(crate) fn further_slider(survey: &OperatingPoints<'_>, h: &mut CandidateEffect, index: usize) {
     h.term = Term::Further(index);
     h.ln_prior = libm::log(survey.priors().gradual_friction / FORMS.len() as f64);
 }
 
 /// Returns terms that make the limit of each friction in the model larger in one direction and smaller in the other. A constant force
 /// parallel to a slider is equivalent to a slider with another anchor, whose limits differ from their mean by that force.
-pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
+pub(crate) fn by_direction(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let chosen = &survey.fitted.effects;
-    let of = |(at, h): (usize, &Hypothesis)| {
-        let differs = |other: &Hypothesis| other.term == Term::Asymmetry && other.same_site(h);
+    let of = |(at, h): (usize, &CandidateEffect)| {
+        let differs = |other: &CandidateEffect| other.term == Term::Asymmetry && other.same_site(h);
         if h.cause != Cause::DryFriction || h.term > Term::Main || chosen.iter().any(differs) {
             return None;
         }
@@ -66,7 +66,7 @@ pub(crate) fn by_direction(survey: &Survey<'_>) -> Vec<Hypothesis> {
                 )]),
             )
         }];
-        let mut out = Hypothesis::plain(h.cause, h.address.clone(), h.form, numbers);
+        let mut out = CandidateEffect::plain(h.cause, h.address.clone(), h.form, numbers);
         out.changes = changes.into_iter().map(Change::Add).collect();
         out.term = Term::Asymmetry;
         out.ln_prior = libm::log(survey.priors().friction_asymmetry);
@@ -88,7 +88,7 @@ fn pattern(u: &[f64], length: f64, mut anchor: f64) -> Vec<f64> {
 }
 
 /// Adds friction in every component of every bushing, and in the free motions of joints.
-pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(crate) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;
@@ -127,11 +127,11 @@ pub(crate) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
 
 /// Adds a friction as the GFORCE `F max(-1, min(1, (anchor - u) / L))`. The anchor is a VARIABLE that each case passes on to the next.
 fn put(
-    survey: &Survey<'_>,
+    survey: &OperatingPoints<'_>,
     address: &str,
     (pair, axis): ((MarkerIx, MarkerIx), usize),
     u: &[f64],
-    out: &mut Vec<Hypothesis>,
+    out: &mut Vec<CandidateEffect>,
 ) {
     let (low, high) = u
         .iter()
@@ -170,7 +170,7 @@ fn put(
             .map(|p| admire_solver::mechanics::Vec6::ith(axis, p))
             .collect();
         let unfelt = Sensitivity::None;
-        out.push(Hypothesis {
+        out.push(CandidateEffect {
             cause: Cause::DryFriction,
             address: address.to_string(),
             members: Vec::new(),

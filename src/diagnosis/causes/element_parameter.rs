@@ -1,20 +1,22 @@
 //! `element-parameter`: a deck parameter that the study takes as known is wrong.
 
+use super::super::candidate_effect::{
+    CandidateEffect, EffectParameter, Parametrisation, Sensitivity, number,
+};
 use super::super::cause::Cause;
-use super::super::hypothesis::{EffectParameter, Hypothesis, Parametrisation, Sensitivity, number};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::model::SpringKind;
 
 /// Adds rates and preloads of springs, and stiffnesses of bushings that are not identified.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (member, address, group, unit) in survey.numbers_of_the_deck() {
         let sd = match group {
             EffectGroup::Preloads => survey.priors().spring_preload,
             EffectGroup::SpringRates => survey.priors().spring_rate,
             _ => survey.priors().rubber_stiffness,
         };
-        let mut hypothesis = Hypothesis::outstanding(
+        let mut hypothesis = CandidateEffect::outstanding(
             Cause::ElementParameter,
             address,
             "",
@@ -28,7 +30,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
 }
 
 /// Adds the free lengths of preloaded springs. A wrong free length shifts the force by a constant, as a preload does.
-fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+fn free_lengths(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (_, address, group, force) in survey.numbers_of_the_deck() {
         if group != EffectGroup::Preloads {
             continue;
@@ -53,6 +55,6 @@ fn free_lengths(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             )
         };
         let (cause, address) = (Cause::ElementParameter, length.to_string());
-        out.push(Hypothesis::plain(cause, address, "", vec![change]));
+        out.push(CandidateEffect::plain(cause, address, "", vec![change]));
     }
 }

@@ -2,13 +2,13 @@
 
 use admire_solver::mechanics::Vec3;
 
+use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX, Sensitivity};
 use super::super::cause::Cause;
 use super::super::frame::by_frame;
-use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 
 /// Adds for every load case with marks a shift of the frame and a rotation about the centroid of the marks.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let measurement = survey.measurement;
     for (case, read) in measurement.cases.iter().enumerate() {
         // Three marks are too few to test a rigid motion in six parameters.
@@ -25,7 +25,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             };
             EffectParameter::linear(SIX[k], sd, Sensitivity::Rows(rows))
         });
-        out.push(Hypothesis::plain(
+        out.push(CandidateEffect::plain(
             Cause::FrameDrift,
             format!("case {}", read.label),
             "",

@@ -2,15 +2,15 @@
 //!
 //! The part is split at one of its ends. Within the play a weak spring holds it, beyond the play a stiff contact.
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use super::link_compliance::link_ends;
 
 /// Adds free play at both ends of every movable part with exactly two attachments.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let per_length = survey.newton() / survey.millimetre();
     let sd = survey.priors().free_play_mm * survey.millimetre();
     for end in link_ends(survey) {
@@ -33,7 +33,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let first = first.map_or(0, |e| e.literals.len());
         let slot = |k: usize| (number("GFORCE", force, "FZ", Some(k)), 0.5);
         let halves = vec![slot(first), slot(2 * first - 1)];
-        out.push(Hypothesis {
+        out.push(CandidateEffect {
             cause: Cause::FreePlay,
             address: format!("PART/{}", end.part),
             members: Vec::new(),

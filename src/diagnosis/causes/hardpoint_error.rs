@@ -3,15 +3,15 @@
 //! Either a point of the car is displaced: all parts that meet there move together, and nothing is strained. Or one side of it is displaced:
 //! a part made wrong, assembled under strain. For a bushing the second is `assembly-offset`.
 
+use super::super::candidate_effect::{CandidateEffect, EffectParameter, SIX, Sensitivity, number};
 use super::super::cause::Cause;
-use super::super::hypothesis::{EffectParameter, Hypothesis, SIX, Sensitivity, number};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::MarkerIx;
 
 /// Adds the displacement of every point, in all directions and along each one alone, and of every end of a joint, primitive or spring.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let model = survey.model;
     for point in survey.points() {
         let names = point
@@ -23,10 +23,10 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
         let mut put = |form, members: Vec<(usize, String)>| {
             if !members.is_empty() {
                 let sd = survey.priors().hardpoint_mm * survey.millimetre();
-                out.push(Hypothesis {
+                out.push(CandidateEffect {
                     members: names.clone(),
                     side: "point",
-                    ..Hypothesis::outstanding(
+                    ..CandidateEffect::outstanding(
                         Cause::HardpointError,
                         names[0].clone(),
                         form,
@@ -70,9 +70,9 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                 let sd = survey.priors().part_end_mm * survey.millimetre();
                 EffectParameter::linear(SIX[k], sd, Sensitivity::Always(column))
             });
-            out.push(Hypothesis {
+            out.push(CandidateEffect {
                 side: "part",
-                ..Hypothesis::plain(
+                ..CandidateEffect::plain(
                     Cause::HardpointError,
                     format!("MARKER/{id}"),
                     "one side",
@@ -83,6 +83,6 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
     }
 }
 
-fn marker_name(survey: &Survey<'_>, marker: MarkerIx) -> String {
+fn marker_name(survey: &OperatingPoints<'_>, marker: MarkerIx) -> String {
     format!("MARKER/{}", survey.marker_id(marker))
 }

@@ -6,11 +6,11 @@
 use admire_solver::mechanics::{Mat3, Vec3, psi_theta_phi};
 use admire_syntax::Address;
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use crate::settings::{RIGID_STIFFNESS_N_PER_MM, SPLIT_STIFFNESS_N_PER_MM};
 
 /// End of a movable part with exactly two attachments.
@@ -32,7 +32,7 @@ pub(super) struct LinkEnd {
 }
 
 /// Returns both ends of every movable part with exactly two attachments.
-pub(super) fn link_ends(survey: &Survey<'_>) -> Vec<LinkEnd> {
+pub(super) fn link_ends(survey: &OperatingPoints<'_>) -> Vec<LinkEnd> {
     let mut out = Vec::new();
     for (part, body) in survey.model.parts.iter().enumerate() {
         let part = admire_solver::model::PartIx(part);
@@ -82,7 +82,7 @@ impl LinkEnd {
     /// rigid across it. Returns the ids of the bushing and its markers, and the changes.
     pub(super) fn split(
         &self,
-        survey: &Survey<'_>,
+        survey: &OperatingPoints<'_>,
         stiffness: f64,
     ) -> (u32, [u32; 2], Vec<Change>) {
         let axis = self.outward;
@@ -100,11 +100,11 @@ impl LinkEnd {
 }
 
 /// Adds the compliance of every movable part with exactly two attachments, at either end.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     let per_length = survey.newton() / survey.millimetre();
     for end in link_ends(survey) {
         let (bushing, _, changes) = end.split(survey, SPLIT_STIFFNESS_N_PER_MM * per_length);
-        out.push(Hypothesis {
+        out.push(CandidateEffect {
             cause: Cause::LinkCompliance,
             address: format!("PART/{}", end.part),
             members: Vec::new(),

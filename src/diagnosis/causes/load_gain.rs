@@ -1,17 +1,17 @@
 //! `load-gain`: a load of the rig is wrong by a factor.
 
+use super::super::candidate_effect::{CandidateEffect, EffectParameter, Sensitivity};
 use super::super::cause::Cause;
-use super::super::hypothesis::{EffectParameter, Hypothesis, Sensitivity};
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 use admire_syntax::Address;
 
 /// Adds a constant and a growing gain error of every load of the study.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for load in survey.loads() {
         let address = load.target.to_string();
         for (member, _) in survey.members(EffectGroup::LoadGains, &address) {
-            out.push(Hypothesis::outstanding(
+            out.push(CandidateEffect::outstanding(
                 Cause::LoadGain,
                 address.clone(),
                 "",
@@ -32,12 +32,12 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
 /// Returns an error along `to` that grows with the square of the load `from`. Its parameter is the error at the largest load, as a fraction
 /// of it.
 pub(super) fn growing(
-    survey: &Survey<'_>,
+    survey: &OperatingPoints<'_>,
     cause: Cause,
     address: &str,
     (to, from): (&Address, &Address),
     sd: f64,
-) -> Hypothesis {
+) -> CandidateEffect {
     let values = survey.load_values(from);
     let largest = values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
     let grown = values
@@ -45,5 +45,5 @@ pub(super) fn growing(
         .map(|v| v * v.abs() / largest.max(f64::MIN_POSITIVE));
     let column = Sensitivity::PerCase(vec![(to.clone(), grown.collect())]);
     let numbers = vec![EffectParameter::linear("growth", sd, column)];
-    Hypothesis::plain(cause, address.to_string(), "growing", numbers)
+    CandidateEffect::plain(cause, address.to_string(), "growing", numbers)
 }

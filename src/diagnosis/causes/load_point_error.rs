@@ -1,19 +1,19 @@
 //! `load-point-error`: a load acts at a point other than its marker.
 
+use super::super::candidate_effect::CandidateEffect;
 use super::super::cause::Cause;
-use super::super::hypothesis::Hypothesis;
-use super::super::survey::Survey;
+use super::super::operating_points::OperatingPoints;
 use admire_identify::tolerance::EffectGroup;
 
 /// Adds the displacement of every point where a load acts, along each axis alone and in all directions.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for marker in &survey.model.markers {
         let address = format!("MARKER/{}", marker.header.id);
         let members = survey.members(EffectGroup::LoadPoints, &address);
         let sd = survey.priors().load_point_mm * survey.millimetre();
         for (axis, form) in ["along x", "along y", "along z"].into_iter().enumerate() {
             if let Some(member) = members.get(axis) {
-                out.push(Hypothesis::outstanding(
+                out.push(CandidateEffect::outstanding(
                     Cause::LoadPointError,
                     address.clone(),
                     form,
@@ -23,7 +23,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
             }
         }
         if !members.is_empty() {
-            out.push(Hypothesis::outstanding(
+            out.push(CandidateEffect::outstanding(
                 Cause::LoadPointError,
                 address,
                 "",

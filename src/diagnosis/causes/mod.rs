@@ -20,12 +20,12 @@ mod load_point_error;
 mod progressive_stiffness;
 mod stop_contact;
 
+use super::candidate_effect::CandidateEffect;
 use super::cause::Cause;
-use super::hypothesis::Hypothesis;
-use super::survey::Survey;
+use super::operating_points::OperatingPoints;
 
 /// Returns all candidate effects at all sites of the deck, in a fixed order.
-pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
+pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
     let mut out = Vec::new();
     progressive_stiffness::hypotheses(survey, &mut out);
     dry_friction::hypotheses(survey, &mut out);
@@ -44,7 +44,7 @@ pub(super) fn all(survey: &Survey<'_>) -> Vec<Hypothesis> {
     load_point_error::hypotheses(survey, &mut out);
     frame_drift::hypotheses(survey, &mut out);
     channel_fault::hypotheses(survey, &mut out);
-    let class = |h: &Hypothesis| match h.cause {
+    let class = |h: &CandidateEffect| match h.cause {
         // A compliant link and its compliant attachments form one class, because the data often cannot tell them apart.
         Cause::BodyCompliance => (Cause::LinkCompliance, ""),
         cause => (cause, h.side),

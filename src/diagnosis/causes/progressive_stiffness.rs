@@ -2,11 +2,11 @@
 
 use admire_solver::mechanics::Vec6;
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, component, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, component, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 
 /// Powers of the deflection in addition to the linear term. The force is odd in the deflection.
 const FORMS: [(&str, &[i32]); 3] = [
@@ -16,7 +16,7 @@ const FORMS: [(&str, &[i32]); 3] = [
 ];
 
 /// Adds a progressive law in every component of every bushing.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for (k, bushing) in survey.model.bushings.iter().enumerate() {
         if !bushing.header.active {
             continue;
@@ -56,7 +56,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                     let address = number(
                         "GFORCE",
                         gforce,
-                        super::super::hypothesis::FORCES[axis],
+                        super::super::candidate_effect::FORCES[axis],
                         literal,
                     );
                     EffectParameter {
@@ -69,7 +69,7 @@ pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
                         )
                     }
                 });
-                out.push(Hypothesis {
+                out.push(CandidateEffect {
                     cause: Cause::ProgressiveStiffness,
                     address: format!("BUSHING/{id}.{}", component(axis)),
                     members: Vec::new(),

@@ -4,11 +4,11 @@ use admire_solver::mechanics::Vec6;
 use admire_solver::model::{JointKind, MarkerIx};
 use admire_syntax::NewStatement;
 
-use super::super::cause::Cause;
-use super::super::hypothesis::{
-    Change, EffectParameter, Hypothesis, Parametrisation, Sensitivity, Term, number,
+use super::super::candidate_effect::{
+    CandidateEffect, Change, EffectParameter, Parametrisation, Sensitivity, Term, number,
 };
-use super::super::survey::Survey;
+use super::super::cause::Cause;
+use super::super::operating_points::OperatingPoints;
 use crate::settings::START_CLEARANCES;
 
 /// Names of the first guesses of the clearance, from the lower and from the upper end of the displacement range.
@@ -20,7 +20,7 @@ const FORMS: [(&str, &str); 4] = [
 ];
 
 /// Adds stops at both ends of the travel of sliding joints, and of springs along their length.
-pub(super) fn hypotheses(survey: &Survey<'_>, out: &mut Vec<Hypothesis>) {
+pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEffect>) {
     for joint in survey.model.joints.iter().filter(|j| j.header.active) {
         if !matches!(
             joint.kind,
@@ -118,7 +118,7 @@ struct Travel<'a> {
 }
 
 /// Adds stops at both ends of a travel. A positive force acts along its directions.
-fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
+fn stops(survey: &OperatingPoints<'_>, travel: &Travel<'_>, out: &mut Vec<CandidateEffect>) {
     let Travel {
         address,
         kind,
@@ -195,7 +195,7 @@ fn stops(survey: &Survey<'_>, travel: &Travel<'_>, out: &mut Vec<Hypothesis>) {
         let second = literals.len();
         let slot = |k: usize| number(kind, id, argument, Some(k));
         let clearances = vec![(slot(at), toward), (slot(second + at), toward)];
-        out.push(Hypothesis {
+        out.push(CandidateEffect {
             cause: Cause::StopContact,
             address: address.to_string(),
             members: Vec::new(),

@@ -28,7 +28,7 @@ pub(crate) struct DifferencePredictor<'a> {
 
 /// Poses of the parts in one case and the channel values there.
 #[derive(Clone, Debug)]
-struct Answer {
+struct CaseValues {
     poses: Vec<Pose>,
     channels: Vec<f64>,
 }
@@ -64,7 +64,7 @@ impl<'a> DifferencePredictor<'a> {
     }
 
     /// Solves every case at each set of numbers; the backend may run the sets in parallel.
-    fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<Answer>>> {
+    fn sweep(&mut self, all: &[Numbers]) -> Vec<Vec<Option<CaseValues>>> {
         let cases = self.problem.programme.cases.len();
         let lasting =
             |failure: &Option<BackendError>| failure.as_ref().is_some_and(BackendError::is_lasting);
@@ -129,7 +129,7 @@ impl<'a> DifferencePredictor<'a> {
         numbers: &Numbers,
         (programme, case): (&LoadProgramme, usize),
         poses: Vec<Pose>,
-    ) -> Option<Answer> {
+    ) -> Option<CaseValues> {
         let mut theta = numbers.theta.clone();
         for (load, value) in programme.loads.iter().zip(&programme.cases[case].values) {
             // A load without a slot in the built-in solver affects none of the channels.
@@ -141,7 +141,7 @@ impl<'a> DifferencePredictor<'a> {
             .channels
             .at(self.system, &theta, &poses, &mut self.scratch);
         let channels = values.into_iter().collect::<Option<_>>()?;
-        Some(Answer { poses, channels })
+        Some(CaseValues { poses, channels })
     }
 
     /// Returns the study's programme with the per-case contributions of the unknowns added.

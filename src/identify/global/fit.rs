@@ -12,9 +12,9 @@ use super::observation::{NuisanceLayout, Observations, Row};
 use super::predictor::{CasePrediction, Predictor};
 use super::problem::GlobalProblem;
 use super::profile::profile_interval;
-use super::unknown::{Component, FitUnknown, FitUnknowns, Target};
+use super::unknown::{Component, FitUnknown, FitUnknowns, UnknownTarget};
 use crate::evaluation::fill;
-use crate::goodness::{FitTest, Kind, Tally};
+use crate::goodness::{FitTest, ReadingKind, Tally};
 use crate::lack_of_fit::{Residuals, lack_of_fit_tests};
 use crate::settings::{
     BOUND_LN_DISTANCE, FAR_FIT_RMS_SIGMA, NORMAL_QUANTILE_975, OUTLIER_FALSE_ALARM,
@@ -116,7 +116,7 @@ pub fn fit_unknowns(
                     .next();
                 offsets.push(FitUnknown {
                     addresses: vec![unknown.address.clone()],
-                    target: Target::Offset(*component),
+                    target: UnknownTarget::Offset(*component),
                     start: found.unwrap_or(0.0),
                     mean: 0.0,
                     sd,
@@ -125,7 +125,7 @@ pub fn fit_unknowns(
         }
         list.push(FitUnknown {
             addresses,
-            target: Target::Stiffness(components),
+            target: UnknownTarget::Stiffness(components),
             start: start.map_or(mean, |start| usable(start.values[k])),
             mean,
             sd: settings.prior_log_sd,
@@ -457,7 +457,7 @@ fn offsets(
         .collect();
     let mut any = false;
     for (k, unknown) in global.unknowns.list().iter().enumerate() {
-        let Target::Offset(component) = &unknown.target else {
+        let UnknownTarget::Offset(component) = &unknown.target else {
             continue;
         };
         any = true;
@@ -525,13 +525,15 @@ fn tested(
     let (of_three, of_one) = (beyond(3.0), beyond(1.0));
     for (at, row) in observations.rows.iter().enumerate() {
         let (kind, count, far) = match *row {
-            Row::Mark { axis: 0, .. } if measurement.sigma > 0.0 => (Kind::Marks, 3, of_three),
+            Row::Mark { axis: 0, .. } if measurement.sigma > 0.0 => {
+                (ReadingKind::Marks, 3, of_three)
+            }
             Row::Mark { .. } => continue,
             Row::Wheel {
                 component: 0..=2, ..
-            } => (Kind::WheelPosition, 1, of_one),
-            Row::Wheel { .. } => (Kind::WheelAngles, 1, of_one),
-            Row::Channel { channel, .. } => (Kind::Channel(channel), 1, of_one),
+            } => (ReadingKind::WheelPosition, 1, of_one),
+            Row::Wheel { .. } => (ReadingKind::WheelAngles, 1, of_one),
+            Row::Channel { channel, .. } => (ReadingKind::Channel(channel), 1, of_one),
         };
         let squares = r.rows(at, count).norm_squared();
         if squares > far {
@@ -551,7 +553,7 @@ fn tested(
         .unknowns
         .list()
         .iter()
-        .map(|unknown| matches!(unknown.target, Target::Stiffness(_)));
+        .map(|unknown| matches!(unknown.target, UnknownTarget::Stiffness(_)));
     let stiffnesses = stiffnesses.chain(std::iter::repeat(false));
     for ((k, prior), stiffness) in global.priors().iter().enumerate().zip(stiffnesses) {
         if stiffness {

@@ -172,7 +172,7 @@ impl SecantCorrection {
 }
 
 /// An iterate with its residuals, objective, information and gradient.
-struct Point {
+struct Iterate {
     x: Vec<f64>,
     evaluation: Evaluation,
     weights: DVector<f64>,
@@ -181,7 +181,7 @@ struct Point {
     gradient: DVector<f64>,
 }
 
-impl Point {
+impl Iterate {
     /// Returns the bounded step of the linear model and its predicted decrease.
     fn step(
         &self,
@@ -273,7 +273,7 @@ pub fn minimise(
         let weights = problem.weights(&evaluation.residual);
         let value = objective(&evaluation, &weights, &x, priors);
         let (information, gradient) = normal_equations(&evaluation, &weights, &x, priors);
-        Point {
+        Iterate {
             x,
             evaluation,
             weights,
@@ -290,7 +290,7 @@ pub fn minimise(
     let mut retries = 0;
     let (mut iterations, mut tries, mut ending) = (0, 0, Ending::MaxIterations);
     'steps: while tries < tolerances.max_iterations {
-        let mut uphill: Option<Point> = None;
+        let mut uphill: Option<Iterate> = None;
         let (mut first, mut promised) = (reach, 0.0);
         for chance in 0..=MAX_STEPS_AFTER_UPHILL {
             let at = uphill.as_ref().unwrap_or(&best);

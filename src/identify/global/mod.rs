@@ -49,4 +49,4 @@ pub use study::{Options, Start, fit_study};
 pub use unknown::Direction;
 pub use unknown::FitUnknown;
 pub use unknown::FitUnknowns;
-pub use unknown::{Component, Numbers, Target};
+pub use unknown::{Component, Numbers, UnknownTarget};

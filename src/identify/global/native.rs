@@ -20,7 +20,7 @@ use admire_study::Channels;
 
 /// Last solution of one case: its numbers and its sensitivities.
 #[derive(Clone, Debug)]
-struct Answer {
+struct CaseSolution {
     theta: Parameters,
     /// Unknowns of the fit at the solution.
     x: Vec<f64>,
@@ -30,9 +30,9 @@ struct Answer {
 
 /// Stored solutions of all cases.
 #[derive(Clone, Debug, Default)]
-struct Kept {
+struct Checkpoint {
     states: Vec<Option<State>>,
-    answers: Vec<Option<Arc<Answer>>>,
+    answers: Vec<Option<Arc<CaseSolution>>>,
 }
 
 /// Predictor that uses the built-in solver.
@@ -45,8 +45,8 @@ pub struct NativePredictor<'a> {
     scratch: Scratch,
     /// Reused storage for the directions of one case.
     directions: Vec<Direction>,
-    answers: Vec<Option<Arc<Answer>>>,
-    kept: Kept,
+    answers: Vec<Option<Arc<CaseSolution>>>,
+    kept: Checkpoint,
     memories: Vec<HysteresisState>,
     /// Weight forces of parts that spin freely.
     weights: Vec<HeldWeight>,
@@ -68,7 +68,7 @@ impl<'a> NativePredictor<'a> {
             scratch: Scratch::new(system),
             directions: Vec::new(),
             answers: vec![None; loads.cases.len()],
-            kept: Kept::default(),
+            kept: Checkpoint::default(),
             memories: Vec::new(),
             weights: Vec::new(),
             has_free_motions: false,
@@ -110,7 +110,7 @@ impl<'a> NativePredictor<'a> {
     /// Sets the state, of the same system, from which the first solve of a case starts.
     pub fn start_from(&mut self, case: usize, state: State, theta: Parameters) {
         self.sweeper.keep(case, state);
-        self.answers[case] = Some(Arc::new(Answer {
+        self.answers[case] = Some(Arc::new(CaseSolution {
             theta,
             x: Vec::new(),
             response: Default::default(),
@@ -345,7 +345,7 @@ impl<'a> NativePredictor<'a> {
             carried.advance(theta, &prediction.channels, (&[], &DMatrix::zeros(0, 0)));
         }
         self.sweeper.keep(case, state);
-        self.answers[case] = Some(Arc::new(Answer {
+        self.answers[case] = Some(Arc::new(CaseSolution {
             theta: theta.clone(),
             x: numbers.x.clone(),
             response,
@@ -356,7 +356,7 @@ impl<'a> NativePredictor<'a> {
 
 /// Returns the first-order change of the system's unknowns since the last solution; `None` if the numbers of unknowns differ or a step is
 /// too large.
-fn predicted(answer: &Answer, x: &[f64]) -> Option<Vec<f64>> {
+fn predicted(answer: &CaseSolution, x: &[f64]) -> Option<Vec<f64>> {
     let (unknowns, responses) = &answer.response;
     if unknowns.is_empty() || answer.x.len() != x.len() {
         return None;

@@ -78,7 +78,7 @@ struct Profile<'a> {
 }
 
 /// Constrained minimum of the objective at a given step of `k`.
-struct Point {
+struct ProfilePoint {
     step: DVector<f64>,
     /// Objective minus the predicted decrease of one more step.
     value: f64,
@@ -87,14 +87,14 @@ struct Point {
 }
 
 /// Jacobian of the estimate with Broyden updates: `J = J0 + sum d v'`.
-struct Learnt<'a> {
+struct BroydenJacobian<'a> {
     minimum: &'a Minimum,
     updates: Vec<(DVector<f64>, DVector<f64>)>,
     /// `J' W J` plus the information of the priors.
     information: DMatrix<f64>,
 }
 
-impl<'a> Learnt<'a> {
+impl<'a> BroydenJacobian<'a> {
     fn new(minimum: &'a Minimum) -> Self {
         Self {
             minimum,
@@ -157,7 +157,7 @@ impl Profile<'_> {
         let (lower, upper) = self.problem.limits(self.scale, PROFILE_MAX_LN_DISTANCE);
         let farthest = if direction > 0.0 { upper[k] } else { -lower[k] };
         let target = HALF_CHI_SQUARE_95.sqrt();
-        let mut learnt = Learnt::new(self.minimum);
+        let mut learnt = BroydenJacobian::new(self.minimum);
         // Step size and square root of the rise: the last point inside and the first point outside.
         let (mut inner, mut outer) = ((0.0, 0.0), None::<(f64, f64)>);
         let mut from = self.alone(0.0);
@@ -166,7 +166,7 @@ impl Profile<'_> {
             let start = &from + &self.along * (direction * (reach - inner.0));
             let mut found = self.point(direction * reach, start, &mut learnt);
             let rise = |value: f64, base: f64| (value - base).max(0.0);
-            let near_end = |point: &Point, base: f64| {
+            let near_end = |point: &ProfilePoint, base: f64| {
                 rise(point.value, base) > HALF_CHI_SQUARE_95 - PROFILE_INTERPOLATION_NATS
             };
             if found.as_ref().is_none_or(|point| {
@@ -176,10 +176,11 @@ impl Profile<'_> {
                 let other = self.point(
                     direction * reach,
                     self.alone(0.0),
-                    &mut Learnt::new(self.minimum),
+                    &mut BroydenJacobian::new(self.minimum),
                 );
-                let value =
-                    |point: &Option<Point>| point.as_ref().map_or(f64::INFINITY, |p| p.value);
+                let value = |point: &Option<ProfilePoint>| {
+                    point.as_ref().map_or(f64::INFINITY, |p| p.value)
+                };
                 if value(&other) < value(&found) {
                     found = other;
                 }
@@ -232,8 +233,8 @@ impl Profile<'_> {
         &mut self,
         size: f64,
         mut start: DVector<f64>,
-        learnt: &mut Learnt<'_>,
-    ) -> Option<Point> {
+        learnt: &mut BroydenJacobian<'_>,
+    ) -> Option<ProfilePoint> {
         let k = self.k;
         let (lower, upper) = self.problem.limits(self.scale, PROFILE_MAX_OTHER_STEP);
         for j in 0..start.len() {
@@ -268,7 +269,7 @@ impl Profile<'_> {
             let (next, gain) = self.constrained(at, weighted, &bounds, learnt);
             if gain < PROFILE_DECREMENT_NATS {
                 let value = least - gain;
-                return Some(Point {
+                return Some(ProfilePoint {
                     step: at.clone(),
                     value,
                     rounds: round,
@@ -286,7 +287,7 @@ impl Profile<'_> {
         at: &DVector<f64>,
         weighted: &DVector<f64>,
         (lower, upper): &(Vec<f64>, Vec<f64>),
-        learnt: &Learnt<'_>,
+        learnt: &BroydenJacobian<'_>,
     ) -> (DVector<f64>, f64) {
         let mut right = -learnt.transposed(weighted);
         let [x, up, down] = [0.0, PROFILE_DIFFERENCE_STEP, -PROFILE_DIFFERENCE_STEP]
@@ -309,7 +310,7 @@ impl Profile<'_> {
     }
 
     /// Minimises over the other unknowns by a fit with derivatives.
-    fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<Point> {
+    fn fitted(&mut self, from: &DVector<f64>, least: f64) -> Option<ProfilePoint> {
         let tolerances = Tolerances {
             decrement: PROFILE_DECREMENT_NATS,
             step: PROFILE_STEP,
@@ -324,7 +325,7 @@ impl Profile<'_> {
             &self.held,
             tolerances,
         )?;
-        Some(Point {
+        Some(ProfilePoint {
             step: self.problem.step_to(&self.minimum.x, &found.x),
             value: (found.objective - found.decrement).min(least),
             rounds: PROFILE_MAX_EVALUATIONS + found.iterations,

@@ -21,7 +21,7 @@ pub struct Component {
 
 /// Numbers of the deck that an unknown sets.
 #[derive(Clone, PartialEq, Debug)]
-pub enum Target {
+pub enum UnknownTarget {
     /// Stiffness: x = ln K of these components, several of them under a symmetry.
     Stiffness(Vec<Component>),
     /// Assembly offset: x = delta0 of equation 9, in length units or radians. The two sides of the bushing are displaced by it in every load
@@ -41,7 +41,7 @@ pub struct FitUnknown {
     /// Addresses of the numbers that the unknown sets.
     pub addresses: Vec<Address>,
     /// Numbers of the deck that the unknown sets, and how.
-    pub target: Target,
+    pub target: UnknownTarget,
     /// Starting value; ln K for stiffnesses.
     pub start: f64,
     /// Prior mean.
@@ -126,7 +126,7 @@ impl FitUnknowns {
     /// Returns the springs of all stiffness unknowns in order.
     pub fn springs(&self) -> Vec<Component> {
         let of = |unknown: &FitUnknown| match &unknown.target {
-            Target::Stiffness(components) => components.clone(),
+            UnknownTarget::Stiffness(components) => components.clone(),
             _ => Vec::new(),
         };
         self.list.iter().flat_map(of).collect()
@@ -147,7 +147,7 @@ impl FitUnknowns {
             }
         });
         let of = |unknown: &FitUnknown| match &unknown.target {
-            Target::Stiffness(components) if !components.is_empty() => {
+            UnknownTarget::Stiffness(components) if !components.is_empty() => {
                 left.by_ref().take(components.len()).sum::<f64>() / components.len() as f64
             }
             _ => 1.0,
@@ -158,7 +158,7 @@ impl FitUnknowns {
     /// Returns the load share of unknown `k`; `None` if it is no stiffness.
     fn share(&self, k: usize) -> Option<f64> {
         let unknown = self.list.get(k)?;
-        let stiffness = matches!(unknown.target, Target::Stiffness(_));
+        let stiffness = matches!(unknown.target, UnknownTarget::Stiffness(_));
         stiffness.then(|| self.shares.get(k).copied().unwrap_or(1.0))
     }
 
@@ -201,31 +201,31 @@ impl FitUnknowns {
         let mut per_case = Vec::new();
         for (unknown, value) in self.list.iter().zip(x) {
             match &unknown.target {
-                Target::Stiffness(components) => {
+                UnknownTarget::Stiffness(components) => {
                     for component in components {
                         theta.set(component.stiffness, libm::exp(*value));
                     }
                 }
-                Target::Number(slots) => {
+                UnknownTarget::Number(slots) => {
                     for (slot, factor) in slots {
                         theta.set(*slot, theta.get(*slot) + factor * value);
                     }
                 }
-                Target::PerCase(slots) => {
+                UnknownTarget::PerCase(slots) => {
                     let scaled = |factors: &[f64]| factors.iter().map(|f| f * value).collect();
                     per_case.extend(slots.iter().map(|(slot, factors)| (*slot, scaled(factors))));
                 }
-                Target::Turn(markers) => {
+                UnknownTarget::Turn(markers) => {
                     for (marker, axis) in markers.iter().filter(|_| *value != 0.0) {
                         theta.turn(*marker, axis, *value);
                     }
                 }
-                Target::Offset(_) => {}
+                UnknownTarget::Offset(_) => {}
             }
         }
         // Preloads depend on the stiffnesses, which are all set by now.
         for (unknown, value) in self.list.iter().zip(x) {
-            if let Target::Offset(Component {
+            if let UnknownTarget::Offset(Component {
                 stiffness,
                 preload: Some(preload),
             }) = unknown.target
@@ -247,14 +247,16 @@ impl FitUnknowns {
                 .iter()
                 .zip(x)
                 .find_map(|(unknown, value)| match unknown.target {
-                    Target::Offset(Component { stiffness, preload }) if stiffness == slot => {
+                    UnknownTarget::Offset(Component { stiffness, preload })
+                        if stiffness == slot =>
+                    {
                         Some((preload, *value))
                     }
                     _ => None,
                 })
         };
         let of = |unknown: &FitUnknown| match &unknown.target {
-            Target::Stiffness(components) => components
+            UnknownTarget::Stiffness(components) => components
                 .iter()
                 .flat_map(|component| {
                     let K = theta.get(component.stiffness);
@@ -264,15 +266,15 @@ impl FitUnknowns {
                     std::iter::once((component.stiffness, K)).chain(preload)
                 })
                 .collect(),
-            Target::Offset(Component { stiffness, preload }) => preload
+            UnknownTarget::Offset(Component { stiffness, preload }) => preload
                 .iter()
                 .map(|slot| (*slot, theta.get(*stiffness)))
                 .collect(),
-            Target::Number(slots) => slots.clone(),
-            Target::PerCase(_) | Target::Turn(_) => Vec::new(),
+            UnknownTarget::Number(slots) => slots.clone(),
+            UnknownTarget::PerCase(_) | UnknownTarget::Turn(_) => Vec::new(),
         };
         let per_case = |unknown: &FitUnknown| match &unknown.target {
-            Target::PerCase(slots) => slots.clone(),
+            UnknownTarget::PerCase(slots) => slots.clone(),
             _ => Vec::new(),
         };
         self.list
@@ -283,7 +285,7 @@ impl FitUnknowns {
                 always: of(unknown),
                 per_case: per_case(unknown),
                 turns: match &unknown.target {
-                    Target::Turn(markers) => markers.clone(),
+                    UnknownTarget::Turn(markers) => markers.clone(),
                     _ => Vec::new(),
                 },
             })

@@ -21,13 +21,13 @@ struct Gap {
     /// Name of the element.
     name: String,
     markers: (MarkerIx, MarkerIx),
-    kind: Kind,
+    kind: ApartKind,
     /// Length in the deck's unit, or angle in degrees.
     size: f64,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Kind {
+enum ApartKind {
     Distance,
     Angle,
 }
@@ -38,13 +38,13 @@ pub fn displaced(study: &LoadedStudy) -> Vec<Displaced> {
     let mut out = Vec::new();
     for gap in gaps(study, &study.model) {
         let (most, text, told) = match gap.kind {
-            Kind::Distance => {
+            ApartKind::Distance => {
                 let unit = study.model.units.length.word;
                 let text = format!("lie {:.1} {unit} apart", gap.size);
                 let is_bushing = gap.name.starts_with("BUSHING/");
                 (ASSEMBLY_DISTANCE_MM * millimetre, text, is_bushing)
             }
-            Kind::Angle => {
+            ApartKind::Angle => {
                 let text = format!("are turned by {:.1} degrees", gap.size);
                 (
                     ASSEMBLY_ANGLE_DEG,
@@ -97,7 +97,10 @@ fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
         let held = Vec3::from_fn(|axis, _| if holds(axis) { off[axis] } else { 0.0 });
         let turn = log(&(j.R.transpose() * i.R)).map(f64::to_degrees);
         let turned = Vec3::from_fn(|axis, _| if holds(axis + 3) { turn[axis] } else { 0.0 });
-        for (kind, size) in [(Kind::Distance, held.norm()), (Kind::Angle, turned.norm())] {
+        for (kind, size) in [
+            (ApartKind::Distance, held.norm()),
+            (ApartKind::Angle, turned.norm()),
+        ] {
             out.push(Gap {
                 name: format!("BUSHING/{}", bushing.header.id),
                 markers: (bushing.i, bushing.j),
@@ -111,7 +114,7 @@ fn gaps(study: &LoadedStudy, model: &Model) -> Vec<Gap> {
         out.extend(joint.map(|joint| Gap {
             name: format!("JOINT/{}", joint.header.id),
             markers: (joint.i, joint.j),
-            kind: Kind::Distance,
+            kind: ApartKind::Distance,
             size: found.distance.norm(),
         }));
     }
@@ -136,14 +139,14 @@ fn changes(model: &Model, gap: &Gap) -> Vec<(Model, String)> {
             };
             let back = to_frame.transpose();
             match gap.kind {
-                Kind::Distance => {
+                ApartKind::Distance => {
                     let x = origin + to_frame * own.qp;
                     for (text, new) in one_slip(&x) {
                         let text = text.replace("{}", &name);
                         add(back * (new - origin), own.R, text);
                     }
                 }
-                Kind::Angle => {
+                ApartKind::Angle => {
                     for (of_frame, of_marker) in mirrors() {
                         let R = back * of_frame * to_frame * own.R * of_marker;
                         add(own.qp, R, format!("the axes of {name} mirrored"));

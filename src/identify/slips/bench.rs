@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::candidate::{Change, Family};
 use crate::global::gauss_newton::{Ending, LeastSquares, Tolerances, minimise};
 use crate::global::{
-    Component, FitUnknown, FitUnknowns, GlobalProblem, Observations, Prepared, Target,
+    Component, FitUnknown, FitUnknowns, GlobalProblem, Observations, Prepared, UnknownTarget,
     fit_unknowns, global_problem,
 };
 use crate::settings::{FLAT_PRIOR_SD, SLIP_DECREMENT_NATS, SLIP_MIN_SIGMA};
@@ -57,7 +57,7 @@ impl Rows {
 }
 
 /// Returns an additional unknown with start and prior mean zero.
-const fn unknown(meaning: Target, sd: f64) -> FitUnknown {
+const fn unknown(meaning: UnknownTarget, sd: f64) -> FitUnknown {
     FitUnknown {
         addresses: Vec::new(),
         target: meaning,
@@ -184,7 +184,7 @@ impl Bench {
                 .filter_map(|family| family.by_factor.as_ref());
             let meaning = |effect| {
                 // An effect on numbers that the solver does not support changes nothing.
-                let none = Target::Number(Vec::new());
+                let none = UnknownTarget::Number(Vec::new());
                 self.meaning(problem, effect).unwrap_or(none)
             };
             effects
@@ -319,24 +319,24 @@ impl Bench {
             .collect()
     }
 
-    fn meaning(&self, problem: &Problem<'_>, effect: &Effect) -> Option<Target> {
+    fn meaning(&self, problem: &Problem<'_>, effect: &Effect) -> Option<UnknownTarget> {
         let slot = |address: &Address| self.prepared.system.catalogue().slot(address);
         Some(match effect {
             Effect::Always(pairs) => {
                 let of = |(address, factor): &(Address, f64)| Some((slot(address)?, *factor));
-                Target::Number(pairs.iter().map(of).collect::<Option<_>>()?)
+                UnknownTarget::Number(pairs.iter().map(of).collect::<Option<_>>()?)
             }
             Effect::PerCase(pairs) => {
                 let of = |(address, factors): &(Address, Vec<f64>)| {
                     Some((slot(address)?, factors.clone()))
                 };
-                Target::PerCase(pairs.iter().map(of).collect::<Option<_>>()?)
+                UnknownTarget::PerCase(pairs.iter().map(of).collect::<Option<_>>()?)
             }
-            Effect::Turn(markers) => Target::Turn(markers.clone()),
+            Effect::Turn(markers) => UnknownTarget::Turn(markers.clone()),
             Effect::Offset { bushing, axis } => {
                 let id = problem.model.bushings[*bushing].header.id;
                 let of = |words| slot(&bushing_number(id, words, *axis));
-                Target::Offset(Component {
+                UnknownTarget::Offset(Component {
                     stiffness: of(["K", "KT"])?,
                     preload: Some(of(["FORCE", "TORQUE"])?),
                 })

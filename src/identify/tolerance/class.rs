@@ -51,7 +51,7 @@ impl VarianceClass {
 }
 
 /// Rows of readings that are rotated together.
-pub(super) struct Turned {
+pub(super) struct RotatedBlock {
     /// Indices of the rows among all rows.
     pub places: Vec<usize>,
     /// Transformation matrix: one row per new direction, scaled by the square root of the precision. Rigid-motion directions come first.

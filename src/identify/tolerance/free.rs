@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::class::{Turned, VarianceClass};
+use super::class::{RotatedBlock, VarianceClass};
 use crate::settings::{FREE_DIRECTION_ROUND_OFF, VARIANCE_TERM_ROUND_OFF};
 use admire_solver::mechanics::eigen::symmetric_eigen;
 
 /// Removes the directions `free`. All blocks and single rows that a direction involves are merged into one block.
 pub(super) fn without(
-    blocks: &mut Vec<Turned>,
+    blocks: &mut Vec<RotatedBlock>,
     alone: &mut Vec<(usize, f64, VarianceClass)>,
     free: &[Vec<(usize, f64)>],
     usual: &[f64],
@@ -30,7 +30,7 @@ pub(super) fn without(
     alone.retain(|(row, root, class)| {
         let is_moved = moved.contains(row);
         if is_moved {
-            blocks.push(Turned {
+            blocks.push(RotatedBlock {
                 places: vec![*row],
                 matrix: DMatrix::from_element(1, 1, *root),
                 rigid: 1,
@@ -64,7 +64,7 @@ pub(super) fn without(
             }
         }
     }
-    let mut groups: BTreeMap<usize, (Vec<Turned>, Vec<usize>)> = BTreeMap::new();
+    let mut groups: BTreeMap<usize, (Vec<RotatedBlock>, Vec<usize>)> = BTreeMap::new();
     for (block, group) in blocks.drain(..).zip(&with) {
         groups.entry(*group).or_default().0.push(block);
     }
@@ -86,10 +86,10 @@ pub(super) fn without(
 }
 
 /// Merges several blocks into one, rigid-motion directions first.
-fn joined(blocks: Vec<Turned>) -> Turned {
+fn joined(blocks: Vec<RotatedBlock>) -> RotatedBlock {
     let count = blocks.iter().map(|block| block.places.len()).sum();
     let rigid = blocks.iter().map(|block| block.rigid).sum();
-    let mut out = Turned {
+    let mut out = RotatedBlock {
         places: Vec::with_capacity(count),
         matrix: DMatrix::zeros(count, count),
         rigid,
@@ -117,10 +117,10 @@ fn joined(blocks: Vec<Turned>) -> Turned {
 
 /// Rotates the rigid directions of a block so that the free directions come first, and marks these as unused.
 fn turned<'a>(
-    block: &Turned,
+    block: &RotatedBlock,
     free: impl Iterator<Item = &'a [(usize, f64)]>,
     usual: &[f64],
-) -> Turned {
+) -> RotatedBlock {
     let rigid = block.matrix.rows(0, block.rigid);
     let at: BTreeMap<usize, usize> = block.places.iter().copied().zip(0..).collect();
     // Free directions, expressed in the rigid directions.
@@ -158,7 +158,7 @@ fn turned<'a>(
         let own = symmetric_eigen(rest.transpose() * &diagonal * &rest).eigenvectors;
         rest * own
     };
-    let mut out = Turned {
+    let mut out = RotatedBlock {
         places: block.places.clone(),
         matrix: block.matrix.clone(),
         rigid: block.rigid,

@@ -72,7 +72,7 @@ pub enum NoiseScale {
 
 /// Prior of a standard deviation ("size"): a lognormal distribution with bounds.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Size {
+pub struct ScalePrior {
     /// Median of the prior, in the unit of the size.
     pub median: f64,
     /// Standard deviation of the natural logarithm.
@@ -81,7 +81,7 @@ pub struct Size {
     pub bounds: (f64, f64),
 }
 
-impl Size {
+impl ScalePrior {
     fn new(usual: f64, ln_sd: f64) -> Self {
         let middle = libm::log(usual);
         Self {
@@ -186,9 +186,9 @@ impl Size {
 #[derive(Clone, PartialEq, Debug)]
 pub struct VarianceComponents {
     /// Groups with their priors. In `ln` they precede the scales.
-    pub groups: Vec<(EffectGroup, Size)>,
+    pub groups: Vec<(EffectGroup, ScalePrior)>,
     /// Noise scales with their priors.
-    pub scales: Vec<(NoiseScale, Size)>,
+    pub scales: Vec<(NoiseScale, ScalePrior)>,
     /// Natural logarithms of the current standard deviations: groups first, then scales.
     pub ln: Vec<f64>,
 }
@@ -205,11 +205,11 @@ impl VarianceComponents {
     ) -> Self {
         let degree = 1f64.to_radians();
         let mm = millimetre;
-        let of = Size::of;
+        let of = ScalePrior::of;
         let marks = if sigma_on_parts > 0.0 {
-            Size::new(sigma_on_parts, STATED_LN_SD)
+            ScalePrior::new(sigma_on_parts, STATED_LN_SD)
         } else {
-            Size::new(MARK_MEDIAN_MM * mm, USUAL_LN_SD)
+            ScalePrior::new(MARK_MEDIAN_MM * mm, USUAL_LN_SD)
         };
         let s = settings;
         let known_to_be = |stated: PriorSetting| match stated {
@@ -217,58 +217,59 @@ impl VarianceComponents {
             _ => None,
         };
         let stated = known_to_be(s.load_repeatability);
-        let mount = known_to_be(s.mount).map(|size| Size::new(size * mm, STATED_LN_SD));
+        let mount = known_to_be(s.mount).map(|size| ScalePrior::new(size * mm, STATED_LN_SD));
         // If only one of translation and rotation of the frame is stated, the other one gets a negligible size.
         let has_frames = frames.iter().any(|size| *size > 0.0);
-        let known =
-            |size: f64, least: f64| has_frames.then(|| Size::new(size.max(least), STATED_LN_SD));
+        let known = |size: f64, least: f64| {
+            has_frames.then(|| ScalePrior::new(size.max(least), STATED_LN_SD))
+        };
         let groups = [
             (
                 EffectGroup::Hardpoints,
                 of(
                     s.hardpoints,
                     mm,
-                    Size::new(HARDPOINT_MEDIAN_MM * mm, USUAL_LN_SD),
+                    ScalePrior::new(HARDPOINT_MEDIAN_MM * mm, USUAL_LN_SD),
                 ),
             ),
             (
                 EffectGroup::LoadPoints,
-                Some(Size::new(LOAD_POINT_MEDIAN_MM * mm, USUAL_LN_SD)),
+                Some(ScalePrior::new(LOAD_POINT_MEDIAN_MM * mm, USUAL_LN_SD)),
             ),
             (
                 EffectGroup::Offsets,
                 of(
                     s.hardpoints,
                     OFFSET_PER_HARDPOINT * mm,
-                    Size::new(OFFSET_MEDIAN_MM * mm, USUAL_LN_SD),
+                    ScalePrior::new(OFFSET_MEDIAN_MM * mm, USUAL_LN_SD),
                 ),
             ),
             (
                 EffectGroup::Axes,
-                Some(Size::new(AXIS_MEDIAN_DEG * degree, USUAL_LN_SD)),
+                Some(ScalePrior::new(AXIS_MEDIAN_DEG * degree, USUAL_LN_SD)),
             ),
             (
                 EffectGroup::LoadGains,
                 of(
                     s.load_gain,
                     1.0,
-                    Size::new(LOAD_GAIN_MEDIAN, NARROW_LN_SD).at_most(LOAD_GAIN_MAX),
+                    ScalePrior::new(LOAD_GAIN_MEDIAN, NARROW_LN_SD).at_most(LOAD_GAIN_MAX),
                 ),
             ),
             (
                 EffectGroup::LoadRepeatability,
-                stated.map(|size| Size::new(size, STATED_LN_SD)),
+                stated.map(|size| ScalePrior::new(size, STATED_LN_SD)),
             ),
             (
                 EffectGroup::IdleLoads,
-                stated.map(|size| Size::new(IDLE_LOAD_RATIO * size, WIDE_LN_SD)),
+                stated.map(|size| ScalePrior::new(IDLE_LOAD_RATIO * size, WIDE_LN_SD)),
             ),
             (
                 EffectGroup::LoadDirections,
                 of(
                     s.load_direction_deg,
                     degree,
-                    Size::new(LOAD_DIRECTION_MEDIAN, USUAL_LN_SD),
+                    ScalePrior::new(LOAD_DIRECTION_MEDIAN, USUAL_LN_SD),
                 ),
             ),
             (EffectGroup::Marks, of(s.marks_on_parts, mm, marks)),
@@ -283,15 +284,18 @@ impl VarianceComponents {
             (EffectGroup::MountYield, mount),
             (
                 EffectGroup::Preloads,
-                Some(Size::new(PRELOAD_MEDIAN, NARROW_LN_SD).at_most(PRELOAD_MAX)),
+                Some(ScalePrior::new(PRELOAD_MEDIAN, NARROW_LN_SD).at_most(PRELOAD_MAX)),
             ),
             (
                 EffectGroup::SpringRates,
-                Some(Size::new(SPRING_RATE_MEDIAN, NARROW_LN_SD).at_most(SPRING_RATE_MAX)),
+                Some(ScalePrior::new(SPRING_RATE_MEDIAN, NARROW_LN_SD).at_most(SPRING_RATE_MAX)),
             ),
             (
                 EffectGroup::KnownStiffnesses,
-                Some(Size::new(KNOWN_STIFFNESS_MEDIAN, NARROW_LN_SD).at_most(KNOWN_STIFFNESS_MAX)),
+                Some(
+                    ScalePrior::new(KNOWN_STIFFNESS_MEDIAN, NARROW_LN_SD)
+                        .at_most(KNOWN_STIFFNESS_MAX),
+                ),
             ),
         ];
         let groups = groups
@@ -301,14 +305,18 @@ impl VarianceComponents {
         let pose = [
             (
                 NoiseScale::PoseShift,
-                of(s.pose, mm, Size::new(POSE_SHIFT_MEDIAN_MM * mm, POSE_LN_SD)),
+                of(
+                    s.pose,
+                    mm,
+                    ScalePrior::new(POSE_SHIFT_MEDIAN_MM * mm, POSE_LN_SD),
+                ),
             ),
             (
                 NoiseScale::PoseTurn,
                 of(
                     s.pose,
                     mm / arm,
-                    Size::new(POSE_TURN_MEDIAN_RAD, POSE_LN_SD),
+                    ScalePrior::new(POSE_TURN_MEDIAN_RAD, POSE_LN_SD),
                 ),
             ),
         ];
@@ -332,14 +340,14 @@ impl VarianceComponents {
         } else {
             GUESSED_NOISE_LN_SD
         };
-        let size = Size::new(1.0, ln_sd);
+        let size = ScalePrior::new(1.0, ln_sd);
         self.scales.push((scale, size));
         self.ln.push(libm::log(size.median));
     }
 
     /// Returns these components with one more group, at the median of its prior.
     #[must_use]
-    pub fn with_group(&self, group: EffectGroup, size: Size) -> Self {
+    pub fn with_group(&self, group: EffectGroup, size: ScalePrior) -> Self {
         let mut new = self.clone();
         new.ln.insert(new.groups.len(), libm::log(size.median));
         new.groups.push((group, size));
@@ -352,7 +360,7 @@ impl VarianceComponents {
     }
 
     /// Returns the priors in the order of `ln`.
-    pub fn each(&self) -> impl Iterator<Item = &Size> {
+    pub fn each(&self) -> impl Iterator<Item = &ScalePrior> {
         let groups = self.groups.iter().map(|(_, size)| size);
         groups.chain(self.scales.iter().map(|(_, size)| size))
     }
@@ -382,7 +390,7 @@ impl VarianceComponents {
     /// Returns the log standard deviations, each limited to `over` above the logarithm of its prior median.
     ///
     /// Candidate models start from these values, so that groups release any model deficiency they have absorbed.
-    pub fn shrunk_to_median(&self, over: f64) -> Vec<f64> {
+    pub fn capped_above_median(&self, over: f64) -> Vec<f64> {
         let each = self.ln.iter().zip(self.each());
         each.map(|(ln, size)| ln.min(libm::log(size.median) + over))
             .collect()
@@ -431,12 +439,12 @@ mod tests {
 
     #[test]
     fn a_size_is_strained_beyond_its_prior_or_at_its_bound() {
-        let size = Size::new(0.003, 1.5);
+        let size = ScalePrior::new(0.003, 1.5);
         let times = |factor: f64| size.is_strained(libm::log(0.003 * factor));
         assert!(!times(1.0) && !times(0.01) && !times(20.0));
         // 2.5 standard deviations: a factor of e^3.75.
         assert!(!times(42.0) && times(43.0));
-        let bounded = Size::new(0.003, 0.5).at_most(0.01);
+        let bounded = ScalePrior::new(0.003, 0.5).at_most(0.01);
         assert!(!bounded.is_strained(libm::log(0.0095)) && bounded.is_strained(libm::log(0.01)));
     }
 }

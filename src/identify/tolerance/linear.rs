@@ -13,12 +13,12 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::class_gram::ClassGram;
 use super::columns::RowsByVarianceClass;
+use super::cross_products::CrossProducts;
 use super::factor::Factor;
-use super::further::CrossProducts;
 use super::group::{EffectGroup, VarianceComponents};
-use super::reached::Solution;
-use super::share::ClassGram;
+use super::solution::Solution;
 use super::whitening::Whitening;
 
 /// Gaussian prior of one unknown.
@@ -381,7 +381,7 @@ impl LinearModel {
 
     /// Returns the variance components of maximum evidence, searched from `sizes`.
     pub fn maximise_evidence(&self, sizes: &VarianceComponents) -> VarianceComponents {
-        super::sizes::climb(sizes, |sizes, first| self.evidence(sizes, first))
+        super::maximise_evidence::climb(sizes, |sizes, first| self.evidence(sizes, first))
     }
 }
 
@@ -542,7 +542,7 @@ mod tests {
         let reached = linear.solve(&sizes, 0.0).unwrap();
         assert!(reached.gain > 1.0);
         for part in [0.0, 0.5, 1.0, 3.0] {
-            let above = reached.above(&(part * &reached.step));
+            let above = reached.nats_below_maximum(&(part * &reached.step));
             let expected = (part - 1.0_f64).powi(2) * reached.gain;
             assert!((above - expected).abs() < 1e-9 * reached.gain, "{part}");
         }

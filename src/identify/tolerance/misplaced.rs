@@ -6,7 +6,7 @@ use super::part_marks::{
     Mark, PartMarks, RigidityVerdict, centres, deformation_coordinates, find_single_outlier,
     part_marks, pose_of_others, residuals,
 };
-use super::sorted::{RigidityScreen, mad_sigma};
+use super::rigidity_screen::{RigidityScreen, mad_sigma};
 use crate::settings::{LOOSE_MARK_READINGS, LOOSE_MARK_SPREAD, OUTLIER_MARK_SIGMA};
 use admire_solver::mechanics::Vec3;
 use admire_study::Measurement;

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::misplaced::{Misplaced, misplaced, misplaced_marks};
 use super::part_marks::{Mark, centres, coordinates, part_marks, residuals};
-use super::sorted::{MarkOutlier, RigidityScreen};
+use super::rigidity_screen::{MarkOutlier, RigidityScreen};
 use super::tails::Tails;
 use crate::settings::{
     HEAVY_TAILS_LN_ALLOWANCE, HEAVY_TAILS_NATS, LONE_MARK_CASE_DIVISOR, LONE_MARK_CASES,
@@ -179,7 +179,7 @@ impl MarkNoise {
     /// Three marks still fit a rigid part if one of them is displaced across the other two, so that only a model reveals the error. `usual`
     /// is the typical model residual of a mark. Unless another mark of the block is already an outlier, a single mark must stand out, and
     /// only in few cases. A mark that stands out in many cases points to an error of the model.
-    pub fn suspect_three(
+    pub fn flag_three_mark_outliers(
         &mut self,
         measurement: &Measurement,
         misfit: &dyn Fn(usize, usize) -> Option<Vec3>,

@@ -6,7 +6,7 @@ use admire_solver::model::{MarkerIx, Model};
 
 /// A hardpoint: a connection point of the axle with all markers that coincide there at design.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Point {
+pub struct ConnectionPoint {
     /// Position at design, ground axes.
     pub place: Vec3,
     /// Markers at the point, in the order of the deck.
@@ -14,7 +14,7 @@ pub struct Point {
 }
 
 /// Returns the end points of all active joints, primitives, bushings and springs of a deck.
-pub(crate) fn points(model: &Model) -> Vec<Point> {
+pub(crate) fn points(model: &Model) -> Vec<ConnectionPoint> {
     let joints = model
         .joints
         .iter()
@@ -44,7 +44,7 @@ pub(crate) fn points(model: &Model) -> Vec<Point> {
     ends.sort_by_key(|marker| marker.0);
     ends.dedup();
     let near = SHARED_HARDPOINT_MM * 1e-3 / model.units.length.si;
-    let mut out: Vec<Point> = Vec::new();
+    let mut out: Vec<ConnectionPoint> = Vec::new();
     for marker in ends {
         let of = &model.markers[marker.0];
         let place = model.parts[of.part.0].pose.point(&of.qp);
@@ -53,7 +53,7 @@ pub(crate) fn points(model: &Model) -> Vec<Point> {
             .find(|point| (point.place - place).norm() < near)
         {
             Some(point) => point.markers.push(marker),
-            None => out.push(Point {
+            None => out.push(ConnectionPoint {
                 place,
                 markers: vec![marker],
             }),

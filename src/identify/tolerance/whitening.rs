@@ -11,7 +11,7 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Par};
 use nalgebra::{DMatrix, DVector};
 
-use super::class::{Turned, VarianceClass};
+use super::class::{RotatedBlock, VarianceClass};
 use super::free::without;
 use super::group::{NoiseScale, VarianceComponents};
 use super::product::{read, write};
@@ -75,7 +75,7 @@ impl Whitening {
         for block in marks {
             let (places, matrix, squares) = turned(block, precision);
             let of = |k: usize| Some(VarianceClass::new(own, squares.get(k).and_then(rigid)));
-            all.push(Turned {
+            all.push(RotatedBlock {
                 classes: (0..places.len()).map(of).collect(),
                 rigid: squares.len().min(places.len()),
                 places,

@@ -165,7 +165,7 @@ impl DiscreteStates {
     }
 
     /// Describes the last switch, for error messages.
-    pub(super) fn told(&self, system: &System) -> String {
+    pub(super) fn describe(&self, system: &System) -> String {
         let Some((time, k)) = self.last else {
             return String::new();
         };

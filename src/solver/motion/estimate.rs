@@ -35,7 +35,7 @@ impl Integrator<'_> {
         let found = self.measured(&first.z, &first.w, false);
         let start = self.anew || self.within || again;
         if found.0 < 1.0 || !start {
-            self.worst = format!("the error is that of {}", self.told(found));
+            self.worst = format!("the error is that of {}", self.report_error(found));
             return Ok(found.0.max(1e-10));
         }
         // Filters a second time, with the residual at the state that the estimate leads to.
@@ -65,7 +65,7 @@ impl Integrator<'_> {
             .collect();
         let second = self.equations.filtered(system, &self.state, h, (r1, g));
         let found = self.measured(&second.z, &second.w, false);
-        self.worst = format!("the error is that of {}", self.told(found));
+        self.worst = format!("the error is that of {}", self.report_error(found));
         Ok(found.0.max(1e-10))
     }
 }

@@ -98,7 +98,7 @@ impl Integrator<'_> {
             ..
         }) = &mut done
         {
-            *worst += &regimes.told(self.system);
+            *worst += &regimes.describe(self.system);
         }
         self.regimes = Some(regimes);
         done

@@ -280,7 +280,7 @@ impl<'a> Integrator<'a> {
         let mut rejected = false;
         loop {
             if self.h < self.settings.hmin && left > self.settings.hmin {
-                let changed = self.regimes.as_ref().map(|r| r.told(self.system));
+                let changed = self.regimes.as_ref().map(|r| r.describe(self.system));
                 let worst = self.worst.clone() + &changed.unwrap_or_default();
                 let step = self.h;
                 return Err(MotionFailure::StepTooSmall { step, worst }.at(time));
@@ -443,7 +443,7 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    pub(super) fn told(&self, (_, at, velocity): (f64, usize, bool)) -> String {
+    pub(super) fn report_error(&self, (_, at, velocity): (f64, usize, bool)) -> String {
         let of = if velocity { "the velocity of " } else { "" };
         format!("{of}{}", self.system.freedom_name(at))
     }

@@ -120,7 +120,7 @@ impl Integrator<'_> {
         }
         Err(NotSettled::at(&format!(
             "the iteration does not settle {}",
-            self.told(worst)
+            self.report_error(worst)
         )))
     }
 

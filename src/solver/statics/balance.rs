@@ -148,7 +148,7 @@ impl Balance {
     }
 
     /// Describes the remaining force and torque: `1.2e-10 N on PART/2, 3.0e-09 N mm on PART/3`; empty if no part can move.
-    pub fn told(&self, units: &Units) -> String {
+    pub fn describe(&self, units: &Units) -> String {
         let kinds = [
             (&self.force, Dimension::FORCE),
             (&self.torque, Dimension::TORQUE),

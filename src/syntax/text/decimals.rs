@@ -22,7 +22,7 @@ impl Decimals {
     }
 
     /// Formats a number with these decimals.
-    pub fn told(self, value: f64) -> String {
+    pub fn format(self, value: f64) -> String {
         format!("{value:.*}", self.0)
     }
 }
@@ -33,11 +33,11 @@ mod tests {
 
     #[test]
     fn two_digits_of_the_error_are_seen_in_any_unit() {
-        let told = |error: f64, value: f64| Decimals::of_error(error).told(value);
+        let told = |error: f64, value: f64| Decimals::of_error(error).format(value);
         assert_eq!(told(0.05, 0.1364), "0.136");
         assert_eq!(told(0.05e-3, 0.1364e-3), "0.000136");
         assert_eq!(told(2.0, 1.3), "1.300");
         assert_eq!(told(0.0, 1.3), "1.300");
-        assert_eq!(Decimals::of_error(0.05).finer().told(0.05), "0.0500");
+        assert_eq!(Decimals::of_error(0.05).finer().format(0.05), "0.0500");
     }
 }

@@ -3,8 +3,8 @@
 use admire_identify::LoadedStudy;
 use admire_identify::global::gauss_newton::LeastSquares;
 use admire_identify::global::{
-    Observations, Options, Prepared, Row, Start, StartValues, Target, fit_study, fit_unknowns,
-    global_problem,
+    Observations, Options, Prepared, Row, Start, StartValues, UnknownTarget, fit_study,
+    fit_unknowns, global_problem,
 };
 use admire_study::Measurement;
 use nalgebra::{DMatrix, DVector};
@@ -36,7 +36,7 @@ impl Span {
             .list()
             .iter()
             .map(|unknown| match unknown.target {
-                Target::Offset(component) => catalogue.info(component.stiffness).address.id,
+                UnknownTarget::Offset(component) => catalogue.info(component.stiffness).address.id,
                 _ => None,
             })
             .collect();

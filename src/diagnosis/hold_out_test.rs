@@ -25,14 +25,14 @@ pub struct HeldOutTest {
 
 /// Model conditioned on the cases that are not held out.
 #[derive(Clone, Debug)]
-pub struct Blind {
+pub struct HoldOutPrediction {
     /// Prediction minus reading of all rows, in units of the declared noise.
     pub misfit: DVector<f64>,
     /// Covariance of the unknowns.
     covariance: DMatrix<f64>,
 }
 
-impl Blind {
+impl HoldOutPrediction {
     /// Conditions the linear model of a fit on the cases that are not held out. Parameters that act on held-out rows alone return to their
     /// priors. `None` where nothing is held out.
     pub fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Option<Self> {

@@ -5,9 +5,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::class::VarianceClass;
+use super::class_gram::Block;
 use super::columns::{Columns, RowsByVarianceClass};
 use super::product::{dot, transposed};
-use super::share::Block;
 use super::whitening::Whitening;
 use crate::settings::COLUMN_BLOCK;
 

@@ -94,7 +94,7 @@ pub enum Change {
 
 /// Candidate effect: a cause at a site of the deck.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Hypothesis {
+pub struct CandidateEffect {
     /// Cause.
     pub cause: Cause,
     /// Address of the site in the deck.
@@ -119,7 +119,7 @@ pub struct Hypothesis {
     pub term: Term,
     /// Further term that enters the model together with the main term. Its parameters and changes are the last in this candidate; a fit
     /// separates the two.
-    pub joint_with: Option<Box<Hypothesis>>,
+    pub joint_with: Option<Box<CandidateEffect>>,
 }
 
 /// Term of the law of a cause. Terms other than the main term are reported together with it. Later terms are larger.
@@ -148,14 +148,14 @@ pub struct MemoryPlan {
     pub measure: String,
 }
 
-impl std::fmt::Display for Hypothesis {
+impl std::fmt::Display for CandidateEffect {
     /// Writes `cause address`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} {}", self.cause, self.address)
     }
 }
 
-impl Hypothesis {
+impl CandidateEffect {
     /// Creates a candidate that needs no change of the deck's structure.
     pub fn plain(
         cause: Cause,
@@ -282,7 +282,7 @@ impl Hypothesis {
             .numbers
             .iter()
             .flat_map(|number| match &number.column {
-                Sensitivity::Rows(column) if self.cause.of_the_measurement() => column.as_slice(),
+                Sensitivity::Rows(column) if self.cause.is_reading_fault() => column.as_slice(),
                 _ => &[],
             })
             .map(|(row, _)| rows[*row].case());
@@ -394,13 +394,13 @@ mod tests {
     #[test]
     fn translations_of_one_bushing_share_their_prior_in_any_order() {
         let at = |cause, address: &str| {
-            let mut h = Hypothesis::plain(cause, address.to_string(), "", Vec::new());
+            let mut h = CandidateEffect::plain(cause, address.to_string(), "", Vec::new());
             h.ln_prior = -7.0;
             h
         };
         let of = |addresses: &[&str]| -> f64 {
             let all = addresses.iter().map(|a| at(Cause::ProgressiveStiffness, a));
-            Hypothesis::ln_prior_of(&all.collect::<Vec<_>>())
+            CandidateEffect::ln_prior_of(&all.collect::<Vec<_>>())
         };
         let shared = libm::log(PROGRESSIVE_IN_OTHER_AXIS);
         assert_eq!(of(&["BUSHING/1.K.1"]), -7.0);
@@ -411,6 +411,6 @@ mod tests {
         assert_eq!(of(&["BUSHING/1.KT.1", "BUSHING/1.KT.2"]), -14.0);
         assert_eq!(of(&["BUSHING/1.K.1", "BUSHING/1.KT.2"]), -14.0);
         let friction = ["BUSHING/1.K.1", "BUSHING/1.K.2"].map(|a| at(Cause::DryFriction, a));
-        assert_eq!(Hypothesis::ln_prior_of(&friction), -14.0);
+        assert_eq!(CandidateEffect::ln_prior_of(&friction), -14.0);
     }
 }

@@ -1,7 +1,7 @@
 //! Small errors of an axle and its rig, expressed as numbers of the deck.
 
 use super::group::EffectGroup;
-use super::point::{Point, points};
+use super::point::{ConnectionPoint, points};
 use admire_session::backend::{Load, LoadProgramme};
 use admire_solver::mechanics::Vec3;
 use admire_solver::model::{JointKind, MarkerIx, Model, SpringKind};
@@ -56,7 +56,7 @@ pub struct RandomEffects {
     /// Effects in a fixed order.
     pub members: Vec<RandomEffect>,
     /// Hardpoints. The address of a hardpoint is the address of its first marker.
-    pub points: Vec<Point>,
+    pub points: Vec<ConnectionPoint>,
 }
 
 impl RandomEffects {
@@ -172,7 +172,7 @@ impl RandomEffects {
     /// Adds one error per load and case.
     fn load_errors(&mut self, study: &LayerOf<'_>) {
         let cases = study.programme.cases.len();
-        for (load, largest) in scattering(study.model, study.programme) {
+        for (load, largest) in applied_loads(study.model, study.programme) {
             let target = &study.programme.loads[load].target;
             for (case, at) in study.programme.cases.iter().enumerate() {
                 let mut factors = vec![0.0; cases];
@@ -319,7 +319,7 @@ pub(super) fn shift(model: &Model, markers: &[MarkerIx], direction: &Vec3) -> Ef
 }
 
 /// Returns the indices of the forces that the rig applies, each with its largest magnitude over the cases.
-pub fn scattering(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
+pub fn applied_loads(model: &Model, programme: &LoadProgramme) -> Vec<(usize, f64)> {
     let loads = programme.loads.iter().enumerate();
     let of = |(k, load): (usize, &Load)| {
         acts_at(model, &load.target)?;

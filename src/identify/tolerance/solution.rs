@@ -20,7 +20,7 @@ pub struct Solution {
 
 impl Solution {
     /// Returns by how many nats the log posterior of the linear model is lower at another step than at the maximum.
-    pub fn above(&self, other: &DVector<f64>) -> f64 {
+    pub fn nats_below_maximum(&self, other: &DVector<f64>) -> f64 {
         let off =
             (other - &self.step).zip_map(&self.S, |off, s| if s > 0.0 { off / s } else { 0.0 });
         0.5 * self.factor.quadratic(&off)
@@ -77,7 +77,7 @@ impl Solution {
         let kept = inner.lu().solve(&self.step.select_rows(places))?;
         let step = &self.step - across * (bend * kept);
         step.iter().all(|x| x.is_finite()).then(|| Self {
-            gain: self.gain - self.above(&step),
+            gain: self.gain - self.nats_below_maximum(&step),
             step,
             ln_z: self.ln_z,
             factor: self.factor.clone(),
@@ -151,7 +151,7 @@ mod tests {
         let expected = whole.lu().solve(&b).unwrap().component_mul(&S);
         assert!((&held.step - expected).norm() < 1e-12);
         let above = reached.gain - held.gain;
-        assert!(above > 0.0 && (above - reached.above(&held.step)).abs() < 1e-12);
+        assert!(above > 0.0 && (above - reached.nats_below_maximum(&held.step)).abs() < 1e-12);
     }
 
     /// The sum of the second unknown and half the first is known far better than each of them. With the first one at its limit, the second

@@ -1,8 +1,8 @@
+use super::candidate_effect::Change;
 use super::diagnosis_problem::DiagnosisProblem;
 use super::fit::FittedModel;
-use super::hypothesis::Change;
 use admire_identify::global::Row;
-use admire_identify::tolerance::{Effect, EffectGroup, Point};
+use admire_identify::tolerance::{ConnectionPoint, Effect, EffectGroup};
 use admire_session::backend::Load;
 use admire_solver::mechanics::{Pose, Vec3};
 use admire_solver::model::{MarkerIx, Model, PartIx};
@@ -20,7 +20,7 @@ pub(super) struct Attachment {
 }
 
 /// State of every load case at a fit: poses, deflections, forces, and first-order responses of the readings.
-pub(super) struct Survey<'a> {
+pub(super) struct OperatingPoints<'a> {
     /// Deck of the study. Elements added by an extension are not sites for further candidates.
     pub model: &'a Model,
     /// Measurement of the study.
@@ -30,7 +30,7 @@ pub(super) struct Survey<'a> {
     readings: Vec<(&'static str, u32, Vec<Reading>)>,
 }
 
-impl<'a> Survey<'a> {
+impl<'a> OperatingPoints<'a> {
     /// Evaluates all force elements and constraints in every case of a fit.
     pub(super) fn new(subject: &'a DiagnosisProblem<'a>, fitted: &'a FittedModel) -> Self {
         let model = subject.problem.model;
@@ -91,7 +91,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Returns prediction minus reading of a row, in units of its declared noise.
-    pub(super) fn misfit(&self, row: usize) -> f64 {
+    pub(super) fn residual(&self, row: usize) -> f64 {
         self.fitted.residual[row]
     }
 
@@ -124,7 +124,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Returns the hardpoints of the deck.
-    pub(super) fn points(&self) -> &[Point] {
+    pub(super) fn points(&self) -> &[ConnectionPoint] {
         &self.subject.layer.points
     }
 
@@ -134,7 +134,12 @@ impl<'a> Survey<'a> {
         if self.subject.sizes.group(group).is_none() {
             return Vec::new();
         }
-        let named = |k: usize| (k, super::hypothesis::SIX[layer.members[k].axis].to_string());
+        let named = |k: usize| {
+            (
+                k,
+                super::candidate_effect::SIX[layer.members[k].axis].to_string(),
+            )
+        };
         layer.at(group, address).map(named).collect()
     }
 
@@ -210,7 +215,7 @@ impl<'a> Survey<'a> {
         std::array::from_fn(|axis| {
             let word = ["K", "KT"][axis / 3];
             let address =
-                super::hypothesis::number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
+                super::candidate_effect::number("BUSHING", law.header.id, word, Some(axis % 3 + 1));
             catalogue.slot(&address).map_or(0.0, |slot| theta.get(slot))
         })
     }
@@ -344,7 +349,7 @@ impl<'a> Survey<'a> {
                 ("KT", format!("{rigid:E}, {rigid:E}, {rigid:E}")),
             ],
         );
-        let whose = super::hypothesis::number("MARKER", marker, "PART", None);
+        let whose = super::candidate_effect::number("MARKER", marker, "PART", None);
         let changes = vec![
             Change::Piece(body, part),
             Change::Add(end(first, new)),
