@@ -192,7 +192,7 @@ fn an_extract_feels_the_forces_of_the_whole() {
         assert!((a - b).abs() < 1e-9 * size, "{whole:?} {alone:?}");
     }
     let (code, _, err) = folder.run(&["extract", "d.adm", "PART/1"]);
-    assert!(code == 1 && err.contains("no part that moves"), "{err}");
+    assert!(code == 1 && err.contains("not a part that moves"), "{err}");
 }
 
 fn unit(table: &[Unit], name: &str) -> Unit {
