@@ -57,11 +57,13 @@ fn friction_of_a_strut_that_gives_way_by_degrees() {
 }
 
 #[test]
+#[ignore = "minutes: .ci/full"]
 fn friction_of_a_strut_that_gives_way_by_degrees_in_other_noise() {
     gives_way_by_degrees(STRUT, "JOINT/3", 28);
 }
 
 #[test]
+#[ignore = "minutes: .ci/full"]
 fn friction_of_a_bushing_that_gives_way_by_degrees() {
     let friction = Friction {
         law: FrictionLaw::Dahl,
@@ -110,11 +112,13 @@ fn gives_way_on_tolerances(force: &str, stiffness: &str, seed: &str) {
 }
 
 #[test]
+#[ignore = "minutes: .ci/full"]
 fn friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
     gives_way_on_tolerances("60", "41.5", "1026");
 }
 
 #[test]
+#[ignore = "minutes: .ci/full"]
 fn stiffer_friction_of_a_strut_that_gives_way_by_degrees_on_tolerances() {
     gives_way_on_tolerances("100", "219.2", "1086");
 }

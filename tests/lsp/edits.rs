@@ -77,10 +77,19 @@ const TYPED: [&str; 44] = [
 ];
 
 #[test]
+fn a_thousand_random_edits_leave_the_state_of_a_fresh_reading() {
+    random_edits(1_000);
+}
+
+#[test]
+#[ignore = "minutes: .ci/full"]
 fn ten_thousand_random_edits_leave_the_state_of_a_fresh_reading() {
-    const EDITS: usize = 10_000;
+    random_edits(10_000);
+}
+
+fn random_edits(count: usize) {
     const ROUND: usize = 125;
-    let rounds: Vec<u64> = (0..(EDITS / ROUND) as u64).collect();
+    let rounds: Vec<u64> = (0..(count / ROUND) as u64).collect();
     // Rounds are independent: all processors work.
     std::thread::scope(|scope| {
         for part in rounds.chunks(rounds.len().div_ceil(4)) {

@@ -118,6 +118,7 @@ fn the_view_of_results_moves_with_step_and_slider() {
 }
 
 #[test]
+#[ignore = "minutes: .ci/full"]
 fn decks_and_results_of_others_are_drawn() {
     let (Some(chromium), Some(real)) = (chromium(), shared("real-decks")) else {
         return;
