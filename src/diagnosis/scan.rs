@@ -51,32 +51,7 @@ impl Catalogue {
     /// At a fit.
     pub(super) fn new(subject: &DiagnosisProblem<'_>, fitted: &FittedModel) -> Self {
         let survey = OperatingPoints::new(subject, fitted);
-        let mut hypotheses = causes::all(&survey);
-        hypotheses.retain_mut(|h| {
-            let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
-            let count = there()
-                .filter(|chosen| chosen.term != Term::Asymmetry)
-                .count();
-            let is_closed = there().any(CandidateEffect::is_left_by_law);
-            if (1..crate::settings::MAX_SLIDERS).contains(&count)
-                && h.cause == Cause::DryFriction
-                && !is_closed
-            {
-                causes::dry_friction::further_slider(&survey, h, count);
-                return true;
-            }
-            count == 0
-        });
-        let own = |h: &CandidateEffect| causes::bushing_coupling::growth(&survey, h);
-        let growing = hypotheses
-            .iter()
-            .filter_map(|h| Some(h.clone().joined(own(h)?)));
-        let growing: Vec<CandidateEffect> = growing.collect();
-        hypotheses.extend(growing);
-        let coupled =
-            CandidateEffect::causes(&fitted.effects).filter(|h| !h.is_refined(&fitted.effects));
-        hypotheses.extend(coupled.filter_map(own));
-        hypotheses.extend(causes::dry_friction::by_direction(&survey));
+        let hypotheses = causes::candidates(&survey, fitted);
         let seen: Vec<&EffectParameter> = hypotheses.iter().flat_map(seen).collect();
         let mut responses = survey.responses(&seen);
         let turned = |range: Range<usize>| fitted.whitening.apply(&responses.columns(range.len()));

@@ -108,4 +108,23 @@ admire_study::constants! {
     RUN_MIN_CASES: usize = 4, "";
     /// Maximum number of channels for which curves are drawn.
     RUN_MAX_CHANNELS: usize = 8, "";
+
+    // ## Selection of effects: closure.rs, select.rs
+
+    /// Occam's window: sets of effects less probable than the best by more than this do not count.
+    OCCAM_WINDOW_NATS: f64 = 8.0, "nats";
+    /// Probability, relative to the best set, above which a set is fitted or equivalent to a fitted one.
+    RESOLVED_PROBABILITY: f64 = 0.01, "";
+    /// Squared distance of two sets below which they make the same prediction.
+    EQUIVALENT_DISTANCE: f64 = 1.0, "sigma^2";
+    /// Maximum number of effects in a set.
+    MAX_EFFECTS: usize = 12, "";
+    /// Maximum number of sets whose neighbours are scored at one fit.
+    MAX_EXPANSIONS: usize = 60, "";
+    /// Maximum number of fits of one selection.
+    MAX_SELECTION_FITS: usize = 40, "";
+    /// Maximum number of fits at which the effects are linearised.
+    MAX_SELECTION_POINTS: usize = 12, "";
+    /// Largest difference of the logarithm of a stiffness between a fit and the start of the next one.
+    MAX_LN_STIFFNESS_START: f64 = 1.2, "ln";
 }

@@ -21,8 +21,11 @@ mod progressive_stiffness;
 mod stop_contact;
 
 use super::candidate_effect::CandidateEffect;
+use super::candidate_effect::Term;
 use super::cause::Cause;
+use super::fit::FittedModel;
 use super::operating_points::OperatingPoints;
+use super::settings::MAX_SLIDERS;
 
 /// Returns all candidate effects at all sites of the deck, in a fixed order.
 pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
@@ -68,4 +71,35 @@ pub(super) fn all(survey: &OperatingPoints<'_>) -> Vec<CandidateEffect> {
         }
     }
     out
+}
+
+/// Returns all candidates at a fit that its effects leave open, with further terms of their laws.
+pub(super) fn candidates(
+    survey: &OperatingPoints<'_>,
+    fitted: &FittedModel,
+) -> Vec<CandidateEffect> {
+    let mut hypotheses = all(survey);
+    hypotheses.retain_mut(|h| {
+        let there = || fitted.effects.iter().filter(|chosen| chosen.same_site(h));
+        let count = there()
+            .filter(|chosen| chosen.term != Term::Asymmetry)
+            .count();
+        let is_closed = there().any(CandidateEffect::is_left_by_law);
+        if (1..MAX_SLIDERS).contains(&count) && h.cause == Cause::DryFriction && !is_closed {
+            dry_friction::further_slider(survey, h, count);
+            return true;
+        }
+        count == 0
+    });
+    let own = |h: &CandidateEffect| bushing_coupling::growth(survey, h);
+    let growing = hypotheses
+        .iter()
+        .filter_map(|h| Some(h.clone().joined(own(h)?)));
+    let growing: Vec<CandidateEffect> = growing.collect();
+    hypotheses.extend(growing);
+    let coupled =
+        CandidateEffect::causes(&fitted.effects).filter(|h| !h.is_refined(&fitted.effects));
+    hypotheses.extend(coupled.filter_map(own));
+    hypotheses.extend(dry_friction::by_direction(survey));
+    hypotheses
 }

@@ -1,0 +1,340 @@
+//! Sets of effects that the linear model at one fit holds for probable: the closure of a set under adding, dropping and exchanging effects, within
+//! Occam's window.
+//!
+//! Source: Madigan and Raftery, Journal of the American Statistical Association 89 (1994) 1535.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::candidate_effect::{CandidateEffect, Term};
+use super::cause::Cause;
+use super::reduction::{Conditioned, EffectModel, Reduction};
+use super::settings::{MAX_EFFECTS, MAX_EXPANSIONS, OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY};
+
+/// A set of effects by their indices at one fit, in ascending order.
+pub(super) type EffectSet = Vec<usize>;
+
+/// Sets with their log Bayes factors against no effect, priors included.
+pub(super) type Pool = BTreeMap<EffectSet, f64>;
+
+/// Sets at one fit, at fixed variance components.
+pub(super) struct Sets<'a> {
+    model: &'a EffectModel,
+    reduction: &'a Reduction,
+}
+
+impl<'a> Sets<'a> {
+    pub(super) const fn new(model: &'a EffectModel, reduction: &'a Reduction) -> Self {
+        Self { model, reduction }
+    }
+
+    /// Conditions the linear model on a set.
+    pub(super) fn conditioned(&self, set: &[usize]) -> Option<Conditioned> {
+        let ranges = set.iter().map(|k| &self.model.ranges[*k]);
+        self.reduction.conditioned(ranges)
+    }
+
+    /// Log Bayes factor of a set with its prior; `None` if an effect has the wrong sign.
+    pub(super) fn score(&self, set: &[usize]) -> Option<f64> {
+        let found = self.conditioned(set)?;
+        self.has_right_signs(set, &found)
+            .then(|| found.ln_bayes_factor + self.ln_prior(set))
+    }
+
+    fn has_right_signs(&self, set: &[usize], found: &Conditioned) -> bool {
+        let mut at = 0;
+        set.iter().all(|k| {
+            let first = at;
+            at += self.model.ranges[*k].len();
+            !self.model.effects[*k].one_sided || at == first || found.mean[first] > 0.0
+        })
+    }
+
+    fn ln_prior(&self, set: &[usize]) -> f64 {
+        let effects = &self.model.effects;
+        let progressive = |k: &&usize| effects[**k].cause == Cause::ProgressiveStiffness;
+        if set.iter().filter(progressive).count() < 2 {
+            return set.iter().map(|k| effects[*k].ln_prior).sum();
+        }
+        let all: Vec<CandidateEffect> = set.iter().map(|k| effects[*k].clone()).collect();
+        CandidateEffect::ln_prior_of(&all)
+    }
+
+    /// True if an effect may join a set: a site has one form of a law, and its further terms need the main term.
+    fn may_join(&self, set: &[usize], effect: usize) -> bool {
+        let new = &self.model.effects[effect];
+        let mut there = set.iter().map(|k| &self.model.effects[*k]);
+        let is_first_order = |k: &usize| self.is_leaf(*k);
+        if self.is_leaf(effect) && set.iter().any(|k| *k >= self.model.own)
+            || set.iter().any(is_first_order)
+        {
+            return false;
+        }
+        match new.term {
+            Term::Main => !there.any(|other| other.same_site(new)),
+            term => {
+                let mut main = false;
+                for other in there.filter(|other| other.same_site(new)) {
+                    main |= other.term == Term::Main;
+                    if other.term == term || other.joint_with.is_some() {
+                        return false;
+                    }
+                }
+                main
+            }
+        }
+    }
+
+    /// True if an effect may leave a set: its further terms leave first.
+    fn may_leave(&self, set: &[usize], effect: usize) -> bool {
+        !self.model.effects[effect].is_refined(
+            &set.iter()
+                .map(|k| self.model.effects[*k].clone())
+                .collect::<Vec<_>>(),
+        )
+    }
+
+    /// True for a law whose column holds to first order only. A set with one is not extended further.
+    fn is_leaf(&self, effect: usize) -> bool {
+        effect >= self.model.own && self.model.effects[effect].is_poorly_linearised()
+    }
+
+    /// Returns all sets within the window that a chain of single changes reaches from `start`.
+    pub(super) fn closure(&self, start: &EffectSet, with_pairs: bool) -> Pool {
+        let mut pool = Pool::new();
+        if let Some(score) = self.score(start) {
+            pool.insert(start.clone(), score);
+        }
+        // Without effects, as a reference that is always there.
+        pool.entry(Vec::new()).or_insert(0.0);
+        let mut done = BTreeSet::new();
+        if with_pairs {
+            for (set, score) in self.pairs(&Vec::new()) {
+                pool.insert(set, score);
+            }
+        }
+        for _ in 0..MAX_EXPANSIONS {
+            let best = pool.values().copied().fold(f64::NEG_INFINITY, f64::max);
+            let least = best + libm::log(RESOLVED_PROBABILITY);
+            let open = pool
+                .iter()
+                .filter(|(set, score)| **score > least && !done.contains(*set));
+            let Some((set, _)) = open.max_by(|a, b| a.1.total_cmp(b.1)) else {
+                break;
+            };
+            let set = set.clone();
+            done.insert(set.clone());
+            for (set, score) in self.expanded(&set, best - OCCAM_WINDOW_NATS) {
+                pool.insert(set, score);
+            }
+        }
+        let best = pool.values().copied().fold(f64::NEG_INFINITY, f64::max);
+        pool.retain(|_, score| *score > best - OCCAM_WINDOW_NATS);
+        pool
+    }
+
+    /// Sets with an effect more, less or another than `set`, those above `least`.
+    fn expanded(&self, set: &EffectSet, least: f64) -> Vec<(EffectSet, f64)> {
+        let mut bases = vec![set.clone()];
+        for effect in set {
+            if self.may_leave(set, *effect) {
+                bases.push(set.iter().copied().filter(|k| k != effect).collect());
+            }
+        }
+        let of = |base: &EffectSet| {
+            let mut out = Vec::new();
+            let Some(known) = self.conditioned(base) else {
+                return out;
+            };
+            if let Some(score) = self.score(base) {
+                out.push((base.clone(), score));
+            }
+            if base.len() >= MAX_EFFECTS {
+                return out;
+            }
+            let ln_prior = self.ln_prior(base);
+            for effect in 0..self.model.effects.len() {
+                let range = &self.model.ranges[effect];
+                if range.is_empty() || base.contains(&effect) || !self.may_join(base, effect) {
+                    continue;
+                }
+                let Some((gain, mean)) = self.reduction.beside(&known, range) else {
+                    continue;
+                };
+                let new = &self.model.effects[effect];
+                if new.one_sided && mean[0] <= 0.0 {
+                    continue;
+                }
+                let mut larger = base.clone();
+                larger.push(effect);
+                larger.sort_unstable();
+                let prior = if new.cause == Cause::ProgressiveStiffness {
+                    self.ln_prior(&larger)
+                } else {
+                    ln_prior + new.ln_prior
+                };
+                if known.ln_bayes_factor + gain + prior > least
+                    && let Some(score) = self.score(&larger)
+                {
+                    out.push((larger, score));
+                }
+            }
+            out
+        };
+        bases.par_iter().map(of).flatten().collect()
+    }
+
+    /// Pairs of effects of one column each beside a set, the best ones: two that hide each other are no better alone.
+    fn pairs(&self, base: &EffectSet) -> Vec<(EffectSet, f64)> {
+        let model = self.model;
+        let single: Vec<usize> = (0..model.effects.len())
+            .filter(|k| model.ranges[*k].len() == 1 && !base.contains(k) && !self.is_leaf(*k))
+            .filter(|k| self.may_join(base, *k))
+            .collect();
+        let M = &self.reduction.information;
+        let g = &self.reduction.gradient;
+        let column = |k: usize| model.ranges[k].start;
+        let of = |(n, &a): (usize, &usize)| {
+            let (i, mut out) = (column(a), Vec::new());
+            for &b in &single[n + 1..] {
+                let j = column(b);
+                let (p, q, x) = (1.0 + M[(i, i)], 1.0 + M[(j, j)], M[(i, j)]);
+                // Nearly uncorrelated effects are found one after the other.
+                if x * x < 0.25 * p * q {
+                    continue;
+                }
+                let det = p * q - x * x;
+                let (u, v) = ((g[i] * q - g[j] * x) / det, (g[j] * p - g[i] * x) / det);
+                let is_wrong = (model.effects[a].one_sided && u <= 0.0)
+                    || (model.effects[b].one_sided && v <= 0.0);
+                if is_wrong || model.effects[a].same_site(&model.effects[b]) {
+                    continue;
+                }
+                let score = 0.5 * (u * g[i] + v * g[j]) - 0.5 * libm::log(det)
+                    + model.effects[a].ln_prior
+                    + model.effects[b].ln_prior;
+                if score > -OCCAM_WINDOW_NATS {
+                    out.push((vec![a, b], score));
+                }
+            }
+            out
+        };
+        let mut found: Vec<(EffectSet, f64)> =
+            single.par_iter().enumerate().map(of).flatten().collect();
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found.truncate(MAX_EXPANSIONS);
+        found
+    }
+
+    /// Contribution of each effect of a set to the prediction, as coefficients of the columns at this fit.
+    pub(super) fn contributions(&self, set: &[usize]) -> Option<Vec<Vec<(usize, f64)>>> {
+        let found = self.conditioned(set)?;
+        let mut at = 0;
+        let of = |k: &usize| {
+            let range = self.model.ranges[*k].clone();
+            let own = range.map(|column| {
+                at += 1;
+                (column, found.mean[at - 1])
+            });
+            own.collect()
+        };
+        Some(set.iter().map(of).collect())
+    }
+
+    /// Squared distance of two sets in units of noise: their contributions matched one to one with least difference. A contribution without a
+    /// counterpart counts in full.
+    pub(super) fn distance(&self, a: &[Vec<(usize, f64)>], b: &[Vec<(usize, f64)>]) -> f64 {
+        let M = &self.reduction.information;
+        let product = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
+            let of =
+                |(i, u): &(usize, f64)| -> f64 { b.iter().map(|(j, v)| u * v * M[(*i, *j)]).sum() };
+            a.iter().map(of).sum()
+        };
+        let [own, other] =
+            [a, b].map(|set| -> Vec<f64> { set.iter().map(|part| product(part, part)).collect() });
+        let n = a.len() + b.len();
+        let cost = |i: usize, j: usize| match (i < a.len(), j < b.len()) {
+            (true, true) => own[i] + other[j] - 2.0 * product(&a[i], &b[j]),
+            (true, false) => own[i],
+            (false, true) => other[j],
+            (false, false) => 0.0,
+        };
+        let costs: Vec<Vec<f64>> = (0..n)
+            .map(|i| (0..n).map(|j| cost(i, j)).collect())
+            .collect();
+        least_assignment(&costs)
+    }
+}
+
+/// Least sum of one cost per row, each column used once (Hungarian method with potentials).
+fn least_assignment(costs: &[Vec<f64>]) -> f64 {
+    let n = costs.len();
+    let (mut u, mut v) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+    let mut matched = vec![0_usize; n + 1];
+    for row in 1..=n {
+        matched[0] = row;
+        let (mut least, mut way) = (vec![f64::INFINITY; n + 1], vec![0_usize; n + 1]);
+        let mut used = vec![false; n + 1];
+        let mut column = 0;
+        loop {
+            used[column] = true;
+            let (at, mut delta, mut next) = (matched[column], f64::INFINITY, 0);
+            for j in 1..=n {
+                if used[j] {
+                    continue;
+                }
+                let reduced = costs[at - 1][j - 1] - u[at] - v[j];
+                if reduced < least[j] {
+                    (least[j], way[j]) = (reduced, column);
+                }
+                if least[j] < delta {
+                    (delta, next) = (least[j], j);
+                }
+            }
+            for j in 0..=n {
+                if used[j] {
+                    u[matched[j]] += delta;
+                    v[j] -= delta;
+                } else {
+                    least[j] -= delta;
+                }
+            }
+            column = next;
+            if matched[column] == 0 {
+                break;
+            }
+        }
+        while column != 0 {
+            matched[column] = matched[way[column]];
+            column = way[column];
+        }
+    }
+    (1..=n).map(|j| costs[matched[j] - 1][j - 1]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::least_assignment;
+
+    #[test]
+    fn the_least_assignment_is_that_of_all_permutations() {
+        let costs = vec![
+            vec![4.0, 1.0, 3.0],
+            vec![2.0, 0.0, 5.0],
+            vec![3.0, 2.0, 2.0],
+        ];
+        let orders = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        let sum = |order: &[usize; 3]| -> f64 { (0..3).map(|i| costs[i][order[i]]).sum() };
+        let least = orders.iter().map(sum).fold(f64::INFINITY, f64::min);
+        assert_eq!(least_assignment(&costs), least);
+        assert_eq!(least_assignment(&[]), 0.0);
+    }
+}

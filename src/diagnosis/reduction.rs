@@ -1,0 +1,329 @@
+//! Linear model at a fit reduced to its effects: stiffnesses, tolerances and noise are marginalised once, after which the evidence of any set
+//! of effects costs one small Cholesky factorisation.
+//!
+//! With whitened columns `A` of the unknowns that stay (prior covariance `T`) and `E` of the effects, in units of their prior standard deviations,
+//! `P = (1 + A T A')^-1`, `M = E'PE` and `g = E'P z`. A set `S` then has
+//! `ln Z(S) = ln Z0 + g_S' (1 + M_SS)^-1 g_S / 2 - ln det(1 + M_SS) / 2`.
+//! Sources: George and McCulloch, Statistica Sinica 7 (1997) 339; Rasmussen and Williams, Gaussian Processes, section 2.7.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::candidate_effect::{CandidateEffect, EffectParameter, Parametrisation, Sensitivity};
+use super::causes;
+use super::diagnosis_problem::DiagnosisProblem;
+use super::fit::FittedModel;
+use super::operating_points::OperatingPoints;
+use admire_identify::tolerance::{
+    LinearModel, RowsByVarianceClass, VarianceComponents, transposed,
+};
+
+/// Effects at a fit with their columns, and the linear model of everything else.
+pub(super) struct EffectModel {
+    /// The fit at which the columns were linearised.
+    pub fitted: Arc<FittedModel>,
+    /// Effects of the fit, then all other candidates.
+    pub effects: Vec<CandidateEffect>,
+    /// Number of effects of the fit.
+    pub own: usize,
+    /// Columns of each effect.
+    pub ranges: Vec<Range<usize>>,
+    /// Rotated columns, per unit of prior standard deviation. Their sign is that of the prediction.
+    columns: DMatrix<f64>,
+    /// Unknowns of the fit that are no parameters of effects, in the order of the base model.
+    kept: Vec<usize>,
+    base: LinearModel,
+    /// Rotated columns of the base model.
+    jacobian: DMatrix<f64>,
+    /// Rotated reading minus prediction without the effects of the fit.
+    residual: DVector<f64>,
+}
+
+/// An [`EffectModel`] at fixed variance components.
+pub(super) struct Reduction {
+    /// Variance components.
+    pub sizes: VarianceComponents,
+    /// Log evidence without any effect.
+    pub ln_z: f64,
+    /// `M`.
+    pub information: DMatrix<f64>,
+    /// `g`.
+    pub gradient: DVector<f64>,
+    /// Step of the base model without effects.
+    step: DVector<f64>,
+    /// Fall of that step per unit of each effect.
+    absorbed: DMatrix<f64>,
+}
+
+/// A [`Reduction`] conditioned on a set of effects.
+pub(super) struct Conditioned {
+    /// Columns of the set.
+    pub columns: Vec<usize>,
+    /// Factor of `1 + M_SS`.
+    factor: Cholesky<f64, Dyn>,
+    /// Posterior mean of the parameters of the set, in units of their priors.
+    pub mean: DVector<f64>,
+    /// Log Bayes factor of the set against no effect, its prior left out.
+    pub ln_bayes_factor: f64,
+}
+
+impl EffectModel {
+    /// Linearises all effects at a fit. `further` are candidates beside those of the catalogue of causes.
+    pub(super) fn new(
+        subject: &DiagnosisProblem<'_>,
+        fitted: &Arc<FittedModel>,
+        further: Vec<CandidateEffect>,
+    ) -> Self {
+        let survey = OperatingPoints::new(subject, fitted);
+        let mut effects = fitted.effects.clone();
+        let own = effects.len();
+        let candidates = causes::candidates(&survey, fitted);
+        effects.extend(candidates.into_iter().chain(further));
+        let seen: Vec<&EffectParameter> = effects[own..].iter().flat_map(with_column).collect();
+        let mut responses = survey.responses(&seen);
+        let fresh = fitted.whitening.apply(&responses.columns(seen.len()));
+        let whole = fitted.whitened_jacobian();
+        let mut residual = fitted.whitened_residual();
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        let mut ranges = Vec::new();
+        let mut is_kept = vec![true; fitted.x.len()];
+        let mut priors = fitted.priors.clone();
+        let mut next = 0;
+        for (k, effect) in effects.iter().enumerate() {
+            let from = columns.len();
+            for (n, number) in effect.numbers.iter().enumerate() {
+                if let Parametrisation::Member(member) = number.unknown {
+                    let at = first_member(fitted) + member;
+                    columns.push(whole.column(at) * number.sd);
+                    if k < own {
+                        priors[at].sd = 0.0;
+                    }
+                } else if k < own {
+                    let at = fitted.parameter_index[k][n];
+                    is_kept[at] = false;
+                    let (column, off) = natural(number, fitted.x[at], priors[at].sd);
+                    columns.push(whole.column(at) * column);
+                    residual.axpy(off, &whole.column(at), 1.0);
+                } else if number.column != Sensitivity::None {
+                    columns.push(fresh.column(next).into_owned());
+                    next += 1;
+                }
+            }
+            ranges.push(from..columns.len());
+        }
+        let kept: Vec<usize> = (0..is_kept.len()).filter(|k| is_kept[*k]).collect();
+        let jacobian = whole.select_columns(&kept);
+        let base = LinearModel::new(
+            &fitted.whitening,
+            &RowsByVarianceClass::new(&fitted.whitening, &jacobian),
+            &residual,
+            kept.iter().map(|k| priors[*k]).collect(),
+            DVector::from_iterator(kept.len(), kept.iter().map(|k| fitted.x[*k])),
+        );
+        let columns = if columns.is_empty() {
+            DMatrix::zeros(residual.len(), 0)
+        } else {
+            DMatrix::from_columns(&columns)
+        };
+        Self {
+            fitted: Arc::clone(fitted),
+            effects,
+            own,
+            ranges,
+            columns,
+            kept,
+            base,
+            jacobian,
+            residual,
+        }
+    }
+
+    /// Frees the columns. Reductions that were made stay valid.
+    pub(super) fn forget_columns(&mut self) {
+        self.columns = DMatrix::zeros(0, 0);
+        self.jacobian = DMatrix::zeros(0, 0);
+    }
+
+    /// Marginalises everything but the effects, at these variance components. `None` if the linear model has no finite solution.
+    pub(super) fn reduced(&self, sizes: &VarianceComponents) -> Option<Reduction> {
+        let posterior = self.base.posterior(sizes)?;
+        let weights = self.fitted.whitening.weights(&sizes.ln);
+        let weighted = |mut columns: DMatrix<f64>| {
+            for (mut row, weight) in columns.row_iter_mut().zip(weights.iter()) {
+                row *= *weight;
+            }
+            columns
+        };
+        let E = weighted(self.columns.clone());
+        let A = weighted(self.jacobian.clone());
+        let z = self.residual.component_mul(&weights) - &A * &posterior.step;
+        let cross = transposed(&A, &E);
+        let absorbed = transposed(&posterior.covariance, &cross);
+        Some(Reduction {
+            sizes: sizes.clone(),
+            ln_z: posterior.ln_z,
+            information: transposed(&E, &E) - transposed(&cross, &absorbed),
+            gradient: E.tr_mul(&z),
+            step: posterior.step,
+            absorbed,
+        })
+    }
+
+    /// Values of the fit's unknowns where the linear model has its maximum with a set of effects, for the start of a fit. Steps of logarithms of
+    /// stiffnesses are limited to `reach`. Parameters of the fit's own effects that are not in the set keep their values.
+    pub(super) fn start(&self, reduction: &Reduction, set: &Conditioned, reach: f64) -> Vec<f64> {
+        let mut step = reduction.step.clone();
+        for (column, mean) in set.columns.iter().zip(set.mean.iter()) {
+            step.axpy(-mean, &reduction.absorbed.column(*column), 1.0);
+        }
+        let mut x = self.fitted.x.clone();
+        for (at, step) in self.kept.iter().zip(step.iter()) {
+            let is_member = self.fitted.priors[*at].group.is_some();
+            x[*at] += if is_member {
+                *step
+            } else {
+                step.clamp(-reach, reach)
+            };
+        }
+        let value = |column: usize| {
+            let at = set.columns.iter().position(|own| *own == column)?;
+            Some(set.mean[at])
+        };
+        for (k, range) in self.ranges[..self.own].iter().enumerate() {
+            for (n, number) in self.effects[k].numbers.iter().enumerate() {
+                let Some(mean) = value(range.start + n) else {
+                    continue;
+                };
+                match number.unknown {
+                    Parametrisation::Member(member) => {
+                        x[first_member(&self.fitted) + member] += mean * number.sd;
+                    }
+                    Parametrisation::Compliance(_)
+                    | Parametrisation::Rate { .. }
+                    | Parametrisation::SlipLength { .. } => {}
+                    _ => {
+                        let at = self.fitted.parameter_index[k][n];
+                        x[at] = mean * self.fitted.priors[at].sd;
+                    }
+                }
+            }
+        }
+        x
+    }
+
+    /// First guesses of the parameters of one effect that is new to the fit, in units of their priors.
+    pub(super) fn guesses(
+        &self,
+        reduction: &Reduction,
+        set: &Conditioned,
+        effect: usize,
+    ) -> Vec<f64> {
+        let mut column = self.ranges[effect].start;
+        let mut step = reduction.step.clone();
+        for (column, mean) in set.columns.iter().zip(set.mean.iter()) {
+            step.axpy(-mean, &reduction.absorbed.column(*column), 1.0);
+        }
+        let numbers = self.effects[effect].numbers.iter();
+        numbers
+            .map(|number| {
+                let is_member = matches!(number.unknown, Parametrisation::Member(_));
+                if !is_member && number.column == Sensitivity::None {
+                    return 0.0;
+                }
+                let at = set.columns.iter().position(|own| *own == column);
+                let own = at.map_or(0.0, |at| set.mean[at]);
+                column += 1;
+                match number.unknown {
+                    Parametrisation::Member(member) => {
+                        let at = first_member(&self.fitted) + member;
+                        let kept = self.kept.iter().position(|kept| *kept == at);
+                        let rest = self.fitted.x[at] + kept.map_or(0.0, |kept| step[kept]);
+                        own + rest / number.sd
+                    }
+                    _ => own,
+                }
+            })
+            .collect()
+    }
+}
+
+impl Reduction {
+    /// Conditions on the effects with these ranges of columns. `None` if the information is not positive.
+    pub(super) fn conditioned<'r>(
+        &self,
+        ranges: impl Iterator<Item = &'r Range<usize>>,
+    ) -> Option<Conditioned> {
+        let columns: Vec<usize> = ranges.flat_map(Range::clone).collect();
+        let Q = self.block(&columns, &columns) + DMatrix::identity(columns.len(), columns.len());
+        let factor = Cholesky::new(Q)?;
+        let g = self.gradient.select_rows(&columns);
+        let mean = factor.solve(&g);
+        let ln_bayes_factor = 0.5 * g.dot(&mean) - half_ln_det(&factor);
+        Some(Conditioned {
+            columns,
+            factor,
+            mean,
+            ln_bayes_factor,
+        })
+    }
+
+    /// Log Bayes factor of further columns beside a set, and their posterior mean beside it.
+    pub(super) fn beside(
+        &self,
+        set: &Conditioned,
+        range: &Range<usize>,
+    ) -> Option<(f64, DVector<f64>)> {
+        let own: Vec<usize> = range.clone().collect();
+        let cross = self.block(&set.columns, &own);
+        let mut Q = self.block(&own, &own) + DMatrix::identity(own.len(), own.len());
+        let mut g = self.gradient.select_rows(&own);
+        if !set.columns.is_empty() {
+            Q -= cross.tr_mul(&set.factor.solve(&cross));
+            g -= cross.tr_mul(&set.mean);
+        }
+        let factor = Cholesky::new(Q)?;
+        let mean = factor.solve(&g);
+        Some((0.5 * g.dot(&mean) - half_ln_det(&factor), mean))
+    }
+
+    fn block(&self, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+            self.information[(rows[i], columns[j])]
+        })
+    }
+}
+
+/// Half the log determinant of a factorised matrix.
+fn half_ln_det(factor: &Cholesky<f64, Dyn>) -> f64 {
+    let diagonal = factor.l_dirty().diagonal();
+    diagonal.iter().map(|value| libm::log(*value)).sum()
+}
+
+/// Parameters of a candidate that have a column: those with a first-order effect, and members of tolerance groups are left out here because
+/// their columns are those of the fit.
+fn with_column(effect: &CandidateEffect) -> impl Iterator<Item = &EffectParameter> {
+    effect.numbers.iter().filter(|number| {
+        number.column != Sensitivity::None && !matches!(number.unknown, Parametrisation::Member(_))
+    })
+}
+
+/// Factor of the Jacobian column of a fitted parameter that makes it one unit of prior, and change of the parameter from its absent value. A
+/// compliance is linear in itself, not in the logarithm of its stiffness.
+fn natural(number: &EffectParameter, x: f64, sd: f64) -> (f64, f64) {
+    match number.unknown {
+        // With stiffness exp(x) and compliance c = exp(-x): dx = -dc / c, and absence is c = 0.
+        Parametrisation::Compliance(_) => (-number.sd * libm::exp(x), -1.0),
+        _ => (sd, x - number.absent(x)),
+    }
+}
+
+/// Index of the first random effect among the unknowns of a fit.
+fn first_member(fitted: &FittedModel) -> usize {
+    let members = fitted.priors.iter();
+    members
+        .clone()
+        .position(|prior| prior.group.is_some())
+        .unwrap_or(0)
+}

@@ -1,0 +1,434 @@
+//! Selection of effects: sets that the linear models hold for probable are confirmed by fits, the most promising first, until every set that could
+//! count is fitted or equivalent to a fitted one.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use super::candidate_effect::CandidateEffect;
+use super::closure::{EffectSet, Pool, Sets};
+use super::diagnosis_problem::{Data, DiagnosisProblem};
+use super::fit::{
+    EarlyStopping, FitOutcome, FittedModel, fit_with_early_stopping, with_zero_guesses,
+};
+use super::reduction::{EffectModel, Reduction};
+use super::remainder::{GpTerm, gp_terms, left_by_laws};
+use super::rig_errors::Promises;
+use super::settings::{
+    EQUIVALENT_DISTANCE, MAX_LN_STIFFNESS_START, MAX_SELECTION_FITS, MAX_SELECTION_POINTS,
+    OCCAM_WINDOW_NATS, RESOLVED_PROBABILITY,
+};
+use super::visited::{Found, Visited, probabilities};
+
+/// Effects of a set by their numbers among all known effects, in ascending order.
+type Ids = Vec<usize>;
+
+/// A fit at which the effects were linearised.
+struct Point {
+    model: EffectModel,
+    reductions: Vec<Reduction>,
+    /// Sets near the best one, for each reduction.
+    pools: Vec<Pool>,
+    /// Number of each effect among all known effects.
+    ids: Vec<usize>,
+}
+
+/// Estimate of the log posterior of a set that is not fitted.
+struct SetEstimate {
+    ln_posterior: f64,
+    /// Squared distance from the nearest fitted set, in units of noise.
+    distance: f64,
+    point: usize,
+    reduction: usize,
+    set: EffectSet,
+}
+
+struct Selector<'a, 'b> {
+    subject: &'a DiagnosisProblem<'b>,
+    data: Data,
+    known: Vec<CandidateEffect>,
+    forces: Vec<(usize, GpTerm)>,
+    fits: BTreeMap<Ids, Arc<FittedModel>>,
+    /// Sets whose fit failed, had a wrong sign or was far behind.
+    discarded: BTreeSet<Ids>,
+    points: Vec<Point>,
+    count: usize,
+}
+
+/// Selects effects beside the model without any.
+pub(super) fn select(subject: &DiagnosisProblem<'_>, none: &Arc<FittedModel>, data: Data) -> Found {
+    let mut selector = Selector {
+        subject,
+        data,
+        known: Vec::new(),
+        forces: Vec::new(),
+        fits: BTreeMap::new(),
+        discarded: BTreeSet::new(),
+        points: Vec::new(),
+        count: 1,
+    };
+    selector.fits.insert(Vec::new(), Arc::clone(none));
+    selector.add_point(none);
+    selector.run();
+    selector.into_found()
+}
+
+impl Selector<'_, '_> {
+    fn run(&mut self) {
+        while self.count < MAX_SELECTION_FITS
+            && !self.subject.budget_exhausted()
+            && !self.subject.progress().is_stopped()
+        {
+            let least = self.best() + libm::log(RESOLVED_PROBABILITY);
+            let open = self.estimates().into_iter().filter(|(_, estimate)| {
+                estimate.ln_posterior > least && estimate.distance > EQUIVALENT_DISTANCE
+            });
+            let next = open.max_by(|a, b| a.1.ln_posterior.total_cmp(&b.1.ln_posterior));
+            let Some((ids, estimate)) = next else { break };
+            self.confirm(&ids, &estimate);
+        }
+    }
+
+    fn best(&self) -> f64 {
+        let all = self.fits.values().map(|fitted| fitted.ln_posterior());
+        all.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn id(&mut self, effect: &CandidateEffect) -> usize {
+        if let Some(at) = self.known.iter().position(|known| known.same_law(effect)) {
+            return at;
+        }
+        self.known.push(effect.clone());
+        self.known.len() - 1
+    }
+
+    fn add_point(&mut self, fitted: &Arc<FittedModel>) {
+        let mut forces = gp_terms(self.subject, fitted);
+        forces.extend(left_by_laws(self.subject, fitted));
+        let further = forces
+            .iter()
+            .map(|force| force.hypothesis.clone())
+            .collect();
+        let mut model = EffectModel::new(self.subject, fitted, further);
+        let modest = fitted.sizes.at(fitted.sizes.capped_above_median(0.0));
+        let mut sizes = vec![fitted.sizes.clone()];
+        if modest.ln != fitted.sizes.ln {
+            sizes.push(modest);
+        }
+        let reductions: Vec<Reduction> = sizes
+            .iter()
+            .filter_map(|sizes| model.reduced(sizes))
+            .collect();
+        model.forget_columns();
+        let start: EffectSet = (0..model.own).collect();
+        let is_first = self.points.is_empty();
+        let pools = reductions
+            .iter()
+            .map(|reduction| Sets::new(&model, reduction).closure(&start, is_first))
+            .collect();
+        let ids: Vec<usize> = model.effects.iter().map(|effect| self.id(effect)).collect();
+        for force in forces {
+            let id = self.id(&force.hypothesis);
+            self.forces.push((id, force));
+        }
+        self.points.push(Point {
+            model,
+            reductions,
+            pools,
+            ids,
+        });
+    }
+
+    /// A fitted set by its indices at a point; `None` if an effect is no candidate there.
+    fn at_point(point: &Point, ids: &Ids) -> Option<EffectSet> {
+        let own = |id: &usize| point.ids.iter().position(|other| other == id);
+        let mut set = ids.iter().map(own).collect::<Option<EffectSet>>()?;
+        set.sort_unstable();
+        Some(set)
+    }
+
+    /// Estimates of all sets that count and are not fitted. The error of the linear model is taken to be that of the nearest fitted set.
+    fn estimates(&self) -> BTreeMap<Ids, SetEstimate> {
+        let best = self.best();
+        let mut out: BTreeMap<Ids, SetEstimate> = BTreeMap::new();
+        for (p, point) in self.points.iter().enumerate() {
+            for (r, (reduction, pool)) in point.reductions.iter().zip(&point.pools).enumerate() {
+                let sets = Sets::new(&point.model, reduction);
+                let mut references = Vec::new();
+                let mut largest = 0.0_f64;
+                for (ids, fitted) in &self.fits {
+                    let own = fitted.ln_posterior();
+                    if own < best - 3.0 * OCCAM_WINDOW_NATS {
+                        continue;
+                    }
+                    let Some(set) = Self::at_point(point, ids) else {
+                        continue;
+                    };
+                    let (Some(score), Some(parts)) = (sets.score(&set), sets.contributions(&set))
+                    else {
+                        continue;
+                    };
+                    let error = own - (reduction.ln_z + score);
+                    largest = largest.max(error);
+                    references.push((parts, error));
+                }
+                for (set, score) in pool {
+                    let linear = reduction.ln_z + score;
+                    if linear + largest < best - OCCAM_WINDOW_NATS {
+                        continue;
+                    }
+                    let mut ids: Ids = set.iter().map(|k| point.ids[*k]).collect();
+                    ids.sort_unstable();
+                    ids.dedup();
+                    if ids.len() < set.len()
+                        || self.fits.contains_key(&ids)
+                        || self.discarded.contains(&ids)
+                    {
+                        continue;
+                    }
+                    let Some(parts) = sets.contributions(set) else {
+                        continue;
+                    };
+                    let (mut distance, mut correction) = (f64::INFINITY, 0.0);
+                    for (other, error) in &references {
+                        let apart = sets.distance(&parts, other);
+                        if apart < distance {
+                            distance = apart;
+                            correction = libm::exp(-0.5 * apart) * error;
+                        }
+                    }
+                    let new = SetEstimate {
+                        ln_posterior: linear + correction,
+                        distance,
+                        point: p,
+                        reduction: r,
+                        set: set.clone(),
+                    };
+                    let is_better = |old: &SetEstimate| {
+                        if new.distance.min(old.distance) <= EQUIVALENT_DISTANCE {
+                            new.distance < old.distance
+                        } else {
+                            new.ln_posterior > old.ln_posterior
+                        }
+                    };
+                    if out.get(&ids).is_none_or(is_better) {
+                        out.insert(ids, new);
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Fits a set from where the linear model has its maximum.
+    fn confirm(&mut self, ids: &Ids, estimate: &SetEstimate) {
+        self.count += 1;
+        let point = &self.points[estimate.point];
+        let reduction = &point.reductions[estimate.reduction];
+        let sets = Sets::new(&point.model, reduction);
+        let set: EffectSet = estimate
+            .set
+            .iter()
+            .map(|k| smooth_start(&point.model, *k))
+            .collect();
+        let Some(conditioned) = sets.conditioned(&set) else {
+            self.discarded.insert(ids.clone());
+            return;
+        };
+        let x = point
+            .model
+            .start(reduction, &conditioned, MAX_LN_STIFFNESS_START);
+        let guesses = |k: &usize| {
+            let effect = point.model.effects[*k].clone();
+            let guesses = if *k < point.model.own {
+                vec![0.0; effect.numbers.len()]
+            } else {
+                point.model.guesses(reduction, &conditioned, *k)
+            };
+            (effect, guesses)
+        };
+        let chosen: Vec<(CandidateEffect, Vec<f64>)> = set.iter().map(guesses).collect();
+        let parent = Arc::clone(&point.model.fitted);
+        let found = self.fit(&chosen, &parent, &x);
+        if std::env::var_os("ADMIRE_TRACE").is_some() {
+            let names: Vec<String> = chosen
+                .iter()
+                .map(|(h, _)| format!("{h}/{}", h.form))
+                .collect();
+            eprintln!(
+                "fit {} [{}] estimate {:.1} d {:.1} -> {:?} best {:.1}",
+                self.count,
+                names.join(", "),
+                estimate.ln_posterior,
+                estimate.distance,
+                found
+                    .as_ref()
+                    .map(|f| ((f.ln_posterior() * 10.0).round() / 10.0, f.is_converged())),
+                self.best()
+            );
+        }
+        let best = self.best();
+        match found {
+            Some(found) => self.note(ids, &found, best),
+            None => {
+                self.discarded.insert(ids.clone());
+            }
+        }
+    }
+
+    fn fit(
+        &self,
+        chosen: &[(CandidateEffect, Vec<f64>)],
+        parent: &FittedModel,
+        x: &[f64],
+    ) -> Option<Arc<FittedModel>> {
+        let effects: Vec<CandidateEffect> = chosen.iter().map(|(h, _)| h.clone()).collect();
+        let target = EarlyStopping {
+            lead: self.best() - CandidateEffect::ln_prior_of(&effects),
+            ..EarlyStopping::NONE
+        };
+        let one = |chosen: &[(CandidateEffect, Vec<f64>)], from: &FittedModel, x: &[f64]| {
+            let found = fit_with_early_stopping(
+                self.subject,
+                chosen,
+                Some((from, x)),
+                None,
+                self.data,
+                target,
+            )?;
+            match found {
+                FitOutcome::New(fitted) => Some(fitted),
+                FitOutcome::Duplicate => None,
+            }
+        };
+        let mut found = one(chosen, parent, x)?;
+        // A force of unknown law is linearised again where its fit ended.
+        let mut again = with_zero_guesses(&found);
+        let mut has_force = false;
+        for (effect, _) in &mut again {
+            let force = self
+                .forces
+                .iter()
+                .find(|(_, force)| force.hypothesis.same_form(effect));
+            if let Some((_, force)) = force {
+                *effect = force.at(self.subject, &found);
+                has_force = true;
+            }
+        }
+        if has_force
+            && let Some(second) = one(&again, &found, &found.x)
+            && second.ln_posterior() > found.ln_posterior()
+        {
+            found = second;
+        }
+        let wrong = (0..found.effects.len()).any(|k| found.has_wrong_sign(k));
+        (!wrong).then_some(found)
+    }
+
+    /// Keeps a fit. One near the best becomes a point, from which fits of its subsets begin anew where that promises more than they reached.
+    fn note(&mut self, ids: &Ids, found: &Arc<FittedModel>, best: f64) {
+        let own = found.ln_posterior();
+        if self
+            .fits
+            .get(ids)
+            .is_some_and(|old| old.ln_posterior() >= own)
+        {
+            return;
+        }
+        self.fits.insert(ids.clone(), Arc::clone(found));
+        if own < best - 0.5 * OCCAM_WINDOW_NATS || self.points.len() >= MAX_SELECTION_POINTS {
+            return;
+        }
+        self.add_point(found);
+        let at = self.points.len() - 1;
+        let point = &self.points[at];
+        let Some(reduction) = point.reductions.first() else {
+            return;
+        };
+        let sets = Sets::new(&point.model, reduction);
+        let best = self.best();
+        let mut again = Vec::new();
+        for (other, fitted) in &self.fits {
+            let is_subset = other.len() < ids.len() && other.iter().all(|id| ids.contains(id));
+            if !is_subset {
+                continue;
+            }
+            let Some(set) = Self::at_point(point, other) else {
+                continue;
+            };
+            let Some(score) = sets.score(&set) else {
+                continue;
+            };
+            let promised = reduction.ln_z + score;
+            if promised > fitted.ln_posterior() + 1.0 && promised > best - OCCAM_WINDOW_NATS {
+                again.push((other.clone(), set));
+            }
+        }
+        for (ids, set) in again {
+            let estimate = SetEstimate {
+                ln_posterior: f64::NAN,
+                distance: f64::NAN,
+                point: at,
+                reduction: 0,
+                set,
+            };
+            self.confirm(&ids, &estimate);
+        }
+    }
+
+    fn into_found(self) -> Found {
+        let best = self.best();
+        let mut visited: Vec<Visited> = Vec::new();
+        for fitted in self.fits.values() {
+            if fitted.ln_posterior() > best - OCCAM_WINDOW_NATS {
+                visited.push(Visited {
+                    causes: fitted.effects.clone(),
+                    ln_posterior: fitted.ln_posterior(),
+                    fitted: Some(Arc::clone(fitted)),
+                });
+            }
+        }
+        for estimate in self.estimates().into_values() {
+            let effects = &self.points[estimate.point].model.effects;
+            let causes = estimate.set.iter().flat_map(|k| effects[*k].split());
+            visited.push(Visited {
+                causes: causes.collect(),
+                ln_posterior: estimate.ln_posterior.min(best - 1e-9),
+                fitted: None,
+            });
+        }
+        let leading = self.fits.values();
+        let leading = leading.max_by(|a, b| a.ln_posterior().total_cmp(&b.ln_posterior()));
+        let none = Arc::clone(&self.fits[&Vec::new()]);
+        Found {
+            best: leading.map_or_else(|| Arc::clone(&none), Arc::clone),
+            none,
+            models: probabilities(&visited),
+            places: self
+                .points
+                .first()
+                .map_or(0, |point| point.model.effects.len()),
+            cut_short: self.count >= MAX_SELECTION_FITS || self.subject.budget_exhausted(),
+            gave_way: None,
+            promises: Promises::default(),
+        }
+    }
+}
+
+/// The form of a law with memory from which a fit begins: one of middle slip length, where the misfit is smooth. Other effects stay.
+fn smooth_start(model: &EffectModel, effect: usize) -> usize {
+    let own = &model.effects[effect];
+    if effect < model.own || own.memory.is_none() || own.form.starts_with("middle") {
+        return effect;
+    }
+    let first = |form: &str| {
+        form.split_once(',')
+            .map_or("", |(_, first)| first)
+            .to_string()
+    };
+    let same = |other: &CandidateEffect| {
+        other.same_law(own)
+            && other.form.starts_with("middle")
+            && first(other.form) == first(own.form)
+    };
+    model.effects.iter().position(same).unwrap_or(effect)
+}
