@@ -22,7 +22,7 @@ use super::writing::{may_replace, replace_file};
 /// # fn main() -> Result<(), admire::Error> {
 /// let mut commands = Commands::new("");
 /// commands.push("SIMULATE/STATICS")?.push("DEACTIVATE/SFORCE, ID=1")?.push("SIMULATE/STATICS")?;
-/// assert_eq!(commands.list()[1].arguments[0], ("ID".to_string(), Some("1".to_string())));
+/// assert_eq!(commands.list()[1].arguments[1], ("ID".to_string(), Some("1".to_string())));
 ///
 /// let run = Deck::open("corpus/pseudo-mcpherson/model.adm")?.execute(&commands);
 /// run.succeeded()?;
