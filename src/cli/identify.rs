@@ -258,10 +258,12 @@ fn repeated(
     let bar = Bar::new("repeating", shell, move || *seen.lock().ok()?);
     let problem = loaded.problem();
     let made = repeat(
-        (&problem, marginal),
+        &problem,
+        marginal,
         fit,
         repeats,
-        (Some(&folder), VERSION),
+        Some(&folder),
+        VERSION,
         &mut |kind, progress| {
             if let Ok(mut shown) = shown.lock() {
                 let most = (progress.all - progress.before) as usize;

@@ -2,7 +2,7 @@ use std::path::{Path, PathBuf};
 
 use comfy_table::{CellAlignment, Table, presets};
 
-use crate::front::{kc_page, measured};
+use crate::front::{KcDeck, kc_page, measured};
 use admire_diagnosis::ProgressObserver as _;
 use admire_kc::{
     Bench, BenchError, Config, Convention, KcRun, Unit, deck_files, output, run_watched, shown,
@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let deck = read(&arguments.deck, shell)?;
     let units = deck.model.units;
     let source = shell.read(&arguments.config)?;
-    let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+    let config = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
     shell.complain(&config.diagnostics);
     let Some(config) = config.value else {
         return Err(Exit::Findings);
@@ -127,7 +127,7 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     let text = serde_json::to_string_pretty(&value).expect("JSON values print") + "\n";
     files.push(("kc.json".into(), text.clone().into_bytes()));
     for test in &found.tests {
-        let results = output::results(test, (&deck.model.title, &units), convention);
+        let results = output::results(test, &deck.model.title, &units, convention);
         let (bytes, lost) = results.expect("writing to memory does not fail");
         let name = format!("{}.res", test.kind.name());
         if !lost.is_empty() {
@@ -150,9 +150,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
     files.push((
         "report.html".into(),
         kc_page(
-            (&arguments.deck, deck.dataset.bytes(), &units),
-            (&config, &found),
-            (&others, &curves),
+            &KcDeck {
+                path: &arguments.deck,
+                bytes: deck.dataset.bytes(),
+                units: &units,
+            },
+            &config,
+            &found,
+            &others,
+            &curves,
             convention,
         )
         .map_err(|error| shell.fail(Diagnostic::error(Code::CannotWrite, error.to_string())))?
@@ -191,7 +197,7 @@ fn read(path: &Path, shell: &mut Shell) -> Result<Deck, Exit> {
 }
 
 fn bench<'a>(config: &'a Config, deck: &'a Deck, shell: &Shell) -> Result<Bench<'a>, Exit> {
-    let bench = Bench::new(config, (&deck.dataset, &deck.files, &deck.model));
+    let bench = Bench::new(config, &deck.dataset, &deck.files, &deck.model);
     let bench = bench.map_err(|found| {
         shell.complain(&found);
         Exit::Findings

@@ -21,7 +21,8 @@ pub(super) fn diagnostics(
     diagnostics: &[Diagnostic],
     sources: &Sources,
     format: Format,
-    (colours, width): (bool, usize),
+    colours: bool,
+    width: usize,
 ) -> String {
     match format {
         Format::Text => graphical(diagnostics, sources, colours, width),
@@ -387,15 +388,15 @@ mod tests {
         let (found, sources) = sample();
         insta::assert_snapshot!(
             "text",
-            diagnostics(&found, &sources, Format::Text, (false, 100))
+            diagnostics(&found, &sources, Format::Text, false, 100)
         );
         insta::assert_snapshot!(
             "plain",
-            diagnostics(&found, &sources, Format::Plain, (false, 100))
+            diagnostics(&found, &sources, Format::Plain, false, 100)
         );
         insta::assert_snapshot!(
             "json",
-            diagnostics(&found, &sources, Format::Json, (false, 100))
+            diagnostics(&found, &sources, Format::Json, false, 100)
         );
     }
 
@@ -419,7 +420,7 @@ mod tests {
                         Span::new(start, start + len),
                         "here",
                     );
-                    let shown = diagnostics(&[d], &sources, Format::Text, (false, 100));
+                    let shown = diagnostics(&[d], &sources, Format::Text, false, 100);
                     assert!(shown.contains("bad") && shown.len() < 2000, "{shown}");
                 }
             }

@@ -84,8 +84,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         );
     }
     if arguments.kc.asked() {
-        let shown = (&filter, arguments.plain, arguments.json);
-        return results_kc::run((&arguments.file, &arguments.kc), shown, shell);
+        return results_kc::run(
+            &arguments.file,
+            &arguments.kc,
+            &filter,
+            arguments.plain,
+            arguments.json,
+            shell,
+        );
     }
     let mut reader = open(&arguments.file, shell)?;
     if arguments.get.is_empty() || arguments.list {

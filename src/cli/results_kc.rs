@@ -162,8 +162,11 @@ struct Row {
 
 /// Prints the characteristics of the steps that pass a filter.
 pub(super) fn run(
-    (path, arguments): (&Path, &KcArguments),
-    (filter, plain, json): (&StepFilter, bool, bool),
+    path: &Path,
+    arguments: &KcArguments,
+    filter: &StepFilter,
+    plain: bool,
+    json: bool,
     shell: &Shell,
 ) -> Outcome {
     let mut reader = open(path, shell)?;
@@ -226,8 +229,13 @@ fn rows(
         .chunks_exact(2)
         .map(|pair| [pair[0].clone(), pair[1].clone()])
         .collect();
-    let wheels = (&*arguments.wheel, &*axes);
-    let replay = Replay::new(&catalogue, wheels, degrees, arguments.options());
+    let replay = Replay::new(
+        &catalogue,
+        &arguments.wheel,
+        &axes,
+        degrees,
+        arguments.options(),
+    );
     let mut replay = replay.map_err(|error| no_wheel(&error, shell))?;
     let time = catalogue
         .columns()

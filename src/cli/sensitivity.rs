@@ -44,8 +44,14 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         system,
         ..
     } = solvable(&arguments.deck, &[], shell)?;
-    let parts = (&dataset, &model, &system);
-    let found = SensitivityTable::new(parts, &arguments.of, &arguments.by, arguments.time);
+    let found = SensitivityTable::new(
+        &dataset,
+        &model,
+        &system,
+        &arguments.of,
+        &arguments.by,
+        arguments.time,
+    );
     let SensitivityTable {
         of,
         units,

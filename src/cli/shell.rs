@@ -122,8 +122,8 @@ impl Shell {
         }
         let terminal = std::io::stderr().is_terminal();
         let sources = self.with_streamed(diagnostics);
-        let how = (self.colours(terminal), width_of(terminal));
-        let text = render::diagnostics(diagnostics, &sources, self.format, how);
+        let (colours, width) = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours, width);
         // Errors are ignored, because the reader may have closed the stream.
         let _ = std::io::stderr().write_all(&self.encoded(&text, terminal));
     }
@@ -184,8 +184,8 @@ impl Shell {
     pub(super) fn findings(&self, diagnostics: &[Diagnostic]) {
         let terminal = std::io::stdout().is_terminal();
         let sources = self.with_streamed(diagnostics);
-        let how = (self.colours(terminal), width_of(terminal));
-        let text = render::diagnostics(diagnostics, &sources, self.format, how);
+        let (colours, width) = (self.colours(terminal), width_of(terminal));
+        let text = render::diagnostics(diagnostics, &sources, self.format, colours, width);
         self.put(&self.encoded(&text, terminal));
     }
 

@@ -76,15 +76,15 @@ pub(super) fn run(arguments: &Arguments, shell: &mut Shell) -> Outcome {
         }
         Some(commands) => Some((Some(arguments.file.as_path()), commands.as_path())),
     };
-    if let Some(files) = files {
+    if let Some((deck, commands)) = files {
         if arguments.stable {
             return conflict(
                 shell,
                 "--stable is for a dataset; a command file gives the equilibria that `mdi` gives",
             );
         }
-        let allowed = (arguments.allow_path.as_slice(), ignored);
-        return solve_run::run(files, allowed, &arguments.taken, shell);
+        let allowed = arguments.allow_path.as_slice();
+        return solve_run::run(deck, commands, allowed, ignored, &arguments.taken, shell);
     }
     if arguments.taken.is_asked() {
         return conflict(

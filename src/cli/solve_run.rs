@@ -44,8 +44,10 @@ impl Taken {
 
 /// Runs a command file, on a separate dataset if given, and writes the requested columns of its results.
 pub(super) fn run(
-    (deck, commands): (Option<&Path>, &Path),
-    (allowed, ignored): (&[PathBuf], Vec<Ignore>),
+    deck: Option<&Path>,
+    commands: &Path,
+    allowed: &[PathBuf],
+    ignored: Vec<Ignore>,
     taken: &Taken,
     shell: &mut Shell,
 ) -> Outcome {

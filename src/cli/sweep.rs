@@ -158,7 +158,7 @@ fn cases(
         };
         Some(("sweep", count))
     });
-    let ran = run_shard(runner, plan, (folder, shard), threads, |progress| {
+    let ran = run_shard(runner, plan, folder, shard, threads, |progress| {
         done.store(progress.done, Ordering::Relaxed);
         most.store(progress.all - progress.before, Ordering::Relaxed);
         !interrupt::asked()

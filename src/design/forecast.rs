@@ -63,7 +63,7 @@ impl Forecast {
             x: &fitted.x,
         };
         let chosen = with_zero_guesses(fitted);
-        let unknowns = Unknowns::new((subject, &problem), &prepared, &chosen, Some(known))?;
+        let unknowns = Unknowns::new(subject, &problem, &prepared, &chosen, Some(known))?;
         let mut observed = observed(subject);
         for part in asked.parts {
             if !observed.parts.contains(part) {

@@ -254,7 +254,7 @@ impl<'a, 'b> MeasurementPredictor<'a, 'b> {
                 let readings = 0..measurement.cases[*case].marks.len();
                 let places: Vec<Vec3> = readings.map(|k| seen(*case, k)).collect();
                 jacobian = jacobian.resize_horizontally(first + 6, 0.0);
-                let by = by_frame(&observations.rows, *case, &places, (subject.sigma, 1.0));
+                let by = by_frame(&observations.rows, *case, &places, subject.sigma, 1.0);
                 for (k, column) in by.iter().enumerate() {
                     for (row, value) in column {
                         jacobian[(*row, first + k)] = *value;

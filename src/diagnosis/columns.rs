@@ -1,6 +1,5 @@
 //! First-order effects of candidates on all rows, from the tangent of each case. No equilibrium is solved again.
 
-use admire_identify::global::channel_changes;
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
@@ -9,7 +8,8 @@ use rayon::prelude::*;
 use super::candidate_effect::{EffectParameter, Sensitivity};
 use super::operating_points::OperatingPoints;
 use admire_identify::global::{
-    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations,
+    CaseChanges, CasePrediction, Direction, NuisanceLayout, Observations, StateSensitivities,
+    channel_changes,
 };
 use admire_solver::statics::Tangents;
 use admire_solver::system::{Parameters, Scratch, Slot, State};
@@ -125,7 +125,7 @@ impl<'a> OperatingPoints<'a> {
                     let channels = self.fitted.deck.prepared.channels;
                     let observed = &observations.observed;
                     let [changes, free] =
-                        found.map(|of| observed.changes((system, at.1), &of.0, &of.1));
+                        found.map(|of| observed.changes(system, at.1, &of.0, &of.1));
                     let here = CasePrediction {
                         poses: at.1.poses.clone(),
                         channels: channels
@@ -171,8 +171,11 @@ impl<'a> OperatingPoints<'a> {
         let motions = tangent.free_motions(system);
         let held = vec![Direction::default(); motions.len()];
         let motions = DMatrix::from_iterator(n, motions.len(), motions.into_iter().flatten());
-        let along = (held.as_slice(), &motions);
-        let free = match channel_changes(channels, system, (theta, case), state, scratch, along) {
+        let along = StateSensitivities {
+            directions: &held,
+            responses: &motions,
+        };
+        let free = match channel_changes(channels, system, theta, case, state, scratch, along) {
             Ok(changed) => (motions, changed),
             Err(_) => nothing(0),
         };
@@ -222,8 +225,11 @@ impl<'a> OperatingPoints<'a> {
         for (at, response) in open.into_iter().zip(changes.column_iter()) {
             responses.set_column(at, &response);
         }
-        let along = (directions, &responses);
-        match channel_changes(channels, system, (theta, case), state, scratch, along) {
+        let along = StateSensitivities {
+            directions,
+            responses: &responses,
+        };
+        match channel_changes(channels, system, theta, case, state, scratch, along) {
             Ok(changed) => [(responses, changed), free],
             Err(_) => [nothing(asked.len()), free],
         }

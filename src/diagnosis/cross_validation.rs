@@ -199,8 +199,7 @@ impl<'a> Folds<'a> {
         }
         let (jacobian, residual) = (fitted.whitened_jacobian(), fitted.whitened_residual());
         let without = |left_out: &Vec<bool>| {
-            let rows = (&jacobian, &residual);
-            let (misfit, ln_z) = fitted.evidence_without(rows, left_out)?;
+            let (misfit, ln_z) = fitted.evidence_without(&jacobian, &residual, left_out)?;
             Some(Refit { misfit, ln_z })
         };
         let refits: Rc<Refits> = Rc::new(self.left_out.iter().map(without).collect());

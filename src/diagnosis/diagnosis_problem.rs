@@ -63,8 +63,12 @@ impl<'a> DiagnosisProblem<'a> {
         let millimetre = 1e-3 / problem.model.units.length.si;
         let frame = problem.settings.frame_sd;
         let frames = [0, 3].map(|axis| frame.of_axis(axis, &problem.model.units));
-        let of_marks = (measurement.sigma_on_parts, frames);
-        let mut sizes = VarianceComponents::new(problem.tolerances, of_marks, millimetre);
+        let mut sizes = VarianceComponents::new(
+            problem.tolerances,
+            measurement.sigma_on_parts,
+            frames,
+            millimetre,
+        );
         let alignment = problem.tolerances.alignment;
         if alignment != PriorSetting::Estimate
             && !measurement.parts.is_empty()

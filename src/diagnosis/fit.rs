@@ -265,13 +265,17 @@ impl FittedModel {
     }
 
     /// Leaves some rows out of the linear model. Returns the residual of all rows at its optimum (prediction minus reading) and its log
-    /// evidence. `rows` holds Jacobian and residual in decorrelated rows. The marks of one part in one case must be left out together.
+    /// evidence. `jacobian` and `residual` (reading minus prediction) are in decorrelated rows. The marks of one part in one case must be
+    /// left out together.
     pub fn evidence_without(
         &self,
-        rows: (&DMatrix<f64>, &DVector<f64>),
+        jacobian: &DMatrix<f64>,
+        residual: &DVector<f64>,
         left_out: &[bool],
     ) -> Option<(DVector<f64>, f64)> {
-        let linear = self.linear.without(&self.whitening, rows, left_out);
+        let linear = self
+            .linear
+            .without(&self.whitening, jacobian, residual, left_out);
         let reached = linear.solve(&self.sizes, 0.0)?;
         let misfit = &self.residual + &self.jacobian * &reached.step;
         Some((misfit, reached.ln_z))
@@ -394,7 +398,7 @@ pub(super) fn fit_with_early_stopping(
         places: &fitted.parameter_index,
         x,
     });
-    let unknowns = Unknowns::new((subject, &problem), &deck.prepared, chosen, known)?;
+    let unknowns = Unknowns::new(subject, &problem, &deck.prepared, chosen, known)?;
     let cases: Vec<usize> = (0..problem.measurement.cases.len()).collect();
     let whitening = subject.whitening(data);
     // Each start has its own predictor, because a predictor continues equilibria from one solution to the next.

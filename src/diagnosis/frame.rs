@@ -18,7 +18,8 @@ pub fn by_frame(
     rows: &[Row],
     of: usize,
     places: &[Vec3],
-    (unit, turn): (f64, f64),
+    unit: f64,
+    turn: f64,
 ) -> [Vec<(usize, f64)>; 6] {
     let mut columns: [Vec<(usize, f64)>; 6] = Default::default();
     let centre = centroid(places);

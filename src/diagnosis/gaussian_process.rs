@@ -42,9 +42,11 @@ impl GpPosterior {
     /// `beyond_a_line`, constant and straight line are projected out. `None` where the coordinate does not vary.
     pub(super) fn best(
         coordinate: &[f64],
-        (reach, beyond_a_line): (Reach, bool),
-        (information, gradient): (&DMatrix<f64>, &DVector<f64>),
+        information: &DMatrix<f64>,
+        gradient: &DVector<f64>,
         force: f64,
+        reach: Reach,
+        beyond_a_line: bool,
     ) -> Option<Self> {
         let n = coordinate.len();
         let low = coordinate.iter().copied().fold(f64::INFINITY, f64::min);
@@ -160,7 +162,7 @@ mod tests {
         let wave = DVector::from_fn(usize::from(n), |k, _| 20.0 * (2.5 * u[k]).sin());
         let information = DMatrix::identity(usize::from(n), usize::from(n));
         // Readings equal forces here, so the gradient is the reading itself.
-        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &wave), 100.0);
+        let found = GpPosterior::best(&u, &information, &wave, 100.0, Reach::Smooth, true);
         let GpPosterior {
             nats,
             taken,
@@ -190,7 +192,7 @@ mod tests {
             - DMatrix::from_fn(usize::from(n), usize::from(n), covariance);
         assert!(off.amax() < 1e-8, "{:e}", off.amax());
         let line = DVector::from_fn(usize::from(n), |k, _| 7.0 + 20.0 * u[k]);
-        let found = GpPosterior::best(&u, (Reach::Smooth, true), (&information, &line), 100.0);
+        let found = GpPosterior::best(&u, &information, &line, 100.0, Reach::Smooth, true);
         assert!(found.unwrap().nats < 1.0);
     }
 }

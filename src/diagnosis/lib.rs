@@ -5,10 +5,10 @@
 //! [`fit_with_random_effects`] fits a model without causes. [`study_fit`] identifies a study by its own method. The crate reads no files, and
 //! does not contain the laws by which the virtual rig plants effects.
 //!
-//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `hypothesis` (data) <- `unknowns`, `aim` <-
-//! `settle` <- `fit` <- `survey` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws; `rig_errors`) <-
-//! `sought`, `predictive` <- `folds` <- `hold_out` <- `cross_validation`, `lack_of_fit`, `gaussian_process` <- `remainder`, `averaged` <-
-//! `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
+//! Modules import in one direction only: `diagnosis_problem` (readings and their tolerances) and `candidate_effect` (data) <- `unknowns`,
+//! `aim` <- `settle` <- `fit` <- `operating_points` <- `causes`, `columns` <- `scan` <- `search` (with `stand_in`: forces of unknown laws;
+//! `rig_errors`) <- `sought`, `predictive` <- `hold_out_test` <- `hold_out` <- `cross_validation`, `residual_covariance` <- `lack_of_fit`,
+//! `gaussian_process` <- `remainder`, `averaged` <- `findings` <- `searched` <- `diagnose` <- the modules that report its outcome.
 #![warn(unreachable_pub)]
 // Documentation of private modules links to private items.
 #![allow(rustdoc::private_intra_doc_links)]

@@ -262,14 +262,15 @@ impl<'a> OperatingPoints<'a> {
     ) -> (u32, Vec<NewStatement>) {
         let part = self.model.parts[self.model.markers[j.0].part.0].header.id;
         let pair = [i, j].map(|marker| self.marker_id(marker));
-        self.force_between(pair, (part, self.free_id("MARKER")), functions)
+        self.force_between(pair, part, self.free_id("MARKER"), functions)
     }
 
     /// Returns a GFORCE between two markers given by id, with a floating marker on the part of J, and its id.
     pub(super) fn force_between(
         &self,
         [i, j]: [u32; 2],
-        (part, floating): (u32, u32),
+        part: u32,
+        floating: u32,
         functions: &[(usize, &str)],
     ) -> (u32, Vec<NewStatement>) {
         let id = self.free_id("GFORCE");
@@ -296,7 +297,8 @@ impl<'a> OperatingPoints<'a> {
         &self,
         part: u32,
         marker: u32,
-        (place, angles): (Vec3, [f64; 3]),
+        place: Vec3,
+        angles: [f64; 3],
         stiffness: [f64; 3],
     ) -> (u32, [u32; 2], Vec<Change>) {
         let (new, first, bushing) = (

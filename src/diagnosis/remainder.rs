@@ -402,9 +402,14 @@ fn most_spoken_for(
             }
             tried += 1;
             let is_stiffness_apart = over == Over::Deflection;
-            let read = (&information, &gradient);
-            let kind = (reach, is_stiffness_apart);
-            let Some(law) = GpPosterior::best(&coordinate, kind, read, place.force) else {
+            let Some(law) = GpPosterior::best(
+                &coordinate,
+                &information,
+                &gradient,
+                place.force,
+                reach,
+                is_stiffness_apart,
+            ) else {
                 continue;
             };
             found.push((

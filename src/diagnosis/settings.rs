@@ -22,7 +22,7 @@ admire_study::constants! {
     /// Difference of the solvers below which it is negligible against the noise of the marks.
     NEGLIGIBLE_DIFFERENCE_SIGMA: f64 = 0.1, "sigma";
 
-    // ## Candidate effects and first guesses of their parameters: hypothesis.rs, unknowns.rs, frame.rs, causes
+    // ## Candidate effects and first guesses of their parameters: candidate_effect.rs, unknowns.rs, frame.rs, causes
 
     /// Fraction of its half-normal scale up to which a compliance counts as absent, and smallest first guess of a compliance.
     ABSENT_COMPLIANCE: f64 = 1e-3, "";

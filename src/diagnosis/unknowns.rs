@@ -78,7 +78,8 @@ impl Unknowns {
 
     /// Collects the unknowns of a deck extended by the `chosen` effects. Their guesses are in units of the priors.
     pub fn new(
-        (subject, problem): (&DiagnosisProblem<'_>, &Problem<'_>),
+        subject: &DiagnosisProblem<'_>,
+        problem: &Problem<'_>,
         prepared: &Prepared,
         chosen: &[(CandidateEffect, Vec<f64>)],
         known: Option<Known<'_>>,

@@ -12,7 +12,7 @@ use admire_syntax::text::Source;
 use super::deck::Deck;
 use super::error::{Complaint, Error, ErrorKind};
 use super::kc_measured::measured;
-use super::kc_page::kc_page;
+use super::kc_page::{KcDeck, kc_page};
 
 /// Characteristics of an axle under the standard K&C tests.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ impl Deck {
         sources.add(source.clone());
         sources.add(self.dataset().source().clone());
         let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, &sources);
-        let read = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+        let read = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
         let Some(config) = read.value else {
             return Err(refused(&read.diagnostics));
         };
@@ -99,9 +99,13 @@ impl Deck {
         let complaints = complaints.map(|found| Complaint::new(found, &sources));
         let complaints = complaints.collect();
         let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-        let deck = (Path::new(self.name()), self.bytes(), &units);
+        let deck = KcDeck {
+            path: Path::new(self.name()),
+            bytes: self.bytes(),
+            units: &units,
+        };
         let html =
-            kc_page(deck, (&config, &found), (&others, &curves), convention).map_err(|error| {
+            kc_page(&deck, &config, &found, &others, &curves, convention).map_err(|error| {
                 let failed = Diagnostic::error(Code::CannotWrite, error.to_string());
                 Error::plain(ErrorKind::Input, &failed)
             })?;
@@ -121,7 +125,7 @@ impl Deck {
         (sources, told): (&Sources, &mut Vec<Diagnostic>),
     ) -> Result<KcRun, Error> {
         let refused = |found: &[Diagnostic]| Error::new(ErrorKind::Input, found, sources);
-        let bench = Bench::new(config, (self.dataset(), files, model));
+        let bench = Bench::new(config, self.dataset(), files, model);
         let mut bench = bench.map_err(|found| refused(&found))?;
         told.extend(bench.implausible());
         run(&mut bench, &model.units).map_err(|why| match why {

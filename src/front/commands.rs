@@ -194,7 +194,7 @@ impl Deck {
 
     /// Executes commands on this deck as [`execute`](Self::execute) does; the run ends early when the observer says so.
     pub fn execute_watched(&self, commands: &Commands, watch: &dyn ProgressObserver) -> Run {
-        Run::execute(&self.read, &commands.file, (Instant::now(), watch))
+        Run::execute(&self.read, &commands.file, Instant::now(), watch)
     }
 }
 

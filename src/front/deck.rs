@@ -373,7 +373,7 @@ impl Deck {
         let start = Instant::now();
         let source = Source::read(path).map_err(|error| Error::unreadable(path, &error))?;
         let parsed = CommandFile::parse(source);
-        Ok(Run::execute(&self.read, &parsed, (start, watch)))
+        Ok(Run::execute(&self.read, &parsed, start, watch))
     }
 
     /// Executes commands given as text. Files named in them are looked up in the folder of `name`. The run stops early when `watch`
@@ -381,7 +381,7 @@ impl Deck {
     pub fn run_watched(&self, name: &str, commands: &str, watch: &dyn ProgressObserver) -> Run {
         let start = Instant::now();
         let parsed = CommandFile::parse_commands(Source::new(name, commands.as_bytes()));
-        Run::execute(&self.read, &parsed, (start, watch))
+        Run::execute(&self.read, &parsed, start, watch)
     }
 
     /// Computes the derivatives of the equilibrium at a time with respect to numbers of the deck.
@@ -398,14 +398,15 @@ impl Deck {
         time: f64,
     ) -> Result<SensitivityTable, Error> {
         let (model, system) = self.compiled()?;
-        let parts = (self.dataset(), &model, &system);
-        SensitivityTable::new(parts, of, by, time).map_err(|why| match why {
-            Unavailable::Word(refused) => usage(refused),
-            Unavailable::NoAnswer(error) => {
-                let none = Diagnostic::error(Code::NoEquilibrium, error.to_string());
-                Error::plain(ErrorKind::NoAnswer, &none)
-            }
-        })
+        SensitivityTable::new(self.dataset(), &model, &system, of, by, time).map_err(
+            |why| match why {
+                Unavailable::Word(refused) => usage(refused),
+                Unavailable::NoAnswer(error) => {
+                    let none = Diagnostic::error(Code::NoEquilibrium, error.to_string());
+                    Error::plain(ErrorKind::NoAnswer, &none)
+                }
+            },
+        )
     }
 
     /// Builds the model of the deck, and returns the files it uses.

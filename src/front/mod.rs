@@ -47,7 +47,7 @@ pub(crate) use foreign::foreign_parts;
 #[cfg(feature = "kc")]
 pub(crate) use kc_measured::measured;
 #[cfg(feature = "kc")]
-pub(crate) use kc_page::kc_page;
+pub(crate) use kc_page::{KcDeck, kc_page};
 pub use results::{Results, Rows};
 pub use run::Run;
 pub(crate) use sensitivity::Unavailable;

@@ -34,7 +34,8 @@ impl Run {
     pub(super) fn execute(
         deck: &Checked<Dataset>,
         commands: &Checked<CommandFile>,
-        (start, watch): (Instant, &dyn ProgressObserver),
+        start: Instant,
+        watch: &dyn ProgressObserver,
     ) -> Self {
         let folders = [deck.value.source(), commands.value.source()].map(folder_of);
         let (ending, mut record) = Session::new(Box::new(io::sink()), Path::new(""))

@@ -43,7 +43,9 @@ impl SensitivityTable {
     /// Solves the equilibrium at a time and differentiates it. `of` names parts (their motion), forces and joints (their force on I), or
     /// `REQUEST/1.F2`. `by` names numbers; if empty, all numbers with an effect are used.
     pub(crate) fn new(
-        (dataset, model, system): (&Dataset, &Model, &System),
+        dataset: &Dataset,
+        model: &Model,
+        system: &System,
         of: &[String],
         by: &[String],
         time: f64,

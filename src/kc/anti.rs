@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Compliance, Side, ride};
+use super::{Compliance, Side, Tyre, ride};
 
 /// Vehicle data for the anti effects, in the units of the deck. They are not part of a deck.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
@@ -78,7 +78,8 @@ impl Anti {
         c: &Compliance,
         side: Side,
         v: &Vehicle,
-        (r0, track): (f64, Option<f64>),
+        r0: f64,
+        track: Option<f64>,
     ) -> f64 {
         let (force, transfer) = self.force_and_transfer(v);
         let lever = if self.at_patch(v) { r0 } else { 0.0 };
@@ -94,17 +95,19 @@ impl Anti {
         -100.0 * zf / zw
     }
 
-    /// Computes the height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, with the weight `m g` in force
+    /// Computes the height change at the axle per g: `m g h / (2 L) [(1 - anti/100) / wheel rate + 1/Kt]`, with the `weight` `m g` in force
     /// units. The value is positive in the sense of the name: a positive lift moves the body up.
     pub(crate) fn height_per_g(
         self,
         c: &Compliance,
         side: Side,
         v: &Vehicle,
-        ((r0, tyre, weight), track): ((f64, Option<f64>, f64), Option<f64>),
+        tyre: &Tyre,
+        track: Option<f64>,
+        weight: f64,
     ) -> f64 {
-        let anti = self.percent(c, side, v, (r0, track));
-        let give = tyre.map_or(0.0, |k| 1.0 / k);
+        let anti = self.percent(c, side, v, tyre.radius, track);
+        let give = tyre.stiffness.map_or(0.0, |k| 1.0 / k);
         weight * v.cg_height / (2.0 * v.wheelbase)
             * ((1.0 - anti / 100.0) / ride::wheel_rate(c, side) + give)
     }

@@ -60,7 +60,9 @@ impl<'a> Bench<'a> {
     /// One diagnostic for each wheel whose names in the file are wrong.
     pub fn new(
         config: &'a Config,
-        (dataset, files, model): (&'a Dataset, &'a Files, &'a Model),
+        dataset: &'a Dataset,
+        files: &'a Files,
+        model: &'a Model,
     ) -> Result<Self, Vec<Diagnostic>> {
         Ok(Self {
             config,
@@ -99,11 +101,10 @@ impl<'a> Bench<'a> {
     /// [`BenchError::Deck`] if the deck cannot be solved.
     pub(crate) fn variant(&mut self, variant: Variant) -> Result<&mut Compiled, BenchError> {
         if !self.variants.contains_key(&variant) {
-            let deck = (self.dataset, self.model);
-            let rigged = rigged(self.config, deck, &self.wheels, variant)
+            let rigged = rigged(self.config, self.dataset, self.model, &self.wheels, variant)
                 .map_err(|why| BenchError::Deck(vec![why]))?;
-            let files = (self.dataset, self.files);
-            let compiled = Compiled::new(self.config, files, &self.wheels, rigged)?;
+            let compiled =
+                Compiled::new(self.config, self.dataset, self.files, &self.wheels, rigged)?;
             self.variants.insert(variant, compiled);
         }
         Ok(self
@@ -185,7 +186,8 @@ impl<'a> Bench<'a> {
         &mut self,
         variant: Variant,
         chain: &mut WarmStart,
-        (inputs, drive): (&Inputs, Option<&Drive>),
+        inputs: &Inputs,
+        drive: Option<&Drive>,
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (config, wheels, rubs) = (self.config, self.wheels.clone(), chain.rubs);
@@ -243,10 +245,12 @@ impl Compiled {
         at: &str,
     ) -> Result<Observation, BenchError> {
         let (parameters, named) = self.solve(inputs, state, at)?;
-        let derivatives = Derivatives::of(self, config, (&parameters, state), (drive, found))
-            .map_err(|why| BenchError::NoEquilibrium {
-                at: at.to_string(),
-                why: Box::new(why),
+        let derivatives =
+            Derivatives::of(self, config, &parameters, state, drive, found).map_err(|why| {
+                BenchError::NoEquilibrium {
+                    at: at.to_string(),
+                    why: Box::new(why),
+                }
             })?;
         if derivatives.deficiency > named {
             // The factors of the last iteration missed a free motion. Refactoring at the equilibrium itself reveals and names it.
@@ -254,8 +258,11 @@ impl Compiled {
             self.solve(inputs, state, at)?;
         }
         // Round-off may hide a free motion from the factors. It still shows as a huge entry of the compliance.
-        let unit = (self.model.units.length.si, self.model.units.force.si);
-        if let Some(motion) = derivatives.compliance.and_then(|c| c.free_motion(unit)) {
+        let units = &self.model.units;
+        let motion = derivatives
+            .compliance
+            .and_then(|c| c.free_motion(units.length.si, units.force.si));
+        if let Some(motion) = motion {
             return Err(BenchError::Free {
                 at: at.to_string(),
                 motion,

@@ -45,7 +45,8 @@ impl Compiled {
     /// [`BenchError::Deck`] if the deck cannot be solved.
     pub(super) fn new(
         config: &Config,
-        (dataset, files): (&Dataset, &Files),
+        dataset: &Dataset,
+        files: &Files,
         found: &[FoundWheel],
         rigged: Rigged,
     ) -> Result<Self, BenchError> {

@@ -67,7 +67,7 @@ impl Compliance {
 
     /// Describes a zero-stiffness motion of a wheel in words; `None` if there is none. The limit exceeds the compliance of any axle: 1 m/N,
     /// or the same displacement on a lever of 100 mm for rotations. `length` and `force` are the sizes of the deck's units in m and N.
-    pub(crate) fn free_motion(&self, (length, force): (f64, f64)) -> Option<String> {
+    pub(crate) fn free_motion(&self, length: f64, force: f64) -> Option<String> {
         const LEVER: f64 = 0.1;
         const MOST: f64 = 1.0;
         let si = |i: usize, j: usize| {

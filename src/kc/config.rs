@@ -289,7 +289,7 @@ pub(super) fn place_of(source: &Source, name: &str) -> std::ops::Range<usize> {
 
 impl Config {
     /// Reads the file. The defaults are converted to units of the deck: `length` is one millimetre and `force` one newton in these units.
-    pub fn read(source: &Source, (length, force): (f64, f64)) -> Checked<Option<Self>> {
+    pub fn read(source: &Source, length: f64, force: f64) -> Checked<Option<Self>> {
         let parsed = source
             .utf8()
             .map_err(|span| (span, "this is not UTF-8 text".to_string()))
@@ -375,7 +375,7 @@ impl Config {
             if !wanted || !possible {
                 continue;
             }
-            let default = kind.settings((length, force), file.tyre.is_some());
+            let default = kind.settings(length, force, file.tyre.is_some());
             let mut settings = default;
             if let Some(range) = table.range {
                 settings.range = *range.get_ref();

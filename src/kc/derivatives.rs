@@ -38,8 +38,10 @@ impl Derivatives {
     pub(crate) fn of(
         compiled: &mut Compiled,
         config: &Config,
-        (parameters, state): (&Parameters, &State),
-        (drive, found): (Option<&Drive>, &[FoundWheel]),
+        parameters: &Parameters,
+        state: &State,
+        drive: Option<&Drive>,
+        found: &[FoundWheel],
     ) -> Result<Self, SolveError> {
         let Compiled {
             system,

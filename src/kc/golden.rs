@@ -2,8 +2,8 @@
 //! columns.
 
 use super::{
-    Anti, Compliance, Mat12, Pairing, Side, Vehicle, VerticalLoad, force_compliance, ride, roll,
-    roll_centre, swing_arm,
+    Anti, Compliance, Mat12, Pairing, Side, Tyre, Vehicle, VerticalLoad, force_compliance, ride,
+    roll, roll_centre, swing_arm,
 };
 use admire_solver::mechanics::Vec3;
 
@@ -121,23 +121,27 @@ fn anti_effects() {
         axle_ratio: None,
     };
     near(
-        Anti::LiftBraking.percent(&c, Side::Left, &v, (R0, None)),
+        Anti::LiftBraking.percent(&c, Side::Left, &v, R0, None),
         221.599704,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.percent(&c, Side::Left, &v, (R0, None)),
+        Anti::SquatAcceleration.percent(&c, Side::Left, &v, R0, None),
         32.951929,
         1e-5,
     );
-    let loads = (R0, Some(TYRE), 1600.0 * 9.80665);
+    let tyre = Tyre {
+        radius: R0,
+        stiffness: Some(TYRE),
+    };
+    let weight = 1600.0 * 9.80665;
     near(
-        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, (loads, None)),
+        Anti::LiftBraking.height_per_g(&c, Side::Left, &v, &tyre, None, weight),
         -36.8843001,
         1e-5,
     );
     near(
-        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, (loads, None)),
+        Anti::SquatAcceleration.height_per_g(&c, Side::Left, &v, &tyre, None, weight),
         31.4953521,
         1e-5,
     );
@@ -157,10 +161,10 @@ fn a_live_axle() {
         axle_ratio: Some(3.5),
     };
     let track = Some(1540.0);
-    let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, (R0, track));
+    let of = |side| Anti::SquatAcceleration.percent(&c, side, &v, R0, track);
     let (left, right) = (of(Side::Left), of(Side::Right));
     // Full braking force on the front axle acts rearward and down instead of forward and up; the ratio is the same.
-    let without = Anti::DiveBraking.percent(&c, Side::Left, &v, (R0, track));
+    let without = Anti::DiveBraking.percent(&c, Side::Left, &v, R0, track);
     near(2.0 / (1.0 / left + 1.0 / right), -without, 1e-12);
     // The shaft torque unloads the left wheel by R0 / 3.5 / 1540, compared with h / 2L.
     let share = R0 / 3.5 / 1540.0 / (500.0 / 5400.0);

@@ -43,11 +43,11 @@ mod sweep;
 pub mod swing_arm;
 mod test_kind;
 mod test_settings;
+mod tyre;
 pub mod wheel;
 mod wheel_rate;
 
 pub(crate) use anti::{Anti, Vehicle};
-pub use axle::Tyre;
 pub use axle::{AxleState, Given};
 pub use bench::{Bench, Observation};
 pub use bench_error::BenchError;
@@ -85,4 +85,5 @@ pub(crate) use swing_arm::roll_centre;
 pub use test_kind::TestKind;
 pub use test_settings::Hold;
 pub use test_settings::LoadPoint;
+pub use tyre::Tyre;
 pub use wheel::Wheel;

@@ -357,7 +357,8 @@ pub fn json(run: &KcRun, config: &Config, units: &Units, convention: Convention)
 /// None in practice: the file is written to memory.
 pub fn results(
     test: &TestRun,
-    (title, units): (&str, &Units),
+    title: &str,
+    units: &Units,
     convention: Convention,
 ) -> io::Result<(Vec<u8>, Vec<String>)> {
     let Some(first) = test.samples.first() else {

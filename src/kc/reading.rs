@@ -120,7 +120,8 @@ pub(super) struct Readings {
 impl Readings {
     pub(crate) fn push(
         &mut self,
-        (entity, component): (&'static str, &'static str),
+        entity: &'static str,
+        component: &'static str,
         unit: Unit,
         sense: Sense,
         value: f64,

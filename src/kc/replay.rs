@@ -145,7 +145,8 @@ impl Replay {
     /// [`ReplayError`] if a body is missing or has no pose.
     pub fn new(
         catalogue: &Catalogue,
-        (names, axes): (&[String], &[[BodyPoint; 2]]),
+        names: &[String],
+        axes: &[[BodyPoint; 2]],
         degrees: bool,
         options: ReplayOptions,
     ) -> Result<Self, ReplayError> {

@@ -312,7 +312,8 @@ fn number(value: f64) -> String {
 /// A statement to be removed is missing, or is not removable.
 pub(crate) fn rigged(
     config: &Config,
-    (dataset, model): (&Dataset, &Model),
+    dataset: &Dataset,
+    model: &Model,
     wheels: &[FoundWheel],
     variant: Variant,
 ) -> Result<Rigged, Diagnostic> {

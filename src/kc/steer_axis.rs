@@ -117,12 +117,12 @@ impl SteerAxis {
     }
 
     /// Returns the lever of a vertical load at the contact point about the axis: `scrub tan(caster) + trail tan(kingpin)`.
-    pub(crate) fn load_lever(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+    pub(crate) fn load_lever(&self, side: Side, scrub: f64, trail: f64) -> f64 {
         scrub * libm::tan(self.caster()) + trail * libm::tan(self.kingpin_inclination(side))
     }
 
     /// Returns `hub_lead` as Adams/Car writes it: [`Self::load_lever`] with the angles in radians mistaken for degrees.
-    pub fn hub_lead(&self, side: Side, (scrub, trail): (f64, f64)) -> f64 {
+    pub fn hub_lead(&self, side: Side, scrub: f64, trail: f64) -> f64 {
         let tan = |angle: f64| libm::tan(angle.to_radians());
         scrub * tan(self.caster()) + trail * tan(self.kingpin_inclination(side))
     }

@@ -102,7 +102,7 @@ pub fn run_watched(
         ..inputs
     };
     let mut chain = base.clone();
-    let seen = bench.observe(held, &mut chain, (&ride_inputs, None), "ride height")?;
+    let seen = bench.observe(held, &mut chain, &ride_inputs, None, "ride height")?;
     let length = 0.1 / units.length.si;
     let asymmetry = seen
         .axle
@@ -142,7 +142,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
             vertical_at_patch,
             ..Inputs::default()
         };
-        let seen = bench.observe(loaded, &mut chain, (&inputs, None), at)?;
+        let seen = bench.observe(loaded, &mut chain, &inputs, None, at)?;
         for side in Side::BOTH {
             if let Some(state) = &seen.axle.wheels[side.index()] {
                 height[side.index()] = state.wheel.centre.z - state.design.centre.z;
@@ -162,7 +162,7 @@ fn ride(bench: &mut Bench<'_>) -> Result<(Ride, WarmStart), BenchError> {
         vertical_at_patch,
         ..Inputs::default()
     };
-    let seen = bench.observe(held, &mut chain, (&inputs, None), at)?;
+    let seen = bench.observe(held, &mut chain, &inputs, None, at)?;
     let load = seen.load;
     Ok((Ride { height, load }, chain))
 }
@@ -304,7 +304,7 @@ impl Course<'_> {
         for _ in 0..ROUNDS {
             let mut trial = chain.clone();
             let inputs = self.inputs(value);
-            let seen = bench.observe(self.variant, &mut trial, (&inputs, Some(&HEAVE)), &at)?;
+            let seen = bench.observe(self.variant, &mut trial, &inputs, Some(&HEAVE), &at)?;
             let sum = |of: [f64; 2]| of[0] + of[1];
             let rate = sum(seen.rates.map(|rate| rate.map_or(0.0, |rate| rate.load)));
             let step = (sum(self.ride.load) - sum(seen.load)) / rate;
@@ -331,7 +331,7 @@ impl Course<'_> {
         if self.keeps_axle_load() {
             let mut load = |drive: &Drive| -> Result<f64, BenchError> {
                 let seen =
-                    bench.observe(self.variant, &mut chain.clone(), (inputs, Some(drive)), at)?;
+                    bench.observe(self.variant, &mut chain.clone(), inputs, Some(drive), at)?;
                 Ok(seen.rates.iter().flatten().map(|rate| rate.load).sum())
             };
             let rise = -load(&self.drive)? / load(&HEAVE)?;
@@ -354,7 +354,7 @@ impl Course<'_> {
         } else {
             None
         };
-        let seen = bench.observe(self.variant, chain, (&inputs, drive.as_ref()), &at)?;
+        let seen = bench.observe(self.variant, chain, &inputs, drive.as_ref(), &at)?;
         Ok((inputs, seen))
     }
 }

@@ -136,7 +136,7 @@ impl TestKind {
 
     /// Returns the usual settings; `length` is a millimetre and `force` a newton in units of the deck. A travel of 50 mm is usual on rigs;
     /// the other levels are customary but have no cited source.
-    pub(crate) fn settings(self, (length, force): (f64, f64), tyre: bool) -> TestSettings {
+    pub(crate) fn settings(self, length: f64, force: f64, tyre: bool) -> TestSettings {
         let (reach, window) = match self {
             Self::Bounce => (50.0 * length, 15.0 * length),
             Self::Roll => (40.0 * length, 15.0 * length),

@@ -230,7 +230,7 @@ fn repeated(
             watch.count(progress.done as usize, Some(progress.all as usize), "");
             watch.goes_on()
         };
-        let made = repeat((&problem, marginal), fit, asked, (None, VERSION), &mut tell)
+        let made = repeat(&problem, marginal, fit, asked, None, VERSION, &mut tell)
             .map_err(|error| failed(&error.to_string()))?
             .ok_or_else(|| failed("stopped before its end"))?;
         for (kind, made) in made {

@@ -109,7 +109,7 @@ fn run(
         watch.stage("sweep");
         let threads =
             jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
-        let done = run_shard(&runner, &plan, (&folder, shard), threads, |progress| {
+        let done = run_shard(&runner, &plan, &folder, shard, threads, |progress| {
             let most = (progress.all - progress.before) as usize;
             watch.count(progress.done as usize, Some(most), "cases");
             watch.goes_on()

@@ -1,11 +1,11 @@
-use admire_diagnosis::{
-    ChannelMiss, CrossValidation, FittedModel, HoldOut, Outcome, Over, Remainder, Verdict,
-};
+use admire_diagnosis::{FittedModel, Outcome, Over, Remainder, Verdict};
 use admire_identify::global::Row;
 use admire_syntax::text::Decimals;
 
 use super::chart::EXTENDED;
-use super::diagnosis_text::{channel_sentence, diagnosis_sentences};
+use super::diagnosis_phrases::channel_sentence;
+use super::diagnosis_tables::{groups, hold_out, missed, probability};
+use super::diagnosis_text::diagnosis_sentences;
 use super::diagnosis_view::{curves, diagnosis_scene, fit_in_words, headline};
 use super::interval::IntervalScale;
 use super::limits;
@@ -37,96 +37,6 @@ pub struct DiagnosisReport<'a> {
 fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     let one = |(name, value): (&String, &f64)| format!("{name} = {value}");
     case.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-/// Formats a number with three digits.
-fn three(value: f64) -> String {
-    number(value, Some(0.1 * value.abs()))
-}
-
-/// Formats a p-value for readers.
-fn probability(p: f64) -> String {
-    match p {
-        0.0 => "< 1e-300".to_string(),
-        p if p < 1e-3 => format!("{p:.0e}"),
-        p => format!("{p:.3}"),
-    }
-}
-
-/// Creates the empty table of cases that were predicted from other cases.
-fn predicted(of: &str, length: &str) -> Table {
-    let unit = if of == "mark" { length } else { "sigmas" };
-    let (before, after) = (
-        format!("rms without any cause, {unit}"),
-        format!("with the causes chosen, {unit}"),
-    );
-    Table::new(&[
-        ("cases predicted from all others", Align::Left),
-        ("causes that those choose", Align::Left),
-        (before.as_str(), Align::Right),
-        (after.as_str(), Align::Right),
-    ])
-}
-
-/// Creates a row of the table of predicted cases.
-fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene) -> [String; 4] {
-    let cases = match cases {
-        [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
-        few => few.join(", "),
-    };
-    let causes = if causes.is_empty() {
-        "none".to_string()
-    } else {
-        scene.naming(&causes.join(", "))
-    };
-    let [before, after] = rms.map(three);
-    [cases, causes, before, after]
-}
-
-/// Tabulates the residuals of the channels.
-fn missed(channels: &[ChannelMiss]) -> Table {
-    let mut table = Table::new(&[
-        ("channel", Align::Left),
-        ("unit", Align::Left),
-        ("missed, rms: as the model was", Align::Right),
-        ("as it is extended", Align::Right),
-        ("noise of a reading", Align::Right),
-    ]);
-    for miss in channels {
-        let value = |x: f64| number(x, Some(0.1 * miss.noise));
-        table.row([
-            miss.name.clone(),
-            miss.behind.trim().to_string(),
-            value(miss.before),
-            value(miss.after),
-            value(miss.noise),
-        ]);
-    }
-    table
-}
-
-/// Tabulates the held-out cases.
-fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
-    let mut table = predicted(found.of, length);
-    let rms = [found.rms_before, found.rms_after];
-    table.row(prediction(&found.cases, &found.causes, rms, scene));
-    table
-}
-
-/// Tabulates the groups of cases, each predicted from the others.
-fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
-    let mut table = predicted(found.of, length);
-    for group in &found.groups {
-        let rms = [group.rms_before, group.rms_after];
-        table.row(prediction(&group.cases, &group.causes, rms, scene));
-    }
-    table.row([
-        "all".to_string(),
-        String::new(),
-        three(found.rms_before),
-        three(found.rms_after),
-    ]);
-    table
 }
 
 /// Draws the unexplained remainder as a force over its coordinate.

@@ -15,6 +15,8 @@ mod chart;
 mod check;
 mod convergence;
 mod diagnosis;
+mod diagnosis_phrases;
+mod diagnosis_tables;
 mod diagnosis_text;
 mod diagnosis_view;
 mod escape;

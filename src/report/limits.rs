@@ -70,7 +70,7 @@ pub(crate) fn of_causes(diagnosis: &Diagnosis, loaded: &LoadedStudy, scene: &Sce
         let at = |(_, address): &(f64, &str)| scene.named(address);
         let one = places()
             .next()
-            .map(|l| unit((l.cause, &l.address), &l.number, loaded));
+            .map(|l| unit(l.cause, &l.address, &l.number, loaded));
         table.row([
             cause.as_str().to_string(),
             name,

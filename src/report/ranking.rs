@@ -96,7 +96,7 @@ fn bar(probability: f64, text: &str) -> String {
 pub fn sizes(finding: &Finding, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let texts = finding.parameters.iter().map(|(name, value)| {
-        let unit = unit((finding.cause, &finding.address), name, loaded);
+        let unit = unit(finding.cause, &finding.address, name, loaded);
         let (factor, unit) = match unit.as_str() {
             "rad" => (1f64.to_degrees(), "deg".to_string()),
             _ => (1.0, short_unit(&unit)),
@@ -156,7 +156,7 @@ fn of_coupling(name: &str, force: &str, length: &str) -> String {
 }
 
 /// Returns the unit of a number of a cause; empty if it is dimensionless or only the deck defines it.
-pub(super) fn unit((cause, address): (Cause, &str), name: &str, loaded: &LoadedStudy) -> String {
+pub(super) fn unit(cause: Cause, address: &str, name: &str, loaded: &LoadedStudy) -> String {
     let units = &loaded.model.units;
     let (force, length) = (units.force.word, units.length.word);
     let turns = address.contains(".KT");

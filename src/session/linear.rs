@@ -201,7 +201,7 @@ impl Session<'_> {
         } = self.model().compiled().value;
         let time = state.time;
         let found =
-            motion::state_matrices(system, parameters, state, (&inputs, &outputs), coordinates);
+            motion::state_matrices(system, parameters, state, &inputs, &outputs, coordinates);
         let found = match found {
             Ok(found) => found,
             Err(reason) => return self.not_linearised(time, &reason, place),

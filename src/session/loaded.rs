@@ -326,7 +326,7 @@ fn carry_over(system: &System, state: &mut State, before: Before) {
     let (counted, were_active, before) = (before.counted, before.active_states, before.state);
     // A state that is switched on starts again, and one that is switched off is zero (com_activate, com_deactivate).
     let begin = (state.states.clone(), state.state_rates.clone());
-    system.count_on(state, (&counted, &before.measure_angles));
+    system.count_on(state, &counted, &before.measure_angles);
     state.time = before.time;
     for (now, then) in [
         (&mut state.variables, before.variables),

@@ -202,12 +202,19 @@ impl Session<'_> {
             let time = times.at(k);
             k += 1;
             let largest = largest.unwrap_or(time - state.time);
-            let to = (time, largest);
             let reached = if watch.is_idle() {
                 let taken = motion::advance(system, parameters, state, &mut memory, time, largest);
                 taken.map(|taken| (taken, false))
             } else {
-                motion::advance_watched((system, parameters), state, &mut memory, to, &mut watch)
+                motion::advance_watched(
+                    system,
+                    parameters,
+                    state,
+                    &mut memory,
+                    time,
+                    largest,
+                    &mut watch,
+                )
             };
             let event = match reached {
                 Ok((taken, event)) => {

@@ -128,7 +128,7 @@ impl<'a> SensorWatch<'a> {
             }
         }
         match integrator.first_passage(self) {
-            Some(passage) => integrator.end_at_passage(self, passage),
+            Some((_, after)) => integrator.end_at_passage(self, after),
             None => Ok(false),
         }
     }

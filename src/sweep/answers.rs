@@ -28,9 +28,10 @@ impl StudyResults {
     /// # Errors
     /// Status and reason of the failure.
     pub(crate) fn of(
-        (study, check): (&LoadedStudy, GainCheck),
+        study: &LoadedStudy,
         deck: &Source,
         keeps: &[(OutputSpec, Option<String>, Span)],
+        check: GainCheck,
     ) -> Result<Self, (Status, String)> {
         let read = study.with_deck(deck.clone());
         let Some(loaded) = read.value else {

@@ -121,7 +121,8 @@ impl Cases for OfShard<'_> {
 pub fn run_shard(
     runner: &Runner<'_>,
     plan: &SweepPlan,
-    (folder, shard): (&SweepFolder, Shard),
+    folder: &SweepFolder,
+    shard: Shard,
     threads: usize,
     tell: impl FnMut(&Progress) -> bool,
 ) -> Result<Progress, SweepError> {

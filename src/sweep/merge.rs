@@ -180,15 +180,18 @@ fn join(folder: &SweepFolder, columns: &Columns) -> Result<(), SweepError> {
     let mut next = 0;
     for shard in folder.shards() {
         let part = TableReader::open(&folder.part(shard))?;
-        let counts = (columns.inputs.len(), columns.outputs.len());
-        part.each(counts, |row, numbers| -> Result<(), SweepError> {
-            if row.case != next {
-                let message = format!("case {} stands where case {next} belongs", row.case);
-                return Err(parquet::errors::ParquetError::General(message).into());
-            }
-            next += 1;
-            Ok(whole.add(row, numbers)?)
-        })?;
+        part.each(
+            columns.inputs.len(),
+            columns.outputs.len(),
+            |row, numbers| -> Result<(), SweepError> {
+                if row.case != next {
+                    let message = format!("case {} stands where case {next} belongs", row.case);
+                    return Err(parquet::errors::ParquetError::General(message).into());
+                }
+                next += 1;
+                Ok(whole.add(row, numbers)?)
+            },
+        )?;
     }
     whole.finish()?;
     Ok(())

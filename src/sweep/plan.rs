@@ -180,7 +180,7 @@ impl SweepPlan {
             correlations,
             design,
             table,
-        } = numbers(&file, (&parsed.value, &folder), out)?;
+        } = numbers(&file, &parsed.value, &folder, out)?;
         inputs.extend(table);
         Some(Self {
             source,
@@ -332,7 +332,7 @@ fn task(
             let source = out.file(folder, name)?;
             inputs.push(source.clone());
             let units = model.units;
-            let config = Config::read(&source, (1e-3 / units.length.si, 1.0 / units.force.si));
+            let config = Config::read(&source, 1e-3 / units.length.si, 1.0 / units.force.si);
             out.all.extend(config.diagnostics);
             Some(Task::Tests(Box::new(config.value?)))
         }

@@ -33,7 +33,8 @@ pub(super) struct Numbers {
 /// Reads the varied numbers and their design.
 pub(super) fn numbers(
     file: &PlanFile,
-    (deck, folder): (&Dataset, &Path),
+    deck: &Dataset,
+    folder: &Path,
     out: &mut CollectedDiagnostics,
 ) -> Option<Numbers> {
     let plan = file.sampling.plan.get_ref();

@@ -313,7 +313,7 @@ impl<'p> Runner<'p> {
             (Task::Commands(commands), Some(program)) => self.external(deck, commands, program),
             (Task::Tests(config), _) => self.tests(deck, config),
             (Task::Study(study, check), _) => {
-                StudyResults::of((study, *check), deck, &self.plan.keeps)
+                StudyResults::of(study, deck, &self.plan.keeps, *check)
                     .map(|answers| Seen::Answers(Box::new(answers)))
             }
         }
@@ -384,7 +384,7 @@ impl<'p> Runner<'p> {
         }
         let (deck, model) = (&parsed.value, &lowered.value);
         let failed = || (Status::Invalid, "the rig does not fit the deck".to_string());
-        let mut bench = Bench::new(config, (deck, &self.plan.files, model))
+        let mut bench = Bench::new(config, deck, &self.plan.files, model)
             .map_err(|all| invalid(&all).unwrap_or_else(failed))?;
         let run = kc::run(&mut bench, &model.units);
         run.map(|run| Seen::Tests(Box::new(run)))

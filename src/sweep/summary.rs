@@ -268,7 +268,7 @@ impl Summary {
             inputs,
             outputs,
         };
-        summary.find_swings(&table, (ins, outs))?;
+        summary.find_swings(&table, ins, outs)?;
         Ok(summary)
     }
 
@@ -276,15 +276,14 @@ impl Summary {
     fn find_swings(
         &mut self,
         table: &TableReader,
-        counts: (usize, usize),
+        ins: usize,
+        outs: usize,
     ) -> Result<(), SweepError> {
-        let moving: Vec<usize> = (0..counts.0).filter(|k| self.inputs[*k].sd > 0.0).collect();
-        let mut fits: Vec<Regression> = (0..counts.1)
-            .map(|_| Regression::new(moving.len()))
-            .collect();
+        let moving: Vec<usize> = (0..ins).filter(|k| self.inputs[*k].sd > 0.0).collect();
+        let mut fits: Vec<Regression> = (0..outs).map(|_| Regression::new(moving.len())).collect();
         let (inputs, outputs) = (&self.inputs, &self.outputs);
         let mut numbers = vec![0.0; moving.len()];
-        table.each(counts, |row, values| -> Result<(), ParquetError> {
+        table.each(ins, outs, |row, values| -> Result<(), ParquetError> {
             for (number, k) in numbers.iter_mut().zip(&moving) {
                 *number = (values[*k] - inputs[*k].mean) / inputs[*k].sd;
             }

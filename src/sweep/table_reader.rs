@@ -88,7 +88,8 @@ impl TableReader {
     /// When the file cannot be read, or an error of `take`.
     pub fn each<E: From<ParquetError>>(
         &self,
-        (inputs, outputs): (usize, usize),
+        inputs: usize,
+        outputs: usize,
         mut take: impl FnMut(Row, Vec<f64>) -> Result<(), E>,
     ) -> Result<(), E> {
         for group in 0..self.reader.num_row_groups() {
@@ -255,7 +256,7 @@ mod tests {
         );
         let mut next = 0;
         reader
-            .each((2, 1), |found, inputs| -> Result<(), ParquetError> {
+            .each(2, 1, |found, inputs| -> Result<(), ParquetError> {
                 let expected = row(next);
                 assert_eq!(
                     (found.case, found.status, &found.reason),

@@ -45,12 +45,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     (slot, shifts.iter().map(|s| s[k]).collect())
                 })
                 .collect();
-            let place = (model.markers[marker.0].qp, [0.0; 3]);
             let ground = model.parts[ground.0].header.id;
             let (bushing, _, changes) = survey.split(
                 ground,
                 id,
-                place,
+                own.qp,
+                [0.0; 3],
                 [SPLIT_STIFFNESS_N_PER_MM * per_length; 3],
             );
             let stiffnesses = (1..=3).map(|k| number("BUSHING", bushing, "K", Some(k)));

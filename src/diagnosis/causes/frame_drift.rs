@@ -16,7 +16,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
             continue;
         }
         let places: Vec<Vec3> = read.marks.iter().map(|mark| mark.x).collect();
-        let columns = by_frame(survey.rows(), case, &places, (survey.sigma(), 1.0));
+        let columns = by_frame(survey.rows(), case, &places, survey.sigma(), 1.0);
         let numbers = columns.into_iter().enumerate().map(|(k, rows)| {
             let sd = if k < 3 {
                 survey.priors().frame_shift_mm * survey.millimetre()

@@ -26,7 +26,7 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
         let contact = survey.priors().contact_stiffness_n_per_mm * per_length;
         let half = format!("{contact:E}*(MAX(0.0,{measure}-0.0)");
         let text = format!("-{half}-MAX(0.0,-{measure}-0.0))");
-        let (force, added) = survey.force_between(pair, (end.part, floating), &[(2, &text)]);
+        let (force, added) = survey.force_between(pair, end.part, floating, &[(2, &text)]);
         changes.extend(added.into_iter().map(Change::Add));
         // The first literal is the contact stiffness. The last literal of each of the two terms is half of the play.
         let first = admire_syntax::Expression::parse_str(&format!("{half})"));

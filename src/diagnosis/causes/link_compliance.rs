@@ -94,8 +94,14 @@ impl LinkEnd {
         let y = axis.cross(&x).normalize();
         let R = Mat3::from_columns(&[y.cross(&axis), y, axis]);
         let rigid = RIGID_STIFFNESS_N_PER_MM * survey.newton() / survey.millimetre();
-        let place = (self.place, psi_theta_phi(&R));
-        survey.split(self.part, self.marker, place, [rigid, rigid, stiffness])
+        let stiffnesses = [rigid, rigid, stiffness];
+        survey.split(
+            self.part,
+            self.marker,
+            self.place,
+            psi_theta_phi(&R),
+            stiffnesses,
+        )
     }
 }
 

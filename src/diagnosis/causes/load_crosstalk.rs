@@ -20,12 +20,12 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                     [(member, "fraction".to_string())],
                     survey.priors().load_crosstalk,
                 ));
-                let pair = (&to.target, &from.target);
                 out.push(growing(
                     survey,
                     Cause::LoadCrosstalk,
                     &address,
-                    pair,
+                    &to.target,
+                    &from.target,
                     survey.priors().load_crosstalk,
                 ));
             }

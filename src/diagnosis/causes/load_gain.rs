@@ -22,7 +22,8 @@ pub(super) fn hypotheses(survey: &OperatingPoints<'_>, out: &mut Vec<CandidateEf
                 survey,
                 Cause::LoadGain,
                 &address,
-                (&load.target, &load.target),
+                &load.target,
+                &load.target,
                 survey.priors().load_gain,
             ));
         }
@@ -35,7 +36,8 @@ pub(super) fn growing(
     survey: &OperatingPoints<'_>,
     cause: Cause,
     address: &str,
-    (to, from): (&Address, &Address),
+    to: &Address,
+    from: &Address,
     sd: f64,
 ) -> CandidateEffect {
     let values = survey.load_values(from);

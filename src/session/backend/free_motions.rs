@@ -97,7 +97,7 @@ impl HeldWeight {
 
 impl FreeMotions {
     /// Finds the motions of a lowered and compiled deck under its loads. Empty if none of the first load cases has an equilibrium.
-    pub fn new(deck: (&Dataset, &Model), system: &System, loads: Loads) -> Self {
+    pub fn new(dataset: &Dataset, model: &Model, system: &System, loads: Loads) -> Self {
         let mut parameters = system.parameters();
         let settings = tight_settings(system);
         let mut sweeper = CaseSweeper::new(system, loads, settings.clone());
@@ -126,7 +126,7 @@ impl FreeMotions {
             });
             let weights = motions
                 .iter()
-                .flat_map(|motion| weights(deck, system, &state, motion));
+                .flat_map(|motion| weights((dataset, model), system, &state, motion));
             return Self {
                 weights: Arc::new(weights.collect()),
                 motions: Arc::new(twists.collect()),

@@ -8,6 +8,7 @@ mod akima;
 mod breaks;
 mod build;
 mod call;
+mod called;
 mod compiler;
 mod cubic;
 mod degree;

@@ -236,7 +236,7 @@ impl Program {
         by_input: &mut [f64],
         by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
-        self.eval_on_pieces(inputs, literals, &[], scratch, (by_input, by_literal))
+        self.eval_on_pieces(inputs, literals, &[], scratch, by_input, by_literal)
     }
 
     /// Returns value and derivatives as [`Self::eval_with_derivatives`], with each switch held on its entry of `pieces`. If `pieces` is
@@ -250,7 +250,8 @@ impl Program {
         literals: &[f64],
         pieces: &[Piece],
         scratch: &mut EvaluationMemory,
-        (by_input, by_literal): (&mut [f64], &mut [f64]),
+        by_input: &mut [f64],
+        by_literal: &mut [f64],
     ) -> Result<f64, EvalError> {
         by_literal.fill(0.0);
         if self.steps.is_empty() {

@@ -14,6 +14,7 @@ use super::pattern::{Pattern, Spread};
 use super::pivoting::Eliminated;
 use super::recorded::Recorded;
 use super::scalar::Scalar;
+use super::step::Scales;
 
 /// Factors, with the information needed to factor other matrices of the same pattern.
 #[derive(Clone, Debug)]
@@ -64,7 +65,7 @@ impl<T: Scalar> Form<T> {
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
-        scales: (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
     ) -> bool {
         match self {

@@ -18,7 +18,7 @@ use super::matrix::Matrix;
 use super::ordering::columns_of;
 use super::pivoting::{RANK_TOLERANCE, eliminated};
 use super::scalar::Scalar;
-use super::step::{GROWTH, GROWTH_OF_STEPS};
+use super::step::{GROWTH, GROWTH_OF_STEPS, Scales};
 
 /// Number of right sides that are solved side by side.
 const WIDTH: usize = 8;
@@ -144,7 +144,10 @@ impl<T: Scalar> Lu<T> {
 
     /// Repeats the known operations. Returns false if a pivot has shrunk too far.
     fn repeat(&mut self, matrix: &Entries<'_, T>) -> bool {
-        let scales = (&self.row_scale[..], &self.column_scale[..]);
+        let scales = Scales {
+            row: &self.row_scale,
+            column: &self.column_scale,
+        };
         self.form.repeat(matrix, scales, self.growth)
     }
 

@@ -8,7 +8,7 @@ use super::entries::Entries;
 use super::factors::Factors;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::{EliminationStep, Pivot};
+use super::step::{EliminationStep, Pivot, Scales};
 
 const NOWHERE: u32 = u32::MAX;
 
@@ -111,7 +111,7 @@ impl Pattern {
     pub(super) fn fill<T: Scalar>(
         &self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
         spread: &mut Spread<T>,
         factors: &mut Factors<T>,
@@ -119,13 +119,7 @@ impl Pattern {
         let Spread { row, pivots } = spread;
         row.resize(matrix.n, T::default());
         pivots.clear();
-        let done = self.run(
-            matrix,
-            (row_scale, column_scale),
-            growth,
-            (row, pivots),
-            factors,
-        );
+        let done = self.run(matrix, scales, growth, (row, pivots), factors);
         if !done {
             row.clear();
         }
@@ -135,7 +129,7 @@ impl Pattern {
     fn run<T: Scalar>(
         &self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
         (row, pivots): (&mut [T], &mut Vec<Pivot<T>>),
         factors: &mut Factors<T>,
@@ -148,14 +142,14 @@ impl Pattern {
             for &(k, column) in &self.entries[entry..ends.entries as usize] {
                 row[column as usize] = matrix.values[k as usize];
             }
-            let scale = row_scale[step.row as usize];
+            let row_scale = scales.row[step.row as usize];
             for &(k, column) in &self.lower[lower..ends.lower as usize] {
                 let value = std::mem::take(&mut row[column as usize]);
                 if value == zero {
                     continue;
                 }
                 let pivot = &pivots[k as usize];
-                if !pivot.is_acceptable(value, scale) {
+                if !pivot.is_acceptable(value, row_scale) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;
@@ -170,8 +164,8 @@ impl Pattern {
             }
             let value = std::mem::take(&mut row[step.column as usize]);
             to.end_row(step.row, step.column, value);
-            let scales = (scale, column_scale[step.column as usize]);
-            let Some(pivot) = step.pivot(value, scales, growth) else {
+            let column_scale = scales.column[step.column as usize];
+            let Some(pivot) = step.pivot(value, row_scale, column_scale, growth) else {
                 return false;
             };
             pivots.push(pivot);

@@ -7,7 +7,7 @@ use std::ops::{Div, Mul, Range};
 use super::entries::Entries;
 use super::pivoting::Eliminated;
 use super::scalar::Scalar;
-use super::step::EliminationStep;
+use super::step::{EliminationStep, Scales};
 use super::upper::{UpperRow, back, forwards_transposed};
 
 /// A step and the positions of its values. The pivots, each followed by its row of U, come first; the columns of L of all steps follow. In a
@@ -101,7 +101,7 @@ impl<T: Scalar> Recorded<T> {
     pub(super) fn repeat(
         &mut self,
         matrix: &Entries<'_, T>,
-        (row_scale, column_scale): (&[f64], &[f64]),
+        scales: Scales<'_>,
         growth: f64,
     ) -> bool {
         let (zero, values) = (T::default(), &mut self.values[..]);
@@ -112,11 +112,12 @@ impl<T: Scalar> Recorded<T> {
         let mut targets = &self.targets[..];
         for operation in &self.operations {
             let step = &operation.step;
-            let scales = (
-                row_scale[step.row as usize],
-                column_scale[step.column as usize],
-            );
-            let Some(pivot) = step.pivot(values[operation.at as usize], scales, growth) else {
+            let Some(pivot) = step.pivot(
+                values[operation.at as usize],
+                scales.row[step.row as usize],
+                scales.column[step.column as usize],
+                growth,
+            ) else {
                 return false;
             };
             self.row.clear();
@@ -128,7 +129,7 @@ impl<T: Scalar> Recorded<T> {
                 if value == zero {
                     continue;
                 }
-                if !pivot.is_acceptable(value, row_scale[self.index[k] as usize]) {
+                if !pivot.is_acceptable(value, scales.row[self.index[k] as usize]) {
                     return false;
                 }
                 let multiplier = value * pivot.inverse;

@@ -13,6 +13,15 @@ pub(super) const GROWTH: f64 = 1e3;
 /// Largest ratio of an entry below a shrunk pivot to the pivot, for corrections of an iteration whose residuals show the remaining error.
 pub(super) const GROWTH_OF_STEPS: f64 = 1e7;
 
+/// Factors that scale the rows and columns of a matrix to largest entries of about one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scales<'a> {
+    /// Factor of each row.
+    pub row: &'a [f64],
+    /// Factor of each column.
+    pub column: &'a [f64],
+}
+
 /// One step of an elimination.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EliminationStep {
@@ -27,7 +36,8 @@ impl EliminationStep {
     pub(super) fn pivot<T: Scalar>(
         &self,
         value: T,
-        (row_scale, column_scale): (f64, f64),
+        row_scale: f64,
+        column_scale: f64,
         growth: f64,
     ) -> Option<Pivot<T>> {
         // Written so that a NaN fails.

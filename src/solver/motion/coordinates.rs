@@ -163,7 +163,8 @@ impl Coordinates {
     pub(super) fn chosen(
         &self,
         system: &System,
-        (P, Z): (&DMatrix<f64>, &DMatrix<f64>),
+        P: &DMatrix<f64>,
+        Z: &DMatrix<f64>,
         lengths: &nalgebra::DVector<f64>,
     ) -> Vec<usize> {
         let mut left = P * Z;

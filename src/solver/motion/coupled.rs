@@ -14,10 +14,10 @@
 //! ```
 
 use super::bordered::plain_weight;
-use super::newton::{StepMatrices, Unknowns, turns};
+use super::newton::{Step, StepMatrices, Unknowns, turns};
 use crate::linear::{Levels, Lu, Matrix, Occupied, Sink, by_groups};
 use crate::mechanics::{Mat3, Vec3};
-use crate::system::{NoValue, Parameters, Rows, State, System};
+use crate::system::{NoValue, Parameters, Rows, System};
 
 /// Matrix of the iteration with its factors; its pattern stays the same.
 #[derive(Debug)]
@@ -58,10 +58,12 @@ impl Coupled {
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
+        system: &System,
+        parameters: &Parameters,
+        step: Step<'_>,
         unknowns: &Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         let (n, all, count) = (
             system.first_equation,
             system.moving_unknowns,

@@ -2,7 +2,7 @@
 
 use super::error::MotionError;
 use super::integrator::Integrator;
-use super::newton::Stages;
+use super::newton::{StageValues, Stages};
 use super::tableau::lagrange;
 use crate::system::State;
 
@@ -47,11 +47,13 @@ impl Integrator<'_> {
         self.equations.stage_state(
             self.system,
             &self.origin,
-            time,
-            (&z, &w),
-            (&|k| slope(&self.polynomial.w, k), &|k| {
-                slope(&self.polynomial.z, k)
-            }),
+            &StageValues {
+                time,
+                z: &z,
+                w: &w,
+                acceleration: &|k| slope(&self.polynomial.w, k),
+                state_rate: &|k| slope(&self.polynomial.z, k),
+            },
             &mut state,
         );
         state

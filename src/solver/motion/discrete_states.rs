@@ -130,7 +130,8 @@ impl DiscreteStates {
         &mut self,
         system: &System,
         k: usize,
-        (time, output): (f64, f64),
+        time: f64,
+        output: f64,
         steps: usize,
     ) -> Result<(), MotionFailure> {
         let interval = ((time - self.start) / output).floor();

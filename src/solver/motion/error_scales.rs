@@ -13,6 +13,17 @@ pub(super) struct ErrorScales {
     multiplier: f64,
 }
 
+/// Largest component of an error or a correction.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub(super) struct LargestComponent {
+    /// Size, measured in tolerances.
+    pub size: f64,
+    /// Index among the unknowns.
+    pub index: usize,
+    /// Whether it is a velocity.
+    pub is_velocity: bool,
+}
+
 impl ErrorScales {
     /// Starts with one unit of each kind. Multipliers start with the reference mass times the model's length.
     pub(crate) fn new(system: &System) -> Self {
@@ -47,21 +58,25 @@ impl ErrorScales {
         }
     }
 
-    /// Returns the largest component of a change of displacements `z` and velocities `w`, measured in tolerances, its index, and whether it
-    /// is a velocity. `variables` includes VARIABLEs and multipliers.
+    /// Returns the largest component of a change of displacements `z` and velocities `w`. `variables` includes VARIABLEs and multipliers.
     pub(crate) fn measured(
         &self,
         system: &System,
         tolerance: f64,
-        (z, w): (&[f64], &[f64]),
+        z: &[f64],
+        w: &[f64],
         variables: bool,
-    ) -> (f64, usize, bool) {
-        let mut worst = (0.0, 0, false);
+    ) -> LargestComponent {
+        let mut worst = LargestComponent::default();
         self.each(system, tolerance, variables, |at, velocity, size| {
             let value = if velocity { w[at] } else { z[at] };
             let value = (value / size).abs();
-            if exceeds(value, worst.0) {
-                worst = (value, at, velocity);
+            if exceeds(value, worst.size) {
+                worst = LargestComponent {
+                    size: value,
+                    index: at,
+                    is_velocity: velocity,
+                };
             }
         });
         worst

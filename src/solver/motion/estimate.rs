@@ -1,7 +1,7 @@
 //! Error estimate of a step by the embedded formula of Radau IIA.
 
 use super::integrator::Integrator;
-use super::newton::Stages;
+use super::newton::{StageValues, Stages};
 use super::tableau::E;
 use crate::system::State;
 
@@ -31,12 +31,12 @@ impl Integrator<'_> {
             rates[at] = self.state.state_rates[k] + sum(&unknowns.z, at);
         }
         let g = self.equations.inertia_of(system, &a, &rates);
-        let first = self.equations.filtered(system, &self.state, h, (r1, g));
+        let first = self.equations.filtered(system, &self.state, h, r1, g);
         let found = self.measured(&first.z, &first.w, false);
         let start = self.anew || self.within || again;
-        if found.0 < 1.0 || !start {
+        if found.size < 1.0 || !start {
             self.worst = format!("the error is that of {}", self.report_error(found));
-            return Ok(found.0.max(1e-10));
+            return Ok(found.size.max(1e-10));
         }
         // Filters a second time, with the residual at the state that the estimate leads to.
         let mut beside = State::empty();
@@ -46,9 +46,13 @@ impl Integrator<'_> {
         self.equations.stage_state(
             system,
             &self.state,
-            self.state.time,
-            (&z, &first.w),
-            (&|k| -sum(&unknowns.w, k), &|k| -sum(&unknowns.z, k)),
+            &StageValues {
+                time: self.state.time,
+                z: &z,
+                w: &first.w,
+                acceleration: &|k| -sum(&unknowns.w, k),
+                state_rate: &|k| -sum(&unknowns.z, k),
+            },
             &mut beside,
         );
         let mut g = vec![0.0; system.moving_unknowns];
@@ -63,9 +67,9 @@ impl Integrator<'_> {
         let r1: Vec<f64> = (0..n)
             .map(|k| -(v[k] + first.w[k] + sum(&unknowns.z, k)))
             .collect();
-        let second = self.equations.filtered(system, &self.state, h, (r1, g));
+        let second = self.equations.filtered(system, &self.state, h, r1, g);
         let found = self.measured(&second.z, &second.w, false);
         self.worst = format!("the error is that of {}", self.report_error(found));
-        Ok(found.0.max(1e-10))
+        Ok(found.size.max(1e-10))
     }
 }

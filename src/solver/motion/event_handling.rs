@@ -113,15 +113,15 @@ impl Integrator<'_> {
                 parameters,
                 regimes,
             };
-            let Some(passage) = self.first_passage(&mut watching) else {
+            let Some((_, after)) = self.first_passage(&mut watching) else {
                 let steps = self.statistics.steps;
                 regimes.step_done(&mut self.state, steps);
                 return Ok(());
             };
             let (from, to) = (self.origin.time, self.state.time);
-            if passage.1 - from > AT_START * (to - from) {
+            if after - from > AT_START * (to - from) {
                 let mut held = false;
-                if self.end_at_passage(&mut watching, passage)? {
+                if self.end_at_passage(&mut watching, after)? {
                     let changes = self.beyond(&mut watching, self.state.time);
                     held = self.change(regimes, &changes)?;
                 }
@@ -196,9 +196,8 @@ impl Integrator<'_> {
                         self.state.pieces[*k] = Some(between(CREEP * self.tolerance()));
                         held = true;
                     }
-                    let at = (time, self.settings.output);
                     regimes
-                        .count_switches(system, *k, at, steps)
+                        .count_switches(system, *k, time, self.settings.output, steps)
                         .map_err(|reason| reason.at(time))?;
                 }
             }
@@ -285,7 +284,7 @@ impl Integrator<'_> {
                     let change = ahead.state_rates[k] - self.state.state_rates[k];
                     z[equation.moving_unknown] = h * change;
                 }
-                self.measured(&z, &w, false).0 / most
+                self.measured(&z, &w, false).size / most
             } else {
                 f64::INFINITY
             };

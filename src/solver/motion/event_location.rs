@@ -75,15 +75,15 @@ impl Integrator<'_> {
         })
     }
 
-    /// Repeats the last step so that it ends at an event found in it. Returns false if the repeated step meets no event after all; it then
-    /// ends near the expected time.
+    /// Repeats the last step so that it ends at an event found in it, which has passed at the time `after`. Returns false if the repeated
+    /// step meets no event after all; it then ends near the expected time.
     ///
     /// # Errors
     /// [`MotionError`] as for [`Integrator::advance_to`].
     pub fn end_at_passage(
         &mut self,
         watched: &mut impl Watched,
-        (_, after): (f64, f64),
+        after: f64,
     ) -> Result<bool, MotionError> {
         let mut end = after;
         for _ in 0..SOLUTIONS {

@@ -48,7 +48,9 @@ impl FreedomBases {
     /// # Errors
     /// [`Reason`] if an element has no value.
     pub(super) fn of(
-        (system, parameters, state): (&System, &Parameters, &State),
+        system: &System,
+        parameters: &Parameters,
+        state: &State,
         coordinates: Option<&Coordinates>,
         lengths: &DVector<f64>,
     ) -> Result<Self, MotionFailure> {
@@ -77,9 +79,9 @@ impl FreedomBases {
             });
         };
         let Y = coordinates.rows(system, parameters, state)?;
-        let chosen = coordinates.chosen(system, (&Y, &bare.Z), lengths);
+        let chosen = coordinates.chosen(system, &Y, &bare.Z, lengths);
         let chosen_rates = match &bare.R {
-            Some(R) => coordinates.chosen(system, (&Y, R), lengths),
+            Some(R) => coordinates.chosen(system, &Y, R, lengths),
             None => chosen.clone(),
         };
         let moves = bare.moves;

@@ -4,8 +4,8 @@ use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::discrete_states::DiscreteStates;
 use super::error::{MotionError, MotionFailure, NotSettled};
-use super::error_scales::ErrorScales;
-use super::newton::{Stages, StepMatrices, Unknowns};
+use super::error_scales::{ErrorScales, LargestComponent};
+use super::newton::{StageValues, Stages, Step, StepMatrices, Unknowns};
 use super::sequence::StageSequence;
 use super::settings::{INSIDE, MotionSettings};
 use super::tableau::{A, C, lagrange};
@@ -385,7 +385,10 @@ impl<'a> Integrator<'a> {
             self.equations.linearise_within(
                 self.system,
                 self.parameters,
-                (&self.state, h),
+                Step {
+                    start: &self.state,
+                    h,
+                },
                 &self.unknowns,
             )?;
             self.fresh = true;
@@ -443,15 +446,18 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    pub(super) fn report_error(&self, (_, at, velocity): (f64, usize, bool)) -> String {
-        let of = if velocity { "the velocity of " } else { "" };
-        format!("{of}{}", self.system.freedom_name(at))
+    pub(super) fn report_error(&self, worst: LargestComponent) -> String {
+        let of = if worst.is_velocity {
+            "the velocity of "
+        } else {
+            ""
+        };
+        format!("{of}{}", self.system.freedom_name(worst.index))
     }
 
-    pub(super) fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> (f64, usize, bool) {
+    pub(super) fn measured(&self, z: &[f64], w: &[f64], variables: bool) -> LargestComponent {
         let tolerance = self.tolerance();
-        self.sizes
-            .measured(self.system, tolerance, (z, w), variables)
+        self.sizes.measured(self.system, tolerance, z, w, variables)
     }
 
     /// The third stage is the end of the step.
@@ -465,9 +471,13 @@ impl<'a> Integrator<'a> {
         self.equations.stage_state(
             system,
             &self.state,
-            to,
-            (&unknowns.z[2], &unknowns.w[2]),
-            (&|k| rate(&unknowns.w, k), &|k| rate(&unknowns.z, k)),
+            &StageValues {
+                time: to,
+                z: &unknowns.z[2],
+                w: &unknowns.w[2],
+                acceleration: &|k| rate(&unknowns.w, k),
+                state_rate: &|k| rate(&unknowns.z, k),
+            },
             &mut end,
         );
         let scratch = &mut self.equations.scratch;

@@ -3,7 +3,9 @@
 use super::coupled::Coupled;
 use super::derivatives::Derivatives;
 use super::error::NotSettled;
+use super::error_scales::LargestComponent;
 use super::integrator::Integrator;
+use super::newton::Step;
 use super::sequence::StageSequence;
 use super::settings::INSIDE;
 use crate::mechanics::exceeds;
@@ -40,7 +42,7 @@ impl Integrator<'_> {
                     why: reason.to_string(),
                     no_value: true,
                 })?;
-            let size = worst.0;
+            let size = worst.size;
             if !size.is_finite() {
                 return Err(NotSettled::at("the iteration leaves all bounds"));
             }
@@ -80,13 +82,12 @@ impl Integrator<'_> {
         Err(NotSettled::at("the iteration does not settle"))
     }
 
-    /// Returns the largest component of the last correction, its index, and whether it is a velocity, as
-    /// [`ErrorScales::measured`](super::error_scales::ErrorScales::measured) does. `variables` includes VARIABLEs and multipliers.
-    fn largest_change(&self, variables: bool) -> (f64, usize, bool) {
-        let mut worst = (0.0, 0, false);
+    /// Returns the largest component of the last correction. `variables` includes VARIABLEs and multipliers.
+    fn largest_change(&self, variables: bool) -> LargestComponent {
+        let mut worst = LargestComponent::default();
         for (z, w) in self.change.z.iter().zip(&self.change.w) {
             let found = self.measured(z, w, variables);
-            if exceeds(found.0, worst.0) {
+            if exceeds(found.size, worst.size) {
                 worst = found;
             }
         }
@@ -101,7 +102,7 @@ impl Integrator<'_> {
     /// convergence looks the same.
     fn given_up(
         &mut self,
-        worst: (f64, usize, bool),
+        worst: LargestComponent,
         exact: Option<usize>,
     ) -> Result<usize, NotSettled> {
         let multipliers = self.system.first_equation..self.system.first_variable;
@@ -111,9 +112,9 @@ impl Integrator<'_> {
             SETTLED_AFTER_CUTS
         };
         if let Some(iteration) = exact
-            && !worst.2
-            && multipliers.contains(&worst.1)
-            && self.largest_change(false).0 <= settled
+            && !worst.is_velocity
+            && multipliers.contains(&worst.index)
+            && self.largest_change(false).size <= settled
         {
             self.loose = true;
             return Ok(iteration);
@@ -131,10 +132,10 @@ impl Integrator<'_> {
         h: f64,
         derivatives: Derivatives,
         renew: bool,
-    ) -> Result<(f64, usize, bool), NoValue> {
+    ) -> Result<LargestComponent, NoValue> {
         let tolerance = self.tolerance();
         let (system, parameters, start) = (self.system, self.parameters, &self.state);
-        let (model, step) = ((system, parameters), (start, h));
+        let step = Step { start, h };
         let (equations, unknowns, change) =
             (&mut self.equations, &mut self.unknowns, &mut self.change);
         match derivatives {
@@ -148,7 +149,7 @@ impl Integrator<'_> {
                 let sequence = self.sequence.get_or_insert_with(new);
                 if renew {
                     let weights = self.sizes.weights(system, tolerance);
-                    sequence.factor(equations, model, step, unknowns, weights)?;
+                    sequence.factor(equations, system, parameters, step, unknowns, weights)?;
                 }
                 equations.stage_residuals(system, parameters, start, h, unknowns)?;
                 let taken = sequence.correct(equations, system, step, change);
@@ -158,7 +159,7 @@ impl Integrator<'_> {
                 let new = || Box::new(Coupled::new(system));
                 let coupled = self.coupled.get_or_insert_with(new);
                 if renew {
-                    coupled.factor(equations, model, step, unknowns)?;
+                    coupled.factor(equations, system, parameters, step, unknowns)?;
                 }
                 equations.stage_residuals(system, parameters, start, h, unknowns)?;
                 coupled.correct(equations, system, unknowns, change);

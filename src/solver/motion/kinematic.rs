@@ -132,18 +132,21 @@ fn freely(
     }
 }
 
-/// Advances the mechanism to time `to.0` like [`advance`], in steps of at most `to.1`, and stops at the first watched event. Returns the
-/// number of steps, and true if the state stands at an event before that time.
+/// Advances the mechanism to the time `end` like [`advance`], in steps of at most `largest`, and stops at the first watched event. Returns
+/// the number of steps, and true if the state stands at an event before that time.
 ///
 /// # Errors
 /// [`MotionError`] as for [`advance`].
 pub fn advance_watched(
-    of: (&System, &Parameters),
+    system: &System,
+    parameters: &Parameters,
     state: &mut State,
     memory: &mut Consistent,
-    to: (f64, f64),
+    end: f64,
+    largest: f64,
     watched: &mut impl Watched,
 ) -> Result<(usize, bool), MotionError> {
+    let (of, to) = ((system, parameters), (end, largest));
     watching(advance, of, state, memory, to, watched)
 }
 

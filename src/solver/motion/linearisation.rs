@@ -113,7 +113,8 @@ impl Linearisation {
     /// Replaces residuals by corrections, with factors of the matrix for the same `z`.
     pub(crate) fn solve<T, F>(
         &self,
-        (system, start): (&System, &State),
+        system: &System,
+        start: &State,
         z: T,
         of: &mut Correction<T>,
         factors: &Lu<F>,

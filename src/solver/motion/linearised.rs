@@ -87,7 +87,7 @@ impl Linearised {
             J[1].view_range_mut(view.0, view.1).fill(0.0);
         }
         let lengths = DVector::from_fn(n, |k, _| length_of(system, k));
-        let free = FreedomBases::of((system, parameters, &state), coordinates, &lengths)?;
+        let free = FreedomBases::of(system, parameters, &state, coordinates, &lengths)?;
         let FreedomBases { Z, V: R, U, .. } = &free;
         // y are as many as places, v as velocities are free.
         let (p, r) = (Z.ncols(), R.ncols());

@@ -32,6 +32,29 @@ pub(super) fn stages(n: usize) -> Stages {
     std::array::from_fn(|_| vec![0.0; n])
 }
 
+/// Step of the integrator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<'a> {
+    /// State at the start.
+    pub start: &'a State,
+    /// Step size.
+    pub h: f64,
+}
+
+/// Stage of a step, relative to its start.
+pub(super) struct StageValues<'a> {
+    /// Time of the stage.
+    pub time: f64,
+    /// Changes of all unknowns.
+    pub z: &'a [f64],
+    /// Changes of the velocities.
+    pub w: &'a [f64],
+    /// Time derivative of a velocity, by its index.
+    pub acceleration: &'a dyn Fn(usize) -> f64,
+    /// Time derivative of a state, by its index among the unknowns.
+    pub state_rate: &'a dyn Fn(usize) -> f64,
+}
+
 /// Unknowns of a step, relative to its start. `z` contains the changes of all unknowns (displacements and rotation vectors of the parts,
 /// multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity constraints.
 #[derive(Clone, Debug)]
@@ -179,9 +202,10 @@ impl StepMatrices {
         &mut self,
         system: &System,
         parameters: &Parameters,
-        (start, h): (&State, f64),
+        step: Step<'_>,
         unknowns: &Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         self.place_stage(system, start, h, 1, unknowns);
         let stage = std::mem::replace(&mut self.stage, State::empty());
         let done = self.linearise(system, parameters, &stage);
@@ -217,7 +241,7 @@ impl StepMatrices {
             }));
         }
         let factors = &self.factors;
-        (self.linear).solve((system, start), eigenvalues(h), of, factors);
+        (self.linear).solve(system, start, eigenvalues(h), of, factors);
         for (to, from) in [
             (&mut change.z, &of.z),
             (&mut change.w, &of.w),
@@ -236,18 +260,16 @@ impl StepMatrices {
         &self,
         system: &System,
         start: &State,
-        time: f64,
-        (z, w): (&[f64], &[f64]),
-        (rate, state_rate): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
+        at: &StageValues<'_>,
         stage: &mut State,
     ) {
         stage.clone_from(start);
-        stage.time = time;
-        system.advance(stage, z);
+        stage.time = at.time;
+        system.advance(stage, at.z);
         for (part, body) in system.bodies.iter().enumerate() {
             let mut acceleration = PartRates::zero();
             for k in 0..body.freedoms {
-                let (dw, a) = (w[body.first + k], rate(body.first + k));
+                let (dw, a) = (at.w[body.first + k], (at.acceleration)(body.first + k));
                 if k < 3 {
                     stage.velocities[part].linear[k] += dw;
                     acceleration.linear[k] = a;
@@ -259,7 +281,7 @@ impl StepMatrices {
             stage.accelerations[part] = acceleration;
         }
         for (k, equation) in system.states.iter().enumerate() {
-            stage.state_rates[k] = state_rate(equation.moving_unknown);
+            stage.state_rates[k] = (at.state_rate)(equation.moving_unknown);
         }
     }
 
@@ -279,9 +301,13 @@ impl StepMatrices {
         self.stage_state(
             system,
             start,
-            start.time + C[i] * h,
-            (&unknowns.z[i], &unknowns.w[i]),
-            (&|k| rate_of(&unknowns.w, k), &|k| rate_of(&unknowns.z, k)),
+            &StageValues {
+                time: start.time + C[i] * h,
+                z: &unknowns.z[i],
+                w: &unknowns.w[i],
+                acceleration: &|k| rate_of(&unknowns.w, k),
+                state_rate: &|k| rate_of(&unknowns.z, k),
+            },
             &mut stage,
         );
         self.stage = stage;
@@ -304,8 +330,8 @@ impl StepMatrices {
             self.place_stage(system, start, h, i, unknowns);
             let g = &mut self.residuals.g[i];
             let (scratch, products) = (&mut self.scratch, &mut self.products);
-            let stage = (&self.stage, &unknowns.mu[i][..]);
-            system.residual_and_products(parameters, stage, scratch, g, products)?;
+            let (stage, mu) = (&self.stage, &unknowns.mu[i]);
+            system.residual_and_products(parameters, stage, mu, scratch, g, products)?;
             self.evaluations += 1;
             let r4 = &mut self.residuals.r4[i];
             r4.copy_from_slice(&products.rates);
@@ -340,14 +366,15 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. The last argument is
-    /// (r1, g), where the negative of the weighted sum replaces the rates.
+    /// Returns the error of a step in positions, velocities and states: `(gamma_0 E - Jac)^-1 (f + E sum e_i Z_i / h)`. In `r1` and `g`
+    /// the negative of the weighted sum replaces the rates.
     pub(crate) fn filtered(
         &mut self,
         system: &System,
         start: &State,
         h: f64,
-        (r1, mut g): (Vec<f64>, Vec<f64>),
+        r1: Vec<f64>,
+        mut g: Vec<f64>,
     ) -> Correction<f64> {
         let constraints = system.first_equation..system.first_variable;
         g[constraints.clone()].fill(0.0);
@@ -362,7 +389,7 @@ impl StepMatrices {
             }
         }
         let mut of = Correction::of(g, r1, r4);
-        (self.linear).solve((system, start), GAMMA / h, &mut of, &self.factors);
+        (self.linear).solve(system, start, GAMMA / h, &mut of, &self.factors);
         of
     }
 

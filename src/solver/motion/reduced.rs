@@ -42,7 +42,9 @@ pub(super) struct Reduced {
 impl Reduced {
     /// Reduces the system. Components of u with a larger `lightness` are eliminated before those with a smaller one.
     pub(super) fn new(
-        (E, F, B): (&DMatrix<f64>, &DMatrix<f64>, &DMatrix<f64>),
+        E: &DMatrix<f64>,
+        F: &DMatrix<f64>,
+        B: &DMatrix<f64>,
         lightness: &[u8],
     ) -> Result<Self, Irreducible> {
         let (size, inputs) = (E.nrows(), B.ncols());

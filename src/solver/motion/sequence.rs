@@ -13,11 +13,11 @@
 
 use super::anderson::AndersonAcceleration;
 use super::linearisation::{Correction, Linearisation};
-use super::newton::{StepMatrices, Unknowns, turns};
+use super::newton::{Step, StepMatrices, Unknowns, turns};
 use super::tableau::A;
 use crate::linear::Lu;
 use crate::mechanics::{Mat3, Vec3};
-use crate::system::{NoValue, Parameters, State, System};
+use crate::system::{NoValue, Parameters, System};
 
 /// Largest convergence rate of the error of an oscillation, reached at the angular frequency 4.8 / h. Errors in constraints are excluded.
 pub(super) const RATE: f64 = 0.373;
@@ -53,11 +53,13 @@ impl StageSequence {
     pub(crate) fn factor(
         &mut self,
         equations: &mut StepMatrices,
-        (system, parameters): (&System, &Parameters),
-        (start, h): (&State, f64),
+        system: &System,
+        parameters: &Parameters,
+        step: Step<'_>,
         unknowns: &Unknowns,
         sizes: Unknowns,
     ) -> Result<(), NoValue> {
+        let Step { start, h } = step;
         self.mixing.begin(sizes);
         for i in 0..3 {
             equations.place_stage(system, start, h, i, unknowns);
@@ -81,9 +83,10 @@ impl StageSequence {
         &mut self,
         equations: &StepMatrices,
         system: &System,
-        (start, h): (&State, f64),
+        step: Step<'_>,
         change: &mut Unknowns,
     ) -> Unknowns {
+        let Step { start, h } = step;
         let (n, all) = (system.first_equation, system.moving_unknowns);
         let first_state = system.first_state();
         for i in 0..3 {
@@ -117,7 +120,7 @@ impl StageSequence {
                 turns[part].try_inverse().unwrap_or(Mat3::identity()) * turn
             });
             let z = self.lower[i][i] / h;
-            self.linear[i].solve((system, start), z, &mut of, &self.factors[i]);
+            self.linear[i].solve(system, start, z, &mut of, &self.factors[i]);
             change.z[i] = of.z;
             change.w[i] = of.w;
             change.mu[i] = of.mu;

@@ -38,7 +38,8 @@ pub fn state_matrices(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (inputs, outputs): (&[usize], &[usize]),
+    inputs: &[usize],
+    outputs: &[usize],
     coordinates: &Coordinates,
 ) -> Result<StateMatrices, MotionFailure> {
     let about = Linearised::new(system, parameters, state, true, Some(coordinates))?;
@@ -69,7 +70,7 @@ pub fn state_matrices(
     let mut states: Vec<_> = system.states.iter().collect();
     states.sort_by_key(|equation| equation.moving_unknown);
     names.extend(states.iter().map(|equation| equation.name.to_string()));
-    let reduced = Reduced::new((&about.E, &about.F, &by_inputs), &lightness);
+    let reduced = Reduced::new(&about.E, &about.F, &by_inputs, &lightness);
     let reduced = reduced.map_err(|why| match why {
         Irreducible::Undetermined => {
             let light = (0..p).find(|k| lightness[*k] > 0).unwrap_or(0);

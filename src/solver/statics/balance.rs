@@ -71,7 +71,7 @@ impl Balance {
         state: &State,
         scratch: &mut Scratch,
     ) -> Result<Self, NoValue> {
-        Self::summed(system, parameters, state, (scratch, &mut Vec::new()))
+        Self::summed(system, parameters, state, scratch, &mut Vec::new())
     }
 
     /// Sums the loads on every part, with work space for the sums.
@@ -79,7 +79,8 @@ impl Balance {
         system: &System,
         parameters: &Parameters,
         state: &State,
-        (scratch, sums): (&mut Scratch, &mut Vec<Sum>),
+        scratch: &mut Scratch,
+        sums: &mut Vec<Sum>,
     ) -> Result<Self, NoValue> {
         sums.clear();
         sums.resize(system.bodies.len(), Sum::default());

@@ -71,11 +71,11 @@ impl Ended<'_> {
             .iter()
             .all(|gap| gap.abs() < CLOSED * self.system.length);
         let (system, parameters) = (self.system, self.parameters);
-        let equations_here = (self.matrix, self.factors);
-        free_motions(system, parameters, self.end, equations_here).map_err(|massless| *massless)?;
+        free_motions(system, parameters, self.end, self.matrix, self.factors)
+            .map_err(|massless| *massless)?;
         for m in 0..self.factors.deficiency() {
             let z = self.factors.null_vector(m);
-            let Some(motion) = free_motion(system, parameters, self.end, (self.matrix, &z)) else {
+            let Some(motion) = free_motion(system, parameters, self.end, self.matrix, &z) else {
                 continue;
             };
             // The tangent is almost symmetric, so that the equations have a solution only if the residual does no work along a free motion.
@@ -167,8 +167,7 @@ impl Ended<'_> {
             if !matches!(element.name.kind, "BUSHING" | "FIELD" | "BEAM") {
                 continue;
             }
-            let pair = (element.i, element.j, element.pair);
-            let angles = here.motion(pair, true).angles;
+            let angles = here.motion(element.i, element.j, element.pair, true).angles;
             let worst = angles.x.abs().max(angles.y.abs());
             if worst > 1.0 {
                 told.push(format!(

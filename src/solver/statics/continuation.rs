@@ -69,7 +69,8 @@ impl Solver {
         parameters: &Parameters,
         state: &mut State,
         settings: &StaticSettings,
-        (plain, report): (NewtonOptions, &mut Report),
+        plain: NewtonOptions,
+        report: &mut Report,
     ) -> Result<(), SolveError> {
         if self.remaining == 0 || !Softest::is_cheap(system) {
             return Ok(());

@@ -212,14 +212,14 @@ impl Solver {
             }
             report.continuation = help;
         } else if settings.continuation && from_afar && self.limited > 0 {
-            self.leave_saddle(system, parameters, state, settings, (plain, &mut report))?;
+            self.leave_saddle(system, parameters, state, settings, plain, &mut report)?;
         }
         if self.matrix.deficiency() > 0 {
             // The factors may be several iterations old, but the free motions must be those of this state.
             self.assemble(system, parameters, state)?;
             self.matrix.factor(&self.next);
         }
-        match free_motions(system, parameters, state, (&self.next, &self.matrix)) {
+        match free_motions(system, parameters, state, &self.next, &self.matrix) {
             Ok(motions) => report.free_motions = motions,
             Err(massless) => return Err(SolveError::FreeMotion(massless)),
         }
@@ -247,8 +247,8 @@ impl Solver {
         settings: &StaticSettings,
         report: &mut Report,
     ) -> Result<(), SolveError> {
-        let memory = (&mut self.scratch, &mut self.sums);
-        report.balance = Balance::summed(system, parameters, state, memory)?;
+        let (scratch, sums) = (&mut self.scratch, &mut self.sums);
+        report.balance = Balance::summed(system, parameters, state, scratch, sums)?;
         if !report.at_roundoff && !report.balance.holds(settings.imbalance) {
             return Err(SolveError::Unbalanced(Box::new(report.balance.clone())));
         }

@@ -72,7 +72,8 @@ pub(super) fn free_motion(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (J, z): (&Matrix, &[f64]),
+    J: &Matrix,
+    z: &[f64],
 ) -> Option<FreeMotion> {
     let (mut motion, part, turns) = moving(system, parameters, state, z, &FREE)?;
     let (v, w) = motion_of(system, part, z);
@@ -178,12 +179,13 @@ pub(super) fn free_motions(
     system: &System,
     parameters: &Parameters,
     state: &State,
-    (J, factors): (&Matrix, &Lu),
+    J: &Matrix,
+    factors: &Lu,
 ) -> Result<Vec<FreeMotion>, Box<FreeMotion>> {
     let (mut vectors, mut motions) = (Vec::new(), Vec::new());
     for m in 0..factors.deficiency() {
         let mut z = factors.null_vector(m);
-        if let Some(motion) = free_motion(system, parameters, state, (J, &z)) {
+        if let Some(motion) = free_motion(system, parameters, state, J, &z) {
             let (_, size) = energies(system, parameters, state, (&z, &z));
             let scale = 1.0 / size.sqrt().max(f64::MIN_POSITIVE);
             for x in &mut z {
@@ -210,7 +212,7 @@ pub(super) fn free_motions(
             z.iter_mut().zip(vector).for_each(|(z, x)| *z += weight * x);
         }
         if is_massless(system, parameters, state, &z)
-            && let Some(motion) = free_motion(system, parameters, state, (J, &z))
+            && let Some(motion) = free_motion(system, parameters, state, J, &z)
         {
             return Err(Box::new(motion));
         }

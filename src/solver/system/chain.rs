@@ -97,10 +97,10 @@ pub(crate) fn add_wrench(
 
 /// Returns the motion of a marker relative to a frame: (translation, rotation) in ground axes. Marker and frame are each given as a twist
 /// and an origin.
-pub(super) fn seen_motion(i: (&Twist, &Vec3), frame: Option<(Twist, &Vec3)>) -> Vec6 {
-    let (mut dp, mut dphi) = (i.0.shift, i.0.turn);
+pub(super) fn seen_motion(i: &Twist, origin_i: &Vec3, frame: Option<(Twist, &Vec3)>) -> Vec6 {
+    let (mut dp, mut dphi) = (i.shift, i.turn);
     if let Some((c, origin)) = frame {
-        dp -= c.shift + c.turn.cross(&(i.1 - origin));
+        dp -= c.shift + c.turn.cross(&(origin_i - origin));
         dphi -= c.turn;
     }
     Vec6::new(dp.x, dp.y, dp.z, dphi.x, dphi.y, dphi.z)

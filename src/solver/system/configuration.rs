@@ -184,11 +184,7 @@ impl Configuration<'_> {
     }
 
     /// Returns the motion of I relative to J. The angles are computed only if `angles` is set.
-    pub(crate) fn motion(
-        &self,
-        (i, j, pair): (usize, usize, usize),
-        angles: bool,
-    ) -> RelativeMotion {
+    pub(crate) fn motion(&self, i: usize, j: usize, pair: usize, angles: bool) -> RelativeMotion {
         let (i, j) = (&self.scratch.markers[i], &self.scratch.markers[j]);
         if angles {
             return RelativeMotion::between(i, j, &self.state.pair_angles[pair]);

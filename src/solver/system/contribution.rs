@@ -413,7 +413,7 @@ impl Contribution {
     /// Returns the motion of I relative to C when markers move on their parts, ground axes.
     pub(crate) fn seen(&self, moved: impl Fn(usize) -> Twist, markers: &[Pose]) -> Vec6 {
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
-        seen_motion((&moved(self.i), &markers[self.i].p), frame)
+        seen_motion(&moved(self.i), &markers[self.i].p, frame)
     }
 
     /// Adds the change of the balances when markers move on their parts: `d(r x F) = r x dF + dp_i x F`. Requires a contribution with
@@ -436,8 +436,8 @@ impl Contribution {
         }
         let frame = self.frame.map(|m| (moved(m), &markers[m].p));
         for cross in &self.cross {
-            let k = (&moved(cross.marker), &markers[cross.marker].p);
-            add(cross.D * seen_motion(k, frame));
+            let k = cross.marker;
+            add(cross.D * seen_motion(&moved(k), &markers[k].p, frame));
         }
         dT += i.shift.cross(&self.F);
         self.spread(&dF, &dT, dg);

@@ -76,7 +76,8 @@ impl Configuration<'_> {
     /// [`NoValue`] if an element is undefined in this configuration.
     pub fn residual_by_turn(
         &mut self,
-        (marker, axis): (MarkerIx, &Vec3),
+        marker: MarkerIx,
+        axis: &Vec3,
         dg: &mut [f64],
     ) -> Result<(), NoValue> {
         /// Step of the difference, radians.
@@ -373,18 +374,14 @@ impl System {
 
     /// Returns whether a function of the model's request number `index` may change with a number at constant unknowns: it measures a marker
     /// or reads a force, or the number is a literal of the function.
-    pub fn request_reads(&self, (index, component): (usize, usize), slot: Slot) -> bool {
+    pub fn request_reads(&self, index: usize, component: usize, slot: Slot) -> bool {
         let role = self.catalogue().group(slot).role;
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, role))
     }
 
     /// Returns whether a function of the model's request number `index` may change with the axes of a marker at constant unknowns.
-    pub fn request_reads_marker(
-        &self,
-        (index, component): (usize, usize),
-        marker: MarkerIx,
-    ) -> bool {
+    pub fn request_reads_marker(&self, index: usize, component: usize, marker: MarkerIx) -> bool {
         let function = self.requests[index].get(component).copied().flatten();
         function.is_some_and(|function| self.function_reads(function, Role::Marker(marker.0)))
     }

@@ -43,7 +43,7 @@ impl System {
                 if drive.start.is_none() {
                     for term in &joint.terms {
                         if let PairConstraint::Drive(law) = term.law {
-                            let motion = here.motion((term.i, term.j, term.pair), true);
+                            let motion = here.motion(term.i, term.j, term.pair, true);
                             value = law.measure.evaluate(&motion, 0.0).value;
                         }
                     }

@@ -102,7 +102,7 @@ impl Configuration<'_> {
         let Action::Law(law, drive) = &element.action else {
             return Ok(());
         };
-        let motion = self.motion((element.i, element.j, element.pair), law.uses_angles());
+        let motion = self.motion(element.i, element.j, element.pair, law.uses_angles());
         let value;
         let (theta, with_parameters) = match drive {
             ParameterSource::Theta(range) => {

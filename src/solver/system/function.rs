@@ -34,7 +34,8 @@ impl CompiledFunction {
             &theta[self.literals.clone()],
             pieces,
             &mut scratch.program,
-            (&mut scratch.by_input, &mut scratch.by_literal),
+            &mut scratch.by_input,
+            &mut scratch.by_literal,
         );
         value.map_err(|error| NoValue {
             element: self.owner.clone(),
@@ -498,8 +499,13 @@ impl System {
     }
 
     /// Carries over the turn counts of a model from before a change, for every angle that it also counted, whichever function reads it.
-    pub fn count_on(&self, state: &mut State, before: (&BTreeMap<Measure, usize>, &[Reference])) {
-        let (counted, angles) = before;
+    /// `counted` and `angles` are its [`counted_angles`](Self::counted_angles) and `State::measure_angles`.
+    pub fn count_on(
+        &self,
+        state: &mut State,
+        counted: &BTreeMap<Measure, usize>,
+        angles: &[Reference],
+    ) {
         for function in &self.functions {
             for source in &function.sources {
                 if let Source::Measure(measure, angle) = source

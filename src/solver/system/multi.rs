@@ -10,7 +10,7 @@ impl Configuration<'_> {
     pub(super) fn evaluate_multi(&mut self, multi: &NForce) -> Result<(), NoValue> {
         self.scratch.motions.clear();
         for (&i, &pair) in multi.i.iter().zip(&multi.pairs) {
-            let motion = self.motion((i, multi.j, pair), true);
+            let motion = self.motion(i, multi.j, pair, true);
             self.scratch.motions.push(motion);
         }
         let theta = &self.parameters.theta()[multi.theta.clone()];

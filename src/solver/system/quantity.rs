@@ -45,7 +45,7 @@ impl Configuration<'_> {
                 Ok(sum)
             }
             Quantity::Request(index, component) => Ok(self
-                .read_function((index, component))?
+                .read_function(index, component)?
                 .map_or(0.0, |(value, _)| value)),
         }
     }
@@ -86,8 +86,7 @@ impl Configuration<'_> {
                 }
             }
             Quantity::Request(index, component) => {
-                let at = (index, component);
-                let read = self.read_function(at)?;
+                let read = self.read_function(index, component)?;
                 for &(unknown, by) in read.map_or(&[][..], |(_, gradient)| gradient) {
                     out[unknown] += by;
                 }

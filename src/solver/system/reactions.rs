@@ -88,7 +88,7 @@ impl Configuration<'_> {
         multipliers: &[f64; 6],
     ) {
         let term = &joint.terms[number];
-        let motion = self.motion((term.i, term.j, term.pair), term.law.uses_angles());
+        let motion = self.motion(term.i, term.j, term.pair, term.law.uses_angles());
         let value;
         let theta = match &joint.drive {
             ParameterSource::Theta(range) => &self.parameters.theta()[range.clone()],

@@ -87,7 +87,7 @@ impl Configuration<'_> {
         Reading {
             i: MarkerIx(i),
             j: MarkerIx(j),
-            motion: self.motion((i, j, wrench.pair), true),
+            motion: self.motion(i, j, wrench.pair, true),
             wrench_j: wrench.w,
             force: wrench.F,
             torque: wrench.T,

@@ -85,7 +85,8 @@ impl Configuration<'_> {
     /// [`NoValue`] if it is undefined in this configuration.
     pub fn read_function(
         &mut self,
-        (index, component): (usize, usize),
+        index: usize,
+        component: usize,
     ) -> Result<Option<(f64, &[(usize, f64)])>, NoValue> {
         let Some(function) = self.system.requests[index]
             .get(component)

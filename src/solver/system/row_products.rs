@@ -93,7 +93,8 @@ impl System {
     pub(crate) fn residual_and_products(
         &self,
         parameters: &Parameters,
-        (state, mu): (&State, &[f64]),
+        state: &State,
+        mu: &[f64],
         scratch: &mut Scratch,
         g: &mut [f64],
         products: &mut RowProducts,

@@ -60,8 +60,15 @@ impl<'a> Estimate<'a> {
         let (scale, held) = (self.marginal.scale(), held(priors));
         let mut fit = self.again()?;
         let of = |k: usize| {
-            let place = (k, &self.covariance);
-            let sides = profile_interval(&mut fit, &self.minimum, place, priors, &scale, &held);
+            let sides = profile_interval(
+                &mut fit,
+                &self.minimum,
+                k,
+                &self.covariance,
+                priors,
+                &scale,
+                &held,
+            );
             sides.map(|side| side.map(libm::exp))
         };
         Ok((0..self.marginal.len()).map(of).collect())

@@ -80,11 +80,15 @@ impl RepeatOutput {
         match self {
             Self::Rows(rows) => rows.iter().for_each(take),
             Self::Table(path) => {
-                let counts = (layout.inputs.len(), layout.outputs.len());
-                TableReader::open(path)?.each(counts, |row, _| -> Result<(), SweepError> {
-                    take(&row);
-                    Ok(())
-                })?;
+                let (inputs, outputs) = (layout.inputs.len(), layout.outputs.len());
+                TableReader::open(path)?.each(
+                    inputs,
+                    outputs,
+                    |row, _| -> Result<(), SweepError> {
+                        take(&row);
+                        Ok(())
+                    },
+                )?;
             }
         }
         Ok(())
@@ -97,10 +101,12 @@ impl RepeatOutput {
 /// # Errors
 /// When a journal or table cannot be written, or the fit cannot be repeated.
 pub fn repeat(
-    (problem, marginal): (&Problem<'_>, &Marginal),
+    problem: &Problem<'_>,
+    marginal: &Marginal,
     fit: &mut Fit,
     asked: &Repeats,
-    (folder, version): (Option<&Path>, &str),
+    folder: Option<&Path>,
+    version: &str,
     tell: &mut Told<'_>,
 ) -> Result<Option<Vec<(Kind, RepeatOutput)>>, RepeatError> {
     let estimate = Estimate::new(problem, marginal)?.ok_or(RepeatError::NoEstimate)?;

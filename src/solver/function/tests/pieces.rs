@@ -14,7 +14,8 @@ fn on(text: &str, at: [f64; 2], held: Option<i64>) -> (f64, [f64; 2], i64, f64) 
         &case.literals,
         &[held],
         &mut scratch,
-        (&mut by, &mut by_literal),
+        &mut by,
+        &mut by_literal,
     );
     let seen = scratch.seen()[0];
     by.resize(2, 0.0);
@@ -186,7 +187,8 @@ fn no_number_has_no_whole_part() {
                 &case.literals,
                 &[held],
                 &mut scratch,
-                (&mut by, &mut vec![0.0; case.literals.len()]),
+                &mut by,
+                &mut vec![0.0; case.literals.len()],
             );
             let error = value.expect_err("no value");
             assert_eq!(error.fault, Fault::NotDefined, "{function}");
@@ -234,7 +236,8 @@ fn held_between_its_sides_a_function_is_a_line() {
         &case.literals,
         &[Some(piece), None],
         &mut EvaluationMemory::default(),
-        (&mut by, &mut by_literal),
+        &mut by,
+        &mut by_literal,
     );
     // A quarter of 1 plus three quarters of 7, minus 1.
     assert_eq!(value, Ok(4.5));

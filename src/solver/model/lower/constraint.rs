@@ -51,8 +51,8 @@ pub(super) fn joint(reader: &mut Reader) -> Option<Joint> {
         } else {
             continue;
         };
-        let place = reader.place(argument);
-        reader.complain(complaint, place);
+        let (source, span) = reader.place(argument);
+        reader.complain(complaint, source, span);
     }
     let initial = |name: &str| {
         let numbers = reader.numbers(name);
@@ -100,7 +100,7 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
         scales.insert(0, 1.0);
     }
     if scales.len() != joints.len() {
-        let place = reader.place("SCALES");
+        let (source, span) = reader.place("SCALES");
         let diagnostic = Diagnostic::error(
             Code::WrongCount,
             format!(
@@ -110,7 +110,7 @@ pub(super) fn coupler(reader: &mut Reader) -> Option<Coupler> {
                 scales.len()
             ),
         );
-        reader.complain(diagnostic, place);
+        reader.complain(diagnostic, source, span);
         return None;
     }
     let words: Vec<CouplerKind> = reader
@@ -188,8 +188,8 @@ fn refuse<T>(
     let diagnostic = Diagnostic::error(Code::WrongType, message).help(
         "it can take the rotation of a REVOLUTE or CYLINDRICAL joint, the translation of a TRANSLATIONAL or CYLINDRICAL one",
     );
-    let place = reader.place(argument);
-    reader.complain(diagnostic, place);
+    let (source, span) = reader.place(argument);
+    reader.complain(diagnostic, source, span);
     None
 }
 

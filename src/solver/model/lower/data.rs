@@ -42,8 +42,8 @@ pub(super) fn linear_states(reader: &mut Reader) -> Option<LinearStates> {
             let diagnostic = Diagnostic::error(Code::OutOfRange, why).help(
                 "NUMERATOR and DENOMINATOR list coefficients, the constant one first; they are no ids of ARRAYs",
             );
-            let place = reader.place("DENOMINATOR");
-            reader.complain(diagnostic, place);
+            let (source, span) = reader.place("DENOMINATOR");
+            reader.complain(diagnostic, source, span);
             return None;
         };
         form
@@ -180,8 +180,12 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
             "{} is not solved: `{name}` is no property file in the TeimOrbit form; DAC and RPC files are not read",
             reader.called()
         );
-        let place = reader.place("FILE");
-        reader.complain(Diagnostic::error(Code::NotSolvedNatively, why), place);
+        let (source, span) = reader.place("FILE");
+        reader.complain(
+            Diagnostic::error(Code::NotSolvedNatively, why),
+            source,
+            span,
+        );
         return None;
     }
     let read = PropertyFile::parse(source.clone());
@@ -198,8 +202,8 @@ pub(super) fn spline_of_file(reader: &mut Reader, files: &Files, units: &Units) 
             format!("`{name}` has no curve of that name"),
         )
         .help(format!("BLOCK may be one of {}", blocks.join(", ")));
-        let place = reader.place("BLOCK");
-        reader.complain(diagnostic, place);
+        let (source, span) = reader.place("BLOCK");
+        reader.complain(diagnostic, source, span);
         return None;
     };
     let (x, y) = curve.in_units(file.units.as_ref(), units);

@@ -217,8 +217,8 @@ impl Definitions {
         }
         if let Some((code, why)) = why {
             let message = format!("{} is not solved: {why}", reader.called());
-            let place = reader.latest_keyword();
-            reader.complain(Diagnostic::warning(code, message), place);
+            let (source, span) = reader.latest_keyword();
+            reader.complain(Diagnostic::warning(code, message), source, span);
             fresh.unsolved.push(Unsolved {
                 header: reader.header(),
                 kind: def.name,
@@ -235,8 +235,8 @@ impl Definitions {
                 "{} is the ground or is not; a command cannot change that",
                 reader.called()
             );
-            let place = reader.latest_keyword();
-            reader.complain(Diagnostic::error(Code::NoGround, message), place);
+            let (source, span) = reader.latest_keyword();
+            reader.complain(Diagnostic::error(Code::NoGround, message), source, span);
         }
         Some(fresh)
     }

@@ -120,13 +120,13 @@ fn orientation(
     let usexp = reader.has("USEXP");
     let R = axes(z_axis, x_axis, usexp);
     if R.is_none() {
-        let place = reader.place(if z_point.is_some() { z } else { x });
+        let (source, span) = reader.place(if z_point.is_some() { z } else { x });
         let diagnostic = Diagnostic::error(
             Code::OutOfRange,
             format!("{z} and {x} do not give {} two directions", reader.called()),
         )
         .help("each point must lie apart from the origin, and not both on one line with it");
-        reader.complain(diagnostic, place);
+        reader.complain(diagnostic, source, span);
     }
     (R.unwrap_or_else(Mat3::identity), Some(Orientation::Points))
 }

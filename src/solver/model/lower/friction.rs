@@ -17,8 +17,8 @@ pub(super) fn friction(reader: &mut Reader) -> Option<Friction> {
             reader.called(),
             kind.word()
         );
-        let place = reader.place("JOINT");
-        reader.complain(Diagnostic::error(Code::WrongType, message), place);
+        let (source, span) = reader.place("JOINT");
+        reader.complain(Diagnostic::error(Code::WrongType, message), source, span);
         return None;
     }
     let yoke = reader.choice("YOKE");

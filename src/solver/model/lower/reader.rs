@@ -244,7 +244,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    pub(crate) fn complain(&mut self, diagnostic: Diagnostic, (source, span): (&Source, Span)) {
+    pub(crate) fn complain(&mut self, diagnostic: Diagnostic, source: &Source, span: Span) {
         self.diagnostics
             .push(diagnostic.label(source.name(), span, ""));
     }
@@ -255,7 +255,8 @@ impl<'a> Reader<'a> {
             Code::MissingArgument,
             format!("{} needs {needed}", self.called()),
         );
-        self.complain(diagnostic, self.keyword());
+        let (source, span) = self.keyword();
+        self.complain(diagnostic, source, span);
         None
     }
 }

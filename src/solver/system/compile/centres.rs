@@ -7,7 +7,9 @@ use crate::mechanics::{Pose, Vec3};
 /// Sets the centre of every part, which must not depend on the position of the part's frame.
 pub(super) fn centres(
     bodies: &mut [Body],
-    (elements, joints, multis): (&[Element], &[ConstraintEquation], &[NForce]),
+    elements: &[Element],
+    joints: &[ConstraintEquation],
+    multis: &[NForce],
     owners: &[usize],
     parameters: &Parameters,
 ) {
@@ -47,7 +49,8 @@ pub(super) fn sizes(
     used: &[usize],
     owners: &[usize],
     parameters: &Parameters,
-    (poses, bodies): (&[Pose], &[Body]),
+    poses: &[Pose],
+    bodies: &[Body],
 ) -> (f64, f64) {
     let place = |marker: usize| poses[owners[marker]].point(&parameters.markers()[marker].p);
     let furthest = |from: Vec3| {

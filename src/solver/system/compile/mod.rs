@@ -456,9 +456,15 @@ impl<'a> SystemCompiler<'a> {
         }
         let owners: Vec<usize> = model.markers.iter().map(|m| m.part.0).collect();
         let used: Vec<usize> = (0..owners.len()).filter(|&m| self.used[m]).collect();
-        let acting = (&self.elements[..], &self.joints[..], &self.multis[..]);
-        centres(&mut self.bodies, acting, &owners, &parameters);
-        let (length, extent) = sizes(&used, &owners, &parameters, (&poses, &self.bodies));
+        centres(
+            &mut self.bodies,
+            &self.elements,
+            &self.joints,
+            &self.multis,
+            &owners,
+            &parameters,
+        );
+        let (length, extent) = sizes(&used, &owners, &parameters, &poses, &self.bodies);
         let initial = State {
             time: 0.0,
             mode: 5,
