@@ -8,7 +8,7 @@ use admire_results::Timestamp;
 use admire_study::digest;
 use admire_syntax::units::Units;
 
-/// Creates the report of K&C tests, with other decks and measured curves for comparison.
+/// Creates the report page of K&C tests, with the tests of other decks and measured curves for comparison.
 pub(crate) fn kc_page(
     (deck, bytes, units): (&Path, &[u8], &Units),
     (config, found): (&Config, &KcRun),

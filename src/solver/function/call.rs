@@ -16,7 +16,7 @@ use admire_syntax::expression::Node;
 use admire_syntax::grammar;
 use admire_syntax::grammar::{FunctionDef, Solved};
 
-/// Arguments of a call.
+/// Argument nodes of a function call.
 type Arguments<'a> = &'a [Node];
 
 impl Build<'_> {
@@ -84,7 +84,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. The last argument is the frame of the time derivative.
+    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. Argument l is the frame of the time derivative.
     fn rate(
         &mut self,
         function: &'static FunctionDef,
@@ -275,7 +275,7 @@ impl Build<'_> {
         Ok(self.input(Input::Friction { friction, which }))
     }
 
-    /// Compiles PINVAL(id, component) and POUVAL, which read a variable of the list.
+    /// Compiles PINVAL(id, component) and POUVAL, which read a VARIABLE listed in a PINPUT or POUTPUT.
     fn plant(
         &mut self,
         function: &'static FunctionDef,
@@ -306,7 +306,8 @@ impl Build<'_> {
         Ok(self.input(Input::Variable(variable)))
     }
 
-    /// Compiles BUSH(id, jflag, comp, rm) and similar functions, and NFORCE(id, marker, comp, rm).
+    /// Compiles NFORCE(id, marker, comp, rm), BUSH(id, jflag, comp, rm) and the functions of other elements with the same arguments as
+    /// BUSH.
     fn element(
         &mut self,
         function: &'static FunctionDef,
@@ -358,7 +359,7 @@ impl Build<'_> {
         self.force_of(function, arguments, (element, on_j))
     }
 
-    /// Returns the jflag of a force measure.
+    /// Returns the jflag argument of a force function: whether the force on J is measured.
     fn on_j(
         &self,
         function: &'static FunctionDef,
@@ -371,7 +372,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles the force component of an element from the last arguments of a force measure.
+    /// Compiles the force component of an element. The component and the marker `rm` are the last two arguments of the force function.
     fn force_of(
         &mut self,
         function: &'static FunctionDef,
@@ -397,7 +398,7 @@ impl Build<'_> {
         Ok(self.input(Input::Force(measure)))
     }
 
-    /// Returns the marker given by an argument; `None` if it is absent or 0, which denotes ground.
+    /// Returns the marker given by an argument. Returns `None`, which denotes ground, if the argument is absent or 0.
     fn marker(
         &self,
         function: &'static FunctionDef,
@@ -467,7 +468,7 @@ impl Build<'_> {
     }
 }
 
-/// Returns the step kind of a function whose arguments are all values.
+/// Returns the step kind of a function whose arguments are all expressions, with no ids or codes among them.
 fn plain_kind(name: &'static str) -> Option<Kind> {
     if let Some(function) = Unary::named(name) {
         return Some(Kind::Unary(function, name));
@@ -568,7 +569,7 @@ pub(super) fn refusal(function: &FunctionDef) -> Diagnostic {
         .help("use a command backend that runs ADAMS, or replace the function")
 }
 
-/// Returns the velocity or acceleration that a function measures.
+/// Returns the kind and the component of the velocity or acceleration that the named function measures.
 fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
     if name == "VR" {
         return Some((RateKind::Velocity, RateAxis::Along));
@@ -590,7 +591,7 @@ fn rate_of(name: &str) -> Option<(RateKind, RateAxis)> {
     Some((kind, axis))
 }
 
-/// Returns the marker role (I, J, K, L) of each argument. A magnitude has no K, an angular velocity no L.
+/// Returns the marker role of each argument: 0 to 3 for I, J, K, L. A magnitude has no K, and an angular velocity has no L.
 fn rate_places(kind: RateKind, axis: RateAxis) -> &'static [usize] {
     match (kind, axis) {
         (RateKind::AngularVelocity, RateAxis::Axis(_)) => &[0, 1, 2],

@@ -2,7 +2,7 @@ use super::newton::Unknowns;
 use crate::mechanics::{Vec3, exceeds};
 use crate::system::{PartRates, State, System};
 
-/// Scales of relative errors: the largest value so far of each kind of unknown.
+/// Scales of relative errors: for each kind of unknown, the largest value so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ErrorScales {
     pub position: f64,
@@ -14,7 +14,7 @@ pub(super) struct ErrorScales {
 }
 
 impl ErrorScales {
-    /// Starts with one unit of each kind. Multipliers start with the reference mass times the model's length.
+    /// Creates the scales: one unit for each kind of unknown, and the reference mass times the model's length for multipliers.
     pub(crate) fn new(system: &System) -> Self {
         Self {
             position: 1.0,
@@ -26,7 +26,7 @@ impl ErrorScales {
         }
     }
 
-    /// Raises the scales to the largest values of a state.
+    /// Raises the scales to the largest values in a state.
     pub(crate) fn grow(&mut self, system: &System, reached: &State) {
         let largest = |v: &Vec3| v.amax();
         for pose in &reached.poses {
@@ -47,8 +47,8 @@ impl ErrorScales {
         }
     }
 
-    /// Returns the largest component of a change of displacements `z` and velocities `w`, measured in tolerances, its index, and whether it
-    /// is a velocity. `variables` includes VARIABLEs and multipliers.
+    /// Returns the largest component of a change as a multiple of its tolerance, its index, and whether it is a velocity. `z` contains the
+    /// changes of displacements and other unknowns, `w` the changes of velocities. VARIABLEs and multipliers count only if `variables` is true.
     pub(crate) fn measured(
         &self,
         system: &System,
@@ -83,7 +83,8 @@ impl ErrorScales {
         weights
     }
 
-    /// Calls `look` for every unknown that has a tolerance, with its index, whether it is a velocity, and the tolerance.
+    /// Calls `look` for every unknown that has a tolerance, with the index of the unknown, whether it is a velocity, and its tolerance.
+    /// VARIABLEs and multipliers are included only if `variables` is true.
     fn each(
         &self,
         system: &System,
@@ -110,7 +111,7 @@ impl ErrorScales {
             for at in system.first_variable..system.first_state() {
                 look(at, false, tolerance * self.variable);
             }
-            // Multipliers are extrapolated. Without a tolerance of their own, their errors would grow from step to step.
+            // Multipliers are extrapolated from step to step. Without a tolerance of their own, their errors would grow.
             for at in system.first_equation..system.first_variable {
                 look(at, false, tolerance.sqrt() * self.multiplier);
             }
