@@ -10,9 +10,9 @@ use admire_solver::mechanics::Vec3;
 /// One wheel of an axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelState {
-    /// Wheel in this state.
+    /// Position and orientation of the wheel in this state.
     pub wheel: Wheel,
-    /// Wheel at design.
+    /// Position and orientation of the wheel at design.
     pub design: Wheel,
     /// Loaded tyre radius in this state and at design; `None` if no radius is known.
     pub radius: Option<[f64; 2]>,
@@ -20,7 +20,7 @@ pub struct WheelState {
     pub axis: Option<SteerAxis>,
 }
 
-/// User's choices, and data that no deck contains.
+/// Data that no deck contains, such as tyre and vehicle, and the user's choices.
 #[derive(Clone, Copy, PartialEq, Default, Debug)]
 pub struct Given {
     /// Tyre data.
@@ -31,7 +31,7 @@ pub struct Given {
     pub weight: f64,
     /// Sprung mass of one corner divided by UCF, the unit consistency factor. A rate divided by this mass is in 1/s^2.
     pub corner_mass: f64,
-    /// Vertical load case for swing arms and roll centre.
+    /// Vertical load case used for swing arms and roll centre.
     pub vertical_load: VerticalLoad,
 }
 
@@ -69,12 +69,12 @@ impl WheelState {
     }
 }
 
-/// Returns the lateral distance of the wheel centres at design.
+/// Returns the lateral distance between the wheel centres at design.
 fn design_track(left: &WheelState, right: &WheelState) -> f64 {
     right.design.centre.y - left.design.centre.y
 }
 
-/// Returns the name for the given side.
+/// Returns the argument that belongs to the side: `left` or `right`.
 fn of(side: Side, left: &'static str, right: &'static str) -> &'static str {
     match side {
         Side::Left => left,
@@ -97,7 +97,7 @@ impl AxleState {
         Some([at(left)?, at(right)?])
     }
 
-    /// Returns the roll angle of the line through the contact points.
+    /// Returns the roll angle of the line through the contact points; `None` if [`Self::contacts`] is `None`.
     pub(crate) fn patch_roll(&self) -> Option<f64> {
         let ([l, r], [left, right]) = (self.contacts()?, &self.wheels);
         let track = design_track(left.as_ref()?, right.as_ref()?);
@@ -352,8 +352,8 @@ impl AxleState {
                 if pairing == Pairing::Opposed && c.present != [true; 2] {
                     continue;
                 }
-                // Steer and aligning torque are both about Z, so their ratio keeps its sign in all axes. Camber keeps its own sense, so its
-                // ratio takes the sign of the torque.
+                // Steer and aligning torque are both about Z, so their ratio keeps its sign in all axes. The sign of camber is independent
+                // of the axes, so camber per aligning torque changes sign with the torque.
                 let steer = force_compliance::aligning_steer(c, side, pairing);
                 out.push(names[0], word, Unit::AnglePerTorque, Own, steer);
                 let camber = force_compliance::aligning_camber(c, side, pairing);
@@ -439,7 +439,7 @@ impl AxleState {
         ]);
         for side in Side::BOTH {
             let word = side.word();
-            // Roll steer is a rotation about Z over a rotation about X, so it changes sign as Y does.
+            // Roll steer is a rotation about Z per rotation about X, so it changes sign exactly when the Y axis is reversed.
             let value = roll::roll_steer(&at_patch, c, side, track, tyre);
             out.push("roll_steer", word, Unit::One, Y, value);
             let value = roll::roll_camber(c, side, track, tyre);

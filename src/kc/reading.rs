@@ -53,7 +53,7 @@ impl Unit {
         Self::Frequency,
     ];
 
-    /// Returns the unit as spelled in results files.
+    /// Returns the name of the unit as spelled in results files.
     pub fn word(self, units: &Units) -> String {
         let (f, l) = (units.force.word, units.length.word);
         match self {
@@ -88,11 +88,11 @@ impl Unit {
 pub struct Reading {
     /// Request name in Adams/Car, or a name of our own where Adams/Car has none.
     pub entity: &'static str,
-    /// Component of the request.
+    /// Name of the request's component.
     pub component: &'static str,
     /// Unit.
     pub unit: Unit,
-    /// Meaning of the sign.
+    /// Meaning of the value's sign.
     pub sense: Sense,
     /// Value in this crate's axes; not finite where undefined.
     pub value: f64,

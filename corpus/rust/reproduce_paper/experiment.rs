@@ -9,18 +9,19 @@ use admire_identify::{Fit, LoadedStudy, Status};
 use admire_session::backend::LoadProgramme;
 use admire_study::settings::{Slope, Weights};
 
-/// Nominal stiffnesses of table 3, rotational ones per degree. Ktx of A is printed as 1300, while the text says 13 000.
+/// Nominal stiffnesses of the paper's table 3, rotational stiffnesses per degree. The table prints Ktx of bushing A as 1300, but the text
+/// says 13 000.
 const NOMINAL: [[f64; 6]; 2] = [
     [13000.0, 13000.0, 1370.0, 11000.0, 11000.0, 4000.0],
     [310.0, 2400.0, 180.0, 4500.0, 1100.0, 1600.0],
 ];
-/// Identified stiffnesses of table 3; 10000 where the start was kept.
+/// Identified stiffnesses of the paper's table 3. The value 10000 marks a stiffness that kept its initial value.
 const IDENTIFIED: [[f64; 6]; 2] = [
     [7298.0, 10000.0, 10000.0, 10000.0, 6831.0, 5066.0],
     [365.0, 500.0, 10000.0, 10000.0, 3404.0, 4823.0],
 ];
 
-/// Number of stages: iteration, fit, curves.
+/// Number of progress stages: iteration, fit, curves.
 pub(super) const STAGES: usize = 3;
 
 pub(super) fn section(
@@ -138,7 +139,7 @@ pub(super) fn section(
     })
 }
 
-/// Returns table 3 for one bushing, rotational stiffnesses per degree.
+/// Returns table 3 for one bushing, with rotational stiffnesses per degree.
 fn stiffnesses(
     (at, bushing): (usize, &str),
     nominal: &[f64],
@@ -182,7 +183,7 @@ fn stiffnesses(
     }
 }
 
-/// Returns the measured steer curve of the cases whose label begins with `start`, and these cases as a programme of their own.
+/// Returns the measured steer curve over the load cases whose label begins with `start`, and these load cases as a separate programme.
 fn loop_of(
     study: &LoadedStudy,
     start: &str,
@@ -206,7 +207,7 @@ fn loop_of(
     (curve.points.len() > 2).then_some((curve, programme, column))
 }
 
-/// Returns the largest difference between readings at the same load.
+/// Returns the largest difference between two readings at the same load.
 fn hysteresis(curve: &Curve) -> f64 {
     let mut widest = 0.0_f64;
     for (at, (load, angle)) in curve.points.iter().enumerate() {

@@ -15,7 +15,7 @@ use admire_syntax::expression::Node;
 use admire_syntax::grammar;
 use admire_syntax::grammar::{FunctionDef, Solved};
 
-/// Arguments of a call.
+/// Argument nodes of a function call.
 type Arguments<'a> = &'a [Node];
 
 impl Build<'_> {
@@ -83,7 +83,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. The last argument is the frame of the time derivative.
+    /// Compiles VX(i, j, k, l) and the other velocity and acceleration functions. Argument l is the frame of the time derivative.
     fn rate(
         &mut self,
         function: &'static FunctionDef,
@@ -274,7 +274,7 @@ impl Build<'_> {
         Ok(self.input(Input::Friction { friction, which }))
     }
 
-    /// Compiles PINVAL(id, component) and POUVAL, which read a variable of the list.
+    /// Compiles PINVAL(id, component) and POUVAL, which read a VARIABLE listed in a PINPUT or POUTPUT.
     fn plant(
         &mut self,
         function: &'static FunctionDef,
@@ -305,7 +305,8 @@ impl Build<'_> {
         Ok(self.input(Input::Variable(variable)))
     }
 
-    /// Compiles BUSH(id, jflag, comp, rm) and similar functions, and NFORCE(id, marker, comp, rm).
+    /// Compiles NFORCE(id, marker, comp, rm), BUSH(id, jflag, comp, rm) and the functions of other elements with the same arguments as
+    /// BUSH.
     fn element(
         &mut self,
         function: &'static FunctionDef,
@@ -357,7 +358,7 @@ impl Build<'_> {
         self.force_of(function, arguments, (element, on_j))
     }
 
-    /// Returns the jflag of a force measure.
+    /// Returns the jflag argument of a force function: whether the force on J is measured.
     fn on_j(
         &self,
         function: &'static FunctionDef,
@@ -370,7 +371,7 @@ impl Build<'_> {
         }
     }
 
-    /// Compiles the force component of an element from the last arguments of a force measure.
+    /// Compiles the force component of an element. The component and the marker `rm` are the last two arguments of the force function.
     fn force_of(
         &mut self,
         function: &'static FunctionDef,
@@ -396,7 +397,7 @@ impl Build<'_> {
         Ok(self.input(Input::Force(measure)))
     }
 
-    /// Returns the marker given by an argument; `None` if it is absent or 0, which denotes ground.
+    /// Returns the marker given by an argument. Returns `None`, which denotes ground, if the argument is absent or 0.
     fn marker(
         &self,
         function: &'static FunctionDef,

@@ -6,8 +6,8 @@ use super::tableau::E;
 use crate::system::State;
 
 impl Integrator<'_> {
-    /// Returns the estimated error of the step in tolerances. An estimate above one is filtered a second time if the integration was
-    /// restarted, the step is a repetition, or it follows a rejection (`again`).
+    /// Returns the estimated error of the step as a multiple of the tolerance. An estimate above one is filtered a second time in three cases:
+    /// the integration was restarted, the step is a repetition, or the step follows a rejection (`again`).
     ///
     /// # Errors
     /// Returns a message if an element has no value.
@@ -38,7 +38,7 @@ impl Integrator<'_> {
             self.worst = format!("the error is that of {}", self.report_error(found));
             return Ok(found.size.max(1e-10));
         }
-        // Filters a second time, with the residual at the state that the estimate leads to.
+        // The second filter uses the residual at the state to which the first estimate leads.
         let mut beside = State::empty();
         let unknowns = &self.unknowns;
         let mut z = first.z;

@@ -17,13 +17,13 @@ const KAPPA: f64 = 1e-2;
 const FAST: f64 = 0.1;
 /// Convergence rate above which [`Derivatives::Kept`] reassembles the derivatives of all stages.
 const SLUGGISH: f64 = 0.3;
-/// Largest correction of the motion, in tolerances, with which a step is accepted although its multipliers do not converge.
+/// Largest correction of positions and velocities, in tolerances, with which a step is accepted although its multipliers do not converge.
 const SETTLED: f64 = 1e-1;
-/// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]: errors that shorter steps do not reduce are round-off.
+/// Number of step cuts after which [`SETTLED_AFTER_CUTS`] replaces [`SETTLED`]. Errors that shorter steps do not reduce are round-off.
 const CUTS: usize = 3;
-/// Largest correction of the motion, in tolerances, that is accepted after [`CUTS`] cuts of the step; it equals ERROR.
+/// Largest correction of positions and velocities, in tolerances, that is accepted after [`CUTS`] cuts of the step. It corresponds to ERROR.
 const SETTLED_AFTER_CUTS: f64 = 1.0 / INSIDE;
-/// Relative round-off of positions and velocities. Smaller corrections end the iteration.
+/// Relative round-off of positions and velocities. The iteration ends when its corrections are smaller than this.
 const ROUND_OFF: f64 = 1e-14;
 
 impl Integrator<'_> {
@@ -32,7 +32,7 @@ impl Integrator<'_> {
         let several = derivatives != Derivatives::Single;
         let always = derivatives == Derivatives::Renewed;
         let mut before = 0.0;
-        // Whether the next iteration reassembles the derivatives of all stages.
+        // True if the next iteration reassembles the derivatives of all stages.
         let mut renew = several;
         let limit = KAPPA * self.settings.corrector * (1.0 + self.settings.adaptivity / h);
         for iteration in 1..=self.settings.maxit {
@@ -74,7 +74,7 @@ impl Integrator<'_> {
             } else if size <= 1e-2 * limit {
                 return Ok(iteration);
             } else {
-                // The first correction may lead far from the point of linearisation; later corrections are small.
+                // The first correction may lead far from the point of linearisation. Later corrections are small.
                 renew = always || derivatives == Derivatives::Sequence;
             }
             before = size;
@@ -94,12 +94,12 @@ impl Integrator<'_> {
         worst
     }
 
-    /// Decides whether an iteration that does not converge is accepted all the same. Near a singular position the multipliers follow from
-    /// small differences, so that round-off dominates them although the motion has converged. The step is then accepted, and the next step
-    /// does not extrapolate from it.
+    /// Decides whether a step is accepted although its iteration does not converge. Near a singular position the multipliers follow from small
+    /// differences, so that round-off dominates them although the motion has converged. Such a step is accepted, and the next step does not
+    /// extrapolate from it.
     ///
-    /// `exact` is the iteration count if the derivatives of all stages are in use. It is `None` with the derivatives of one stage, where slow
-    /// convergence looks the same.
+    /// `exact` is the iteration count if every stage has its own derivatives. It is `None` if the derivatives of one stage serve all stages,
+    /// because slow convergence would then look the same.
     fn given_up(
         &mut self,
         worst: LargestComponent,
@@ -125,8 +125,8 @@ impl Integrator<'_> {
         )))
     }
 
-    /// Runs one iteration and returns its largest correction. `renew` reassembles the derivatives of all stages first;
-    /// [`Derivatives::Single`] ignores it.
+    /// Runs one iteration and returns its largest correction, as [`Self::largest_change`] does. If `renew` is true, the derivatives of all
+    /// stages are reassembled first. [`Derivatives::Single`] ignores `renew`.
     fn corrected(
         &mut self,
         h: f64,

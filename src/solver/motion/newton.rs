@@ -1,7 +1,7 @@
-//! The equations of one step: three stages, and the linear systems of their Newton iteration.
+//! The equations of one time step: three stages, and the linear systems of their Newton iteration.
 //!
-//! z is an eigenvalue of B / h, and residuals are in the transformed variables. `g` is the residual that the system assembles, with
-//! derivatives K by positions, C by velocities and N by accelerations:
+//! z is an eigenvalue of B / h, and the residuals are those of the transformed stages. `g` is the residual that the system assembles. Its
+//! derivatives are K with respect to positions, C with respect to velocities and N with respect to accelerations:
 //!
 //! ```text
 //! r1 = (B d)/h - Th(d) (V - D G' mu),     r3 = Phi,     r4 = G V + Phi_t
@@ -9,7 +9,7 @@
 //! (K + z C + z^2 N) dd + ... = -g - (C + z N) e,    G dd = -r3,    dW = z dd + e
 //! ```
 //!
-//! The unknown of the second system is z^2 dd, so that the entries of its matrix stay bounded as the step size goes to zero.
+//! The linear system with K, C and N is solved for z^2 dd, so that the entries of its matrix stay bounded as the step size goes to zero.
 
 use nalgebra::Complex;
 
@@ -20,12 +20,12 @@ use crate::linear::{Lu, Triple};
 use crate::mechanics::{Mat3, Vec3, turning_rate};
 use crate::system::{NoValue, Parameters, PartRates, RowProducts, Scratch, State, System};
 
-/// Returns the eigenvalues of B / h: the real one, and one of the complex pair.
+/// Returns two eigenvalues of B / h: the real eigenvalue, and one of the complex pair.
 fn eigenvalues(h: f64) -> Triple {
     Triple::new(GAMMA / h, ALPHA_BETA / h)
 }
 
-/// Three vectors, one per stage.
+/// Three vectors, one per stage of a step.
 pub(super) type Stages = [Vec<f64>; 3];
 
 pub(super) fn stages(n: usize) -> Stages {
@@ -98,7 +98,7 @@ impl Unknowns {
         }
     }
 
-    /// Returns the scalar product of the unknowns, each multiplied by its weight.
+    /// Returns the scalar product with `other`, where each component of both is multiplied by its weight.
     pub(crate) fn product(&self, other: &Self, weights: &Self) -> f64 {
         let mut sum = 0.0;
         for ((a, b), w) in self.all().zip(other.all()).zip(weights.all()) {
@@ -109,7 +109,8 @@ impl Unknowns {
     }
 }
 
-/// Residuals of the stages: `r1` of the rates of displacements, `g` of balances, constraints and states, `r4` of the rates of constraints.
+/// Residuals of the stages: `r1` of the rates of displacements, `g` of force balances, constraints and states, `r4` of the velocity
+/// constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Residuals {
     r1: Stages,
@@ -130,7 +131,7 @@ impl Residuals {
     }
 }
 
-/// Equations of a step, with the matrices of its iteration and their factors.
+/// Equations of a step, with the matrices of its Newton iteration and their factors.
 #[derive(Debug)]
 pub(super) struct StepMatrices {
     pub tableau: Tableau,
@@ -141,7 +142,7 @@ pub(super) struct StepMatrices {
     pub scratch: Scratch,
     pub(super) stage: State,
     pub(super) residuals: Residuals,
-    /// Residuals of the transformed stages, replaced by their corrections.
+    /// Residuals of the transformed stages. The solution replaces them by corrections.
     transformed: Correction<Triple>,
     pub evaluations: usize,
     pub jacobians: usize,
@@ -171,7 +172,7 @@ impl StepMatrices {
         }
     }
 
-    /// Assembles the derivatives at a state and factors the projection.
+    /// Assembles the derivatives at a state and factors the projection onto the constraints.
     pub(crate) fn linearise(
         &mut self,
         system: &System,
@@ -184,7 +185,7 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Assembles the derivatives at the stage that [`Self::place_stage`] placed last.
+    /// Assembles the derivatives at the stage whose state [`Self::place_stage`] computed last.
     pub(crate) fn linearise_stage(
         &mut self,
         system: &System,
@@ -197,7 +198,7 @@ impl StepMatrices {
         Ok(())
     }
 
-    /// Assembles the derivatives at the predicted second stage of a step, which is closer to all stages than the start is.
+    /// Assembles the derivatives at the predicted second stage of a step. This stage is closer to all stages than the start of the step is.
     pub(crate) fn linearise_within(
         &mut self,
         system: &System,
@@ -213,7 +214,7 @@ impl StepMatrices {
         done
     }
 
-    /// Factors the real and the complex system for step size `h`.
+    /// Factors the real and the complex matrix for step size `h`.
     pub(crate) fn factor(&mut self, system: &System, h: f64) {
         let matrix = self.linear.matrix(system, &mut self.values, eigenvalues(h));
         self.factors.factor_entries(&matrix);
@@ -255,7 +256,8 @@ impl StepMatrices {
         }
     }
 
-    /// Writes the state of a stage, with its rates, to `stage`.
+    /// Computes the state of a stage, with accelerations and rates of states, and writes it to `stage`. `z` and `w` are the changes since
+    /// `start`.
     pub(crate) fn stage_state(
         &self,
         system: &System,
@@ -285,7 +287,7 @@ impl StepMatrices {
         }
     }
 
-    /// Writes the state of stage `i` to `self.stage`.
+    /// Computes the state of stage `i` and stores it in the `stage` field.
     pub(super) fn place_stage(
         &mut self,
         system: &System,
@@ -380,7 +382,7 @@ impl StepMatrices {
         g[constraints.clone()].fill(0.0);
         let mut r4 = vec![0.0; system.equations];
         if !system.states.is_empty() {
-            // In rows of constraints that depend on states, the same sums replace the rates of the states.
+            // In constraint rows that depend on states, the same weighted sums replace the rates of the states.
             let first_state = system.first_state();
             for (row, column, [by_place, ..]) in self.linear.levels.entries() {
                 if column >= first_state && constraints.contains(&row) {
@@ -393,7 +395,8 @@ impl StepMatrices {
         of
     }
 
-    /// Returns `g` for the error estimate at the start of the step: minus the inertia terms of accelerations and of rates of states.
+    /// Returns `g` for the error estimate at the start of the step: minus the inertia terms of the accelerations `a` and of the rates of
+    /// states.
     pub(crate) fn inertia_of(&self, system: &System, a: &[f64], state_rates: &[f64]) -> Vec<f64> {
         let mut g = vec![0.0; system.moving_unknowns];
         let n = system.first_equation;
@@ -409,7 +412,7 @@ impl StepMatrices {
     }
 }
 
-/// Returns [`turning_rate`] of every body at the rotation vectors of a stage; the identity for bodies that do not rotate.
+/// Returns the matrix [`turning_rate`] of every body for the rotation vectors of a stage. It is the identity for bodies that do not rotate.
 pub(super) fn turns(system: &System, z: &[f64]) -> Vec<Mat3> {
     let each = system.bodies.iter().map(|body| {
         if body.freedoms < 6 {
