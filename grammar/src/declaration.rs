@@ -95,7 +95,7 @@ pub struct Law {
 /// Arguments that affect results in ADAMS but are ignored by the built-in solver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// Full names of the arguments.
+    /// Full names of the arguments to which the rule applies.
     pub names: Vec<String>,
     /// Effect that the arguments have in ADAMS.
     pub effect: String,

@@ -7,7 +7,7 @@ use super::{
 };
 use admire_solver::mechanics::Vec3;
 
-/// One wheel of an axle.
+/// State of one wheel of an axle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WheelState {
     /// Position and orientation of the wheel in this state.

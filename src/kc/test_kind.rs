@@ -9,7 +9,7 @@ pub enum TestKind {
     Bounce,
     /// The left wheel moves up, the right wheel down.
     Roll,
-    /// The steering input is driven.
+    /// Steering input.
     Steering,
     /// The same lateral force acts on both wheels.
     Lateral,

@@ -132,7 +132,7 @@ pub(super) fn section(
             "The paper measured a real axle; ours is a virtual rig whose bushing has dry friction and whose tie rod yields, the two \
              effects the paper names. How much of each its axle had is not printed."
                 .to_string(),
-            "ReproducedCurves 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
+            "Figure 11 has no numbers: only which model lies nearer to the rig, and that the rig has hysteresis no model shows, can \
              be compared."
                 .to_string(),
         ],
@@ -230,7 +230,7 @@ fn finding(letter: &str, apart: &[f64], width: f64) -> String {
         }
     };
     format!(
-        "ReproducedCurves 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
+        "Figure 11-{letter}: the loop's model is {} to the rig than the nominal one ({by_loop:.4} against {nominal:.4} degrees), the \
          fit's is {} ({by_fit:.4}); the rig's hysteresis of {width:.4} degrees no model has, as in the paper.",
         nearer(by_loop),
         nearer(by_fit)

@@ -199,7 +199,7 @@ fn ordering(curves: &[Curve], angle: &str) -> String {
         (false, false) => "not the paper's order",
     };
     format!(
-        "ReproducedCurves 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
+        "Figure 9, {angle}, from nearest to the reference to farthest: {}: {verdict} (without noise, with noise, initial).",
         names.join(", ")
     )
 }

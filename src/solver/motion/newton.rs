@@ -55,8 +55,9 @@ pub(super) struct StageValues<'a> {
     pub state_rate: &'a dyn Fn(usize) -> f64,
 }
 
-/// Unknowns of a step, relative to its start. `z` contains the changes of all unknowns (displacements and rotation vectors of the parts,
-/// multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity constraints.
+/// Unknowns of the three stages. `z` contains the changes of all unknowns since the start of the step (displacements and rotation vectors of
+/// the parts, multipliers, variables, states). `w` contains the changes of the velocities, and `mu` the multipliers of the velocity
+/// constraints.
 #[derive(Clone, Debug)]
 pub(super) struct Unknowns {
     pub z: Stages,
