@@ -1,4 +1,4 @@
-//! The sentences of a diagnosis.
+//! Sentences of a diagnosis in the report.
 
 use admire_diagnosis::{HoldOutPrediction, LAW_MISFIT, Outcome, Over, RemainderPoint};
 use admire_identify::global::Row;
@@ -10,13 +10,13 @@ use super::diagnosis_phrases::{
 
 /// Bias of a stiffness, in standard errors, from which it gets a sentence.
 const NOTABLE_BIAS: f64 = 2.0;
-/// Largest gap in nats at which the second-best place of what remains is named.
+/// Largest deficit of the second-best site of the extra force, in nats, at which that site is named.
 const RIVAL_PLACE_NATS: f64 = 5.0;
-/// Number of failing tests of structure that are listed.
+/// Maximum number of failed tests of structure that are listed.
 const LISTED_TESTS: usize = 6;
 
-/// The sentences of a diagnosis: what the model misses and where, which causes explain it, what is gained on held-out cases, how the wrong
-/// model biased the stiffnesses, and what remains.
+/// Returns the sentences of a diagnosis. They state what the model misses and where, which causes explain it, and what is gained on held-out
+/// cases. They also state how the wrong model biased the stiffnesses, and what remains unexplained.
 pub fn diagnosis_sentences(outcome: &Outcome<'_>) -> Vec<String> {
     Text { outcome }.sentences()
 }
@@ -76,7 +76,7 @@ impl Text<'_> {
         out
     }
 
-    /// Names a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
+    /// Returns the name of a case with its loads: `case 7 (vertical = 4500, longitudinal = -4000)`. Loads of zero are left out.
     fn case_text(&self, case: usize) -> String {
         let programme = self.outcome.subject.problem.programme;
         let of = &programme.cases[case];
@@ -85,7 +85,7 @@ impl Text<'_> {
         format!("case {} ({loads})", of.label)
     }
 
-    /// Returns the number format for positions of marks.
+    /// Returns the number format for mark positions.
     pub(super) fn decimals(&self) -> Decimals {
         Decimals::of_error(self.outcome.subject.mark_sigma())
     }
@@ -103,7 +103,7 @@ impl Text<'_> {
         diagnosis.unexplained.structured || diagnosis.findings.iter().any(|f| !f.minor)
     }
 
-    /// Returns sentences on fitted laws that differ in detail from the true law, with the rms force difference.
+    /// Returns sentences about fitted force laws that differ in detail from the true law, with the rms difference of the force.
     fn left_by_laws(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let left = findings.filter_map(|finding| {
@@ -116,7 +116,7 @@ impl Text<'_> {
         left.collect()
     }
 
-    /// Returns a sentence on the rms error of the marks, and on the worst mark if findings matter.
+    /// Returns a sentence about the rms error of the marks. If findings matter, the sentence also names the mark with the largest error.
     fn worst_mark(&self) -> Option<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let residual = &self.outcome.baseline.residual;
@@ -163,7 +163,7 @@ impl Text<'_> {
         Some(text + ".")
     }
 
-    /// Returns sentences on the worst steer and camber error of the wheel, if above three standard deviations.
+    /// Returns sentences about the largest steer error and the largest camber error of the wheel, if above three standard deviations.
     fn worst_angle(&self) -> Vec<String> {
         let measurement = self.outcome.subject.problem.measurement;
         let Some(wheel) = &measurement.wheel else {
@@ -199,7 +199,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns a sentence on the part and case with the largest rotation between the original and the extended model.
+    /// Returns a sentence about the part and the case with the largest rotation between the original and the extended model.
     fn turned_part(&self) -> Option<String> {
         if !self.findings_matter() || self.outcome.subject.problem.measurement.wheel.is_some() {
             return None;
@@ -237,7 +237,7 @@ impl Text<'_> {
         })
     }
 
-    /// Returns sentences on the probability of each cause and of its rivals.
+    /// Returns sentences about the probability of each cause and of its rivals.
     fn probabilities(&self) -> Vec<String> {
         let findings = self.outcome.diagnosis.findings.iter();
         let acting = findings.filter(|f| !f.cause.is_told_by_marks());
@@ -279,7 +279,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns sentences on noise and tolerances as estimated from the readings.
+    /// Returns sentences about noise and tolerances as estimated from the readings.
     fn exactness(&self) -> Vec<String> {
         let mut out = Vec::new();
         let noise = &self.outcome.diagnosis.noise;
@@ -363,7 +363,7 @@ impl Text<'_> {
         ))
     }
 
-    /// Returns a sentence on the extra force that best describes the remaining structure.
+    /// Returns a sentence about the extra force that best describes the remaining structure.
     fn remains(&self) -> Option<String> {
         let found = self.outcome.diagnosis.unexplained.remainder.as_ref()?;
         let over = match (&found.load, found.over) {
@@ -410,7 +410,7 @@ impl Text<'_> {
         ))
     }
 
-    /// Returns sentences on the prediction of groups of cases from the others.
+    /// Returns sentences about the prediction of groups of cases from the other groups.
     fn cross_validated(&self) -> Vec<String> {
         let Some(found) = &self.outcome.diagnosis.cross_validation else {
             return Vec::new();
@@ -448,7 +448,7 @@ impl Text<'_> {
         out
     }
 
-    /// Returns the change of the rms error of each channel in the held-out cases.
+    /// Returns, for each channel, a text with the change of its rms error in the held-out cases.
     fn channels_gained(&self) -> Vec<String> {
         let Some(unseen) = &self.outcome.unseen else {
             return Vec::new();
@@ -487,7 +487,7 @@ impl Text<'_> {
             .collect()
     }
 
-    /// Returns a sentence on the three largest significant biases of stiffnesses in the original model.
+    /// Returns a sentence about the three largest significant biases of stiffnesses in the original model.
     fn biases(&self) -> Option<String> {
         let mut biased: Vec<_> = self
             .outcome
