@@ -185,7 +185,7 @@ pub struct DetectionLimit {
 pub struct CauseLimit {
     /// Cause to which the limit applies.
     pub cause: Cause,
-    /// Address of the cause in the deck.
+    /// Address of the site in the deck.
     pub address: String,
     /// Name of the parameter, as in `findings[].parameters`.
     pub number: String,

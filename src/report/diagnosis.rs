@@ -39,7 +39,7 @@ fn loads(case: &std::collections::BTreeMap<String, f64>) -> String {
     case.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
-/// Draws the unexplained remainder as a force over its coordinate.
+/// Draws the extra force that explains the remaining structure, over its coordinate.
 fn remainder(found: &Remainder) -> Chart {
     let over = match (&found.load, found.over) {
         (Some(load), _) => load.clone(),

@@ -3,7 +3,7 @@
 use admire_diagnosis::{CandidateEffect, ChannelMiss, SolverDifference};
 use admire_syntax::text::Decimals;
 
-/// Formats a gain with its standard error, which does not exist for a single case.
+/// Formats a gain with its standard error. For a single case, there is no standard error.
 pub(super) fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String {
     let gain = decimals.format(gain);
     if std_error.is_finite() {
@@ -13,7 +13,7 @@ pub(super) fn fallen_by(decimals: Decimals, gain: f64, std_error: f64) -> String
     }
 }
 
-/// Lists causes by name and site.
+/// Lists the main causes, each with its site.
 pub(super) fn chosen(causes: &[CandidateEffect]) -> String {
     let names: Vec<String> = CandidateEffect::causes(causes)
         .map(ToString::to_string)
@@ -25,7 +25,7 @@ pub(super) fn chosen(causes: &[CandidateEffect]) -> String {
     }
 }
 
-/// Formats case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
+/// Formats a list of case labels: `case 7`, `8 cases from 1 to 8`, `cases 1, 4, 9`.
 pub(super) fn labels(cases: &[String]) -> String {
     match cases {
         [one] => format!("case {one}"),
@@ -36,7 +36,7 @@ pub(super) fn labels(cases: &[String]) -> String {
     }
 }
 
-/// Lists the non-zero loads as text.
+/// Returns a text that lists all loads other than zero.
 pub(super) fn loads_text<'a>(loads: impl Iterator<Item = (&'a str, f64)>) -> String {
     let listed: Vec<String> = loads
         .filter(|(_, value)| *value != 0.0)
@@ -58,7 +58,7 @@ pub(super) fn percent(probability: f64) -> String {
     }
 }
 
-/// The sentence on the residuals of one channel.
+/// Returns the sentence about the rms errors of one channel.
 pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     let decimals = Decimals::of_error(miss.noise);
     let [before, after, noise] = [miss.before, miss.after, miss.noise].map(|x| decimals.format(x));
@@ -69,7 +69,8 @@ pub(super) fn channel_sentence(miss: &ChannelMiss) -> String {
     )
 }
 
-/// The sentence on the difference between the study's solver and the built-in one. `sigma` is the noise of a mark in `unit`.
+/// Returns the sentence about the difference between the study's solver and the built-in solver. `sigma` is the noise of a mark coordinate
+/// in the length unit `unit`.
 pub(super) fn solver_sentence(solver: &SolverDifference, sigma: f64, unit: &str) -> String {
     let mut text = format!(
         "With the fitted stiffnesses the solver of the study ({}) and the built-in one differ by {:.2e} {unit} rms per coordinate",

@@ -4,12 +4,12 @@ use admire_diagnosis::{ChannelMiss, CrossValidation, HoldOut};
 
 use super::{Align, Scene, Table, number};
 
-/// Formats a number with three digits.
+/// Formats a number with three significant digits.
 fn three(value: f64) -> String {
     number(value, Some(0.1 * value.abs()))
 }
 
-/// Formats a p-value for readers.
+/// Formats a p-value for the report.
 pub(super) fn probability(p: f64) -> String {
     match p {
         0.0 => "< 1e-300".to_string(),
@@ -18,7 +18,7 @@ pub(super) fn probability(p: f64) -> String {
     }
 }
 
-/// Creates the empty table of cases that were predicted from other cases.
+/// Creates the empty table for predictions of cases from other cases. `of` is the measure of the errors, `length` the length unit.
 fn predicted(of: &str, length: &str) -> Table {
     let unit = if of == "mark" { length } else { "sigmas" };
     let (before, after) = (
@@ -33,7 +33,7 @@ fn predicted(of: &str, length: &str) -> Table {
     ])
 }
 
-/// Creates a row of the table of predicted cases.
+/// Creates one row of the table of predictions.
 fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene) -> [String; 4] {
     let cases = match cases {
         [first, .., last] if cases.len() > 6 => format!("{} from {first} to {last}", cases.len()),
@@ -48,7 +48,7 @@ fn prediction(cases: &[String], causes: &[String], rms: [f64; 2], scene: &Scene)
     [cases, causes, before, after]
 }
 
-/// Tabulates the residuals of the channels.
+/// Tabulates the rms errors of the channels.
 pub(super) fn missed(channels: &[ChannelMiss]) -> Table {
     let mut table = Table::new(&[
         ("channel", Align::Left),
@@ -70,7 +70,7 @@ pub(super) fn missed(channels: &[ChannelMiss]) -> Table {
     table
 }
 
-/// Tabulates the held-out cases.
+/// Tabulates the prediction of the held-out cases.
 pub(super) fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     let rms = [found.rms_before, found.rms_after];
@@ -78,7 +78,7 @@ pub(super) fn hold_out(found: &HoldOut, length: &str, scene: &Scene) -> Table {
     table
 }
 
-/// Tabulates the groups of cases, each predicted from the others.
+/// Tabulates the prediction of each group of cases from the other groups.
 pub(super) fn groups(found: &CrossValidation, length: &str, scene: &Scene) -> Table {
     let mut table = predicted(found.of, length);
     for group in &found.groups {

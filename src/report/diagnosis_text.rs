@@ -8,7 +8,7 @@ use super::diagnosis_phrases::{
     channel_sentence, chosen, fallen_by, labels, loads_text, percent, solver_sentence,
 };
 
-/// Bias of a stiffness, in standard errors, from which it gets a sentence.
+/// Bias of a stiffness, in standard errors, above which a sentence states it.
 const NOTABLE_BIAS: f64 = 2.0;
 /// Largest deficit of the second-best site of the extra force, in nats, at which that site is named.
 const RIVAL_PLACE_NATS: f64 = 5.0;
