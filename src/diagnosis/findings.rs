@@ -230,7 +230,7 @@ pub(super) fn mark_findings(subject: &DiagnosisProblem<'_>) -> Vec<Finding> {
         evidence: Evidence {
             statistic: "marks of rigid parts",
             value,
-            p_value: chi_square_p_value(value, 1),
+            p_value: chi_square_p_value(value, numbers[0].len()),
             bic_gain: value,
         },
         indistinguishable_from: Vec::new(),

@@ -5,8 +5,8 @@
 ///
 /// While `|K (u - ANCHOR)| <= LIMIT` the element sticks and `f = K (u - ANCHOR)`. Beyond this limit it slides and `f = +-LIMIT`. The anchor
 /// is constant during an evaluation. `anchor_after` is the anchor position once an equilibrium is accepted (return mapping), so the force
-/// depends on the path. The derivatives are consistent with the return mapping: df/du is K when sticking and 0 when sliding. K > 0, LIMIT
-/// >= 0. This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider
+/// depends on the path. The derivatives are consistent with the return mapping: df/du is K when sticking and 0 when sliding. K is
+/// positive and LIMIT not negative. This is not an ADAMS element: ADAMS decks represent it by a user routine or not at all. Source: L. Prandtl, 1928, spring-slider
 /// element; return mapping as in one-dimensional perfect plasticity.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slip {
